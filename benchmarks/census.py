@@ -125,12 +125,7 @@ def _generators() -> Iterator[Row]:
 
 def _collections() -> Iterator[Row]:
     # Its generator keeps 0.375 m free, so 0.376 is the first radius that matters.
-    metres = (
-        "0.35",
-        "0.375",
-        "0.376",
-        "0.45",
-    )
+    metres = ("0.35", "0.375", "0.376", "0.45")
     yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):
         folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")

@@ -42,17 +42,11 @@ STEPS = 10_000
 # Other names of controllers that are run anyway.
 SKIPPED = ("thesis-1", "thesis-2", "thesis-3")
 # Adding retreat, turning, decisions and visibility does not improve the prediction.
-CANDIDATES = (
-    "concavity",
-    "detour",
-)
+CANDIDATES = ("concavity", "detour")
 # Shares of failed runs between which a controller discriminates worlds.
 OFTEN = (0.1, 0.9)
 # They ignore the target's direction: they fail if a wall leads around an island.
-LED_AWAY = (
-    "wall-left",
-    "wall-right",
-)
+LED_AWAY = ("wall-left", "wall-right")
 BOOTSTRAP = 1000
 
 Floats = npt.NDArray[np.float64]
@@ -63,10 +57,7 @@ def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
     rng = RandomStream(seed).child("difficulty", name)
     family = FAMILIES.get(name)
     # All are 30 x 30 cells of 0.1 m, or as the family sets them.
-    free = free_parameters(
-        family,
-        ("size", "cell_size"),
-    )
+    free = free_parameters(family, ("size", "cell_size"))
     made = 0
     while made < count:
         try:
@@ -252,10 +243,7 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
     for number, lost in sorted(outcomes.items()):
         text = (folder / "jackal_helper" / "worlds" / "BARN" / f"world_{number}.world").read_text()
         # x from -4.65 m, y from -0.15 m; obstacles are one cell wide, 0.15 m.
-        walls = np.zeros(
-            (92, 32),
-            np.bool_,
-        )
+        walls = np.zeros((92, 32), np.bool_)
         for x, y in pose.findall(text):
             ix = round((float(x) + 4.65) / 0.15 - 0.5)
             iy = round((float(y) + 0.15) / 0.15 - 0.5)

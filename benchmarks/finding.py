@@ -50,11 +50,7 @@ from worldgen.world import World
 # Worlds of a unit, so that it is known which world it was.
 EXAMPLES = 1
 # Strategies that do not ask oracles about runs that arrive.
-_FAILURES_ALONE = (
-    "native",
-    "archive",
-    "boundary",
-)
+_FAILURES_ALONE = ("native", "archive", "boundary")
 # Wall seconds; slow controllers may not be done by then.
 _SHRINK_SECONDS = 60.0
 # Units without a world, after which a searcher has nothing left to try.
@@ -62,22 +58,9 @@ _IDLE = 100
 # Seed of the units done before the clock starts, so that kernels are compiled.
 _OTHER_SEED = 1 << 40
 # From docs/reference/library.md: those that arrive in every static world.
-COMPLETE = (
-    "bug1",
-    "bug2",
-    "mapper",
-)
+COMPLETE = ("bug1", "bug2", "mapper")
 # Oracles that hold for controllers that arrive.
-ORACLES = (
-    "repeat",
-    "turn",
-    "shift",
-    "scale",
-    "mirror",
-    "finer",
-    "wall",
-    "block",
-)
+ORACLES = ("repeat", "turn", "shift", "scale", "mirror", "finer", "wall", "block")
 
 
 @dataclass(frozen=True)

@@ -330,10 +330,7 @@ def judge(instances: Sequence[Instance], folder: Path) -> dict[str, Any]:
 
 def table(found: dict[str, Any]) -> str:
     """Return the results as a Markdown table: what each method failed, and whose fault it was."""
-    lines = [
-        "| method | failed | of them impossible | its own |",
-        "| --- | ---: | ---: | ---: |",
-    ]
+    lines = ["| method | failed | of them impossible | its own |", "| --- | ---: | ---: | ---: |"]
     ranked = sorted(found["methods"].items(), key=lambda entry: (entry[1]["own"], entry[0]))
     lines += [
         f"| {method} | {row['failed']} | {row['impossible']} | {row['own']} |"

@@ -53,14 +53,7 @@ STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble
 """Families of static worlds: in worlds that change, no controller arrives everywhere."""
 
 # At higher densities, hardly any path is left for a robot wider than a cell.
-_DENSITIES = (
-    0.05,
-    0.1,
-    0.15,
-    0.2,
-    0.25,
-    0.3,
-)
+_DENSITIES = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
 # Cells, as in feature layouts.
 _SIDES = (8, 28)
 _POPULATION = 50

@@ -192,15 +192,7 @@ def _choices(family: str, parameter: Parameter, robots: int) -> st.SearchStrateg
 
 
 # Static families on which worlds that change over time are built.
-_STILL = (
-    "maze",
-    "corridor",
-    "trap",
-    "rooms",
-    "cave",
-    "forest",
-    "rubble",
-)
+_STILL = ("maze", "corridor", "trap", "rooms", "cave", "forest", "rubble")
 
 # Parameters drawn in addition to the size, the seed and enumerated ones; simplest values first.
 _VARIED: dict[str, dict[str, tuple[Value, ...]]] = {

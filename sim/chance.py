@@ -160,9 +160,7 @@ def explore(
     against = why_not_explored(found, world, options)
     if against or not isinstance(found, CompiledController):
         raise InvalidParameter(
-            "not-explorable",
-            "not every outcome can be explored: {reason}",
-            reason=against,
+            "not-explorable", "not every outcome can be explored: {reason}", reason=against
         )
     search = _Search(LatticeRun(world, found, options), found, most)
     return search.outcomes() if search.run() else None

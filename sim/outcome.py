@@ -7,13 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias
 
 from sim._core import lib
-from sim.evidence import (
-    Evidence,
-    FaultEvidence,
-    ReachedEvidence,
-    WallEvidence,
-    evidence_table,
-)
+from sim.evidence import Evidence, FaultEvidence, ReachedEvidence, WallEvidence, evidence_table
 from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
 from worldgen.lattice import exact

@@ -318,8 +318,7 @@ def _explained(family: Family, case: Mapping[str, Value]) -> None:
     silent = [parameter.name for parameter in family.parameters if not parameter.help]
     _demand(bool(family.description), "it has no docstring; describe its worlds in a sentence")
     _demand(
-        not silent,
-        f"{', '.join(silent)}: not explained; describe them under Args in the docstring",
+        not silent, f"{', '.join(silent)}: not explained; describe them under Args in the docstring"
     )
 
 

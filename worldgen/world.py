@@ -289,10 +289,9 @@ class Cut(HoldsFrozen):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
             return NotImplemented
-        return (self.clearance, self.robot) == (
-            other.clearance,
-            other.robot,
-        ) and np.array_equal(self.cells, other.cells)
+        return (self.clearance, self.robot) == (other.clearance, other.robot) and np.array_equal(
+            self.cells, other.cells
+        )
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -551,10 +550,8 @@ class World(HoldsFrozen):
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
             f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} "
-            f"m{changes}{fleet}, "
-            f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, "
-            f"{self.target.y:g}), "
-            f"{proved}{failed}>"
+            f"m{changes}{fleet}, start ({self.start.x:g}, {self.start.y:g}), target "
+            f"({self.target.x:g}, {self.target.y:g}), {proved}{failed}>"
         )
 
     def _repr_png_(self) -> bytes:

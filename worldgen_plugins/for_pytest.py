@@ -85,9 +85,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="Folder for the worlds of failing tests [default: d/worldgen in pytest's cache].",
     )
     parser.addini(
-        "worldgen_corpus",
-        "Folders as in --worldgen-corpus, for runs without a path.",
-        type="paths",
+        "worldgen_corpus", "Folders as in --worldgen-corpus, for runs without a path.", type="paths"
     )
     parser.addini("worldgen_expect", "Same as --worldgen-expect: fixed or confirmed.", default="")
     parser.addini("worldgen_controller", "Same as --worldgen-controller.", default="")

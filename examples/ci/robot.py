@@ -18,10 +18,7 @@ class Robot:
     def reset(self):
         """Return the memory to start with."""
         # Whether it follows a wall; the least distance from the target at which it hit one, m.
-        return (
-            0.0,
-            FAR,
-        )
+        return (0.0, FAR)
 
     def act(self, seen, memory):
         """Return the command of a step, and the new memory."""

@@ -14,11 +14,7 @@ from worldgen.files.json_file import converted
 from worldgen.world import Value
 
 # Axes measured for each failure; the others are only recorded if a strategy found them.
-_MEASURED = (
-    "radius",
-    "speed",
-    "time-step",
-)
+_MEASURED = ("radius", "speed", "time-step")
 
 
 def is_bounded(scenario: Scenario) -> bool:

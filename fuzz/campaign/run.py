@@ -16,13 +16,7 @@ from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Beginning, Schedule
-from fuzz.campaign.shrinking import (
-    RESTARTS,
-    Shrinking,
-    ShrinkJob,
-    ShrinkQueue,
-    shrunk_or_same,
-)
+from fuzz.campaign.shrinking import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
 from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
 from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done

@@ -57,11 +57,7 @@ class Schedule:
     """
 
     def __init__(
-        self,
-        seconds: float | None,
-        *,
-        shrinks: bool = True,
-        began: Beginning | None = None,
+        self, seconds: float | None, *, shrinks: bool = True, began: Beginning | None = None
     ) -> None:
         self._seconds = seconds
         self._shrinks = shrinks

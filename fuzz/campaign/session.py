@@ -484,10 +484,7 @@ class CampaignSession:
         state = self._campaign.state
         scenario = self._config.scenario
         best = sorted(state.best.items())
-        facts = {
-            "controller": shown(scenario.label()),
-            "motion": scenario.run.motion,
-        }
+        facts = {"controller": shown(scenario.label()), "motion": scenario.run.motion}
         numbers = {
             "seed": self._config.seed,
             "units": state.units,

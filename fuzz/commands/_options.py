@@ -17,10 +17,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 def output_options(command: F) -> F:
     """Add ``--junit``, ``--sarif`` and ``--summary``: reports for CI services."""
     for name, what in (
-        (
-            "--summary",
-            "Append a Markdown summary to this file, such as $GITHUB_STEP_SUMMARY.",
-        ),
+        ("--summary", "Append a Markdown summary to this file, such as $GITHUB_STEP_SUMMARY."),
         ("--sarif", "Write a SARIF 2.1.0 report, for code scanning."),
         ("--junit", "Write a JUnit XML report."),
     ):

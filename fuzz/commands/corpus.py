@@ -95,12 +95,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 @corpus.command(epilog="\b\n  worldgen corpus show failures/ --picture failures.png")
 @_paths
 @_filters
-@click.option(
-    "--picture",
-    type=PATH,
-    metavar="OUT.png",
-    help="Draw all on one sheet instead.",
-)
+@click.option("--picture", type=PATH, metavar="OUT.png", help="Draw all on one sheet instead.")
 @json_option
 @force_option
 def show(

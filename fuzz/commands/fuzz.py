@@ -155,8 +155,7 @@ def fuzz(
         if campaign_run.done:
             note(
                 f"continues the campaign in {campaign_run.store.out}: seed "
-                f"{campaign_run.config.seed}, "
-                f"{counted(campaign_run.done, 'unit')} done"
+                f"{campaign_run.config.seed}, {counted(campaign_run.done, 'unit')} done"
             )
         # Choose the baseline and the workers.
         was_known = Baseline.of(known, campaign_run.config.scenario, note)

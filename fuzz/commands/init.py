@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import (
-    CONTROLLER_HELP,
-    PATH,
-    emit_json,
-    force_option,
-    json_option,
-    note,
-)
+from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, force_option, json_option, note
 
 if TYPE_CHECKING:
     from fuzz.ci.project import Project

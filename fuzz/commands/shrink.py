@@ -124,8 +124,7 @@ def shrink(
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
-        f"{state}, "
-        f"{result.simulations} runs"
+        f"{state}, {result.simulations} runs"
     )
     if changed:
         note(_describe_changed(changed))

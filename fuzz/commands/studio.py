@@ -106,8 +106,5 @@ def studio(
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
     # Without the address nobody can find the page.
-    note(
-        f"studio of {shared.root}: open {gate.address}",
-        always=True,
-    )
+    note(f"studio of {shared.root}: open {gate.address}", always=True)
     serve(Studio(shared, gate, controllers, file), listener, browse=browser, said=note)

@@ -88,9 +88,7 @@ class Baseline:
         if others and not is_any_ours:
             say(
                 f"the baseline has no failure of {scenario.controller} under "
-                f"{scenario.run.motion}, "
-                f"only of "
-                f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
+                f"{scenario.run.motion}, only of {shown(', '.join(sorted(others)[:_SHOWN]))}"
             )
         return cls(failures, tuple(fixed))
 

@@ -38,11 +38,7 @@ _LATTICE = 2 / 1024
 
 
 def check_fleet(
-    world: World,
-    traces: Sequence[Trace],
-    verdict: Verdict,
-    evidence: Evidence,
-    motion: Motion,
+    world: World, traces: Sequence[Trace], verdict: Verdict, evidence: Evidence, motion: Motion
 ) -> str:
     """Return the reason why a verdict on several robots does not hold; empty if it holds.
 

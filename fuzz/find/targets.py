@@ -34,10 +34,7 @@ _TIMED_STEPS = 1_000
 # Limit on a run's length, as a multiple of the requested steps.
 _LATE = 3
 
-_GROUPS = {
-    "never": NEVER,
-    "fails": FAILURES,
-}
+_GROUPS = {"never": NEVER, "fails": FAILURES}
 _EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
 _OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
 _NUMBER = r"\d+(?:\.\d+)?s?"

@@ -96,11 +96,7 @@ class WorldFile(NamedTuple):
 
 
 def build_overview(
-    config: CampaignConfig,
-    state: CampaignState,
-    conclusion: Conclusion,
-    *,
-    natural: bool = True,
+    config: CampaignConfig, state: CampaignState, conclusion: Conclusion, *, natural: bool = True
 ) -> Overview:
     """Return the overview of a campaign.
 

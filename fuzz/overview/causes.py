@@ -109,12 +109,7 @@ def in_order(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
     order = list(Cause)
     return sorted(
         causes,
-        key=lambda one: (
-            one.cause.severity,
-            -(one.natural or 0),
-            -one.met,
-            order.index(one.cause),
-        ),
+        key=lambda one: (one.cause.severity, -(one.natural or 0), -one.met, order.index(one.cause)),
     )
 
 

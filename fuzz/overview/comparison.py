@@ -60,10 +60,7 @@ class RegressionView:
 
 
 def compare(
-    against: str,
-    now: Mapping[str, Cause],
-    still: Mapping[str, Cause],
-    fixed: Mapping[str, Cause],
+    against: str, now: Mapping[str, Cause], still: Mapping[str, Cause], fixed: Mapping[str, Cause]
 ) -> RegressionView:
     """Return what changed.
 

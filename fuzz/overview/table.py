@@ -10,14 +10,7 @@ import msgspec
 from fuzz.campaign.store import MEMORY
 from fuzz.triage.cause import Severity
 
-__all__ = [
-    "CauseRow",
-    "ChangesRow",
-    "ComparisonRow",
-    "NaturalRow",
-    "NaturalTally",
-    "OverviewTable",
-]
+__all__ = ["CauseRow", "ChangesRow", "ComparisonRow", "NaturalRow", "NaturalTally", "OverviewTable"]
 
 _Count = Annotated[int, msgspec.Meta(ge=0)]
 

@@ -23,12 +23,7 @@ __all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
 _MOST_IN_SHORT = 2
 
 # Failures that can depend on a wall or a number; controller errors and the user's rules do not.
-_EXPLAINED = (
-    Severity.THROUGH_WALLS,
-    Severity.HARMED,
-    Severity.NEVER_ARRIVES,
-    Severity.TOO_SLOW,
-)
+_EXPLAINED = (Severity.THROUGH_WALLS, Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
 
 # A robot arrives rarely if its rate of arrival is certainly below the first, and nearly always if
 # it is certainly above the second.

@@ -15,13 +15,7 @@ from fuzz.corpus import CorpusEntry, places
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for, entry_of
-from fuzz.report.gather import (
-    ReplayedFailure,
-    ReportedCampaign,
-    ReportSubject,
-    gather,
-    look_at,
-)
+from fuzz.report.gather import ReplayedFailure, ReportedCampaign, ReportSubject, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
 from fuzz.triage.diagnosis import cause_of

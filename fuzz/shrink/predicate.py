@@ -12,13 +12,7 @@ from fuzz.triage.judging import oracle_of
 from fuzz.triage.signature import standoff
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
-from sim.evidence import (
-    BudgetEvidence,
-    Evidence,
-    FaultEvidence,
-    JointLoopEvidence,
-    WallEvidence,
-)
+from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, JointLoopEvidence, WallEvidence
 from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.outcome import Outcome
 from sim.scenario import Scenario

@@ -49,14 +49,7 @@ from worldgen.files.grid import read_world, write_world
 from worldgen.files.whole import check_output
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
-from worldgen.reach import (
-    BLOCKED,
-    REACHABLE,
-    UNDECIDED,
-    Decision,
-    check_certificate,
-    decide,
-)
+from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, Decision, check_certificate, decide
 from worldgen.reach.still.widest import widest_disc
 from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline

@@ -125,8 +125,7 @@ def make_app(studio: Studio) -> ASGIApp:
         if len(pages) >= MOST_PAGES:
             await socket.accept(SUBPROTOCOL)
             await socket.close(
-                FULL,
-                f"{MOST_PAGES} pages are open, which is the limit; close another one.",
+                FULL, f"{MOST_PAGES} pages are open, which is the limit; close another one."
             )
             return
         pages.add(socket)

@@ -154,10 +154,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
             raise InvalidParameter(
-                "twice",
-                "two of the files are called {name}",
-                "drop one of them",
-                name=place.name,
+                "twice", "two of the files are called {name}", "drop one of them", name=place.name
             )
         place.write_bytes(data)
         places.append(place)

@@ -168,11 +168,7 @@ class WallAnswers(Opened):
             words += f": reached a walled-off target in step {shown.steps}"
         return {
             **drawn_robots(
-                shown,
-                world.cell_size,
-                judged,
-                motion=options.motion_model(),
-                controller=controller,
+                shown, world.cell_size, judged, motion=options.motion_model(), controller=controller
             ),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,

@@ -138,9 +138,8 @@ class Gate:
         """
         policy = (
             f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src "
-            f"'self' data: blob:; "
-            f"connect-src 'self' ws://{said_host}; base-uri 'none'; form-action 'none'; "
-            f"frame-ancestors 'none'"
+            f"'self' data: blob:; connect-src 'self' ws://{said_host}; base-uri 'none'; "
+            "form-action 'none'; frame-ancestors 'none'"
         )
         return {
             "content-security-policy": policy,

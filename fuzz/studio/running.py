@@ -11,11 +11,7 @@ from typing import Any
 from fuzz.studio.messages import field
 from sim.controllers import CONTROLLERS
 from sim.controllers.behaviours.arbitration import Arbitration, sentences
-from sim.controllers.behaviours.catalogue import (
-    BEHAVIOURS,
-    is_composition_name,
-    listed_names,
-)
+from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.chart import chart_of
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions

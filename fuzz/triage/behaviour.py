@@ -205,10 +205,7 @@ def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
     numbers = components(framed)[0].reshape(framed.shape)[1:-1, 1:-1].astype(np.int64)
     # The core joins cells across edges; the remaining pairs touch only at a corner.
     pairs: set[tuple[int, int]] = set()
-    for one, other in (
-        (numbers[1:, 1:], numbers[:-1, :-1]),
-        (numbers[1:, :-1], numbers[:-1, 1:]),
-    ):
+    for one, other in ((numbers[1:, 1:], numbers[:-1, :-1]), (numbers[1:, :-1], numbers[:-1, 1:])):
         touch = (one >= 0) & (other >= 0) & (one != other)
         pairs.update(zip(one[touch].tolist(), other[touch].tolist(), strict=True))
     joined = np.arange(int(numbers.max()) + 1)

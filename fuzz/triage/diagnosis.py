@@ -73,10 +73,7 @@ _BY_VERDICT: dict[str, Cause] = {
     Verdict.TIMEOUT: Cause.WANDERS,
 }
 
-CAUSE_OF_HAZARD = {
-    Hazard.UNSENSED: Cause.HARMED_UNSENSED,
-    Hazard.DISTURBED: Cause.PUSHED_TOO_HARD,
-}
+CAUSE_OF_HAZARD = {Hazard.UNSENSED: Cause.HARMED_UNSENSED, Hazard.DISTURBED: Cause.PUSHED_TOO_HARD}
 """The causes of failures that are not the controller's fault."""
 
 _BY_STANDOFF = {
@@ -174,11 +171,7 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
 
 
 def _held_by_others(
-    world: World,
-    episode: FleetEpisode,
-    waiting: Sequence[int],
-    since: int,
-    arrives: Arrives | None,
+    world: World, episode: FleetEpisode, waiting: Sequence[int], since: int, arrives: Arrives | None
 ) -> Cause | None:
     """Return the cause if each robot that waits is near another one and would arrive alone.
 

@@ -119,10 +119,7 @@ def failure_of(
         return None
     if oracle.by_verdict:
         run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
-        details = {
-            **hazard_details(trial.world, run, scenario),
-            **details,
-        }
+        details = {**hazard_details(trial.world, run, scenario), **details}
     record = FailureRecord(
         controller=scenario.controller,
         motion=scenario.run.motion,

@@ -156,10 +156,7 @@ class Surroundings:
         last = _cell(high, self.width)[piece]
         row = iy + 1
         # Columns of the tables begin at the ring, one to the left of the grid.
-        columns = [
-            self._left[row, first] - 1,
-            self._right[row, last + 2] - 1,
-        ]
+        columns = [self._left[row, first] - 1, self._right[row, last + 2] - 1]
 
         # Add the solid cells that the piece itself passes over.
         valid = [np.ones(len(piece), np.bool_)] * 2

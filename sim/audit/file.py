@@ -135,12 +135,7 @@ def _has_robots(header: str) -> bool:
 
 
 def _samples(
-    owners: Floats,
-    robots: int,
-    only: int | None,
-    body: str,
-    header_line: int,
-    source: str,
+    owners: Floats, robots: int, only: int | None, body: str, header_line: int, source: str
 ) -> dict[int, Ints]:
     """Return the rows of each robot's samples."""
     wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))

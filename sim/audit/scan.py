@@ -351,12 +351,7 @@ def _overlaps(
 
 
 def _shaved(
-    measured: _Measured,
-    way: AuditPath,
-    hit: Indices,
-    radius: float,
-    tolerance: float,
-    result: Scan,
+    measured: _Measured, way: AuditPath, hit: Indices, radius: float, tolerance: float, result: Scan
 ) -> Bools:
     """Return which hits are cuts by a line no longer than the radius, with both ends clear.
 

@@ -7,14 +7,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    check_out,
-    emit_json,
-    force_option,
-    json_option,
-    write_out,
-)
+from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
 from worldgen.support.progress import working
 
 EXAMPLES = (

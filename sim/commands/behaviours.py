@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    check_out,
-    emit_json,
-    force_option,
-    json_option,
-    write_out,
-)
+from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration

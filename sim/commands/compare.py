@@ -68,13 +68,7 @@ _TIME_FOR_NEVER = 300.0
     show_default=True,
     help="Number of seeds for each random controller.",
 )
-@click.option(
-    "--seed",
-    type=SEED,
-    default=0,
-    show_default=True,
-    help="First seed.",
-)
+@click.option("--seed", type=SEED, default=0, show_default=True, help="First seed.")
 @steps_option
 @click.option(
     "--against",

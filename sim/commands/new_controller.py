@@ -21,10 +21,7 @@ EXAMPLES = (
     "  worldgen new-controller fast --kind c --out fast.c --force"
 )
 KINDS = ("c", "cpp", "compiled", "python", "vector", "process")
-_COMPILERS = {
-    "c": "cc -std=c17 -O2 -shared -fPIC",
-    "cpp": "c++ -std=c++20 -O2 -shared -fPIC",
-}
+_COMPILERS = {"c": "cc -std=c17 -O2 -shared -fPIC", "cpp": "c++ -std=c++20 -O2 -shared -fPIC"}
 
 
 @click.command(epilog=EXAMPLES)

@@ -329,9 +329,8 @@ def _sentence(episode: Episode) -> str:
         left = f", {counted(episode.cells_left, 'cell')} left to cover"
     return (
         f"{episode.verdict}{describe_evidence(episode)}{left}: {counted(episode.steps, 'step')}, "
-        f"{episode.time:g} s, "
-        f"{episode.path_length:.3f} m driven, {counted(episode.collisions, 'collision')}, trace "
-        f"{episode.trace_digest}"
+        f"{episode.time:g} s, {episode.path_length:.3f} m driven, "
+        f"{counted(episode.collisions, 'collision')}, trace {episode.trace_digest}"
     )
 
 

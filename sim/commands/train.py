@@ -37,8 +37,7 @@ EXAMPLES = (
     show_default=True,
     help=(
         "A learning controller: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or "
-        "learned:FILE to "
-        "continue."
+        "learned:FILE to continue."
     ),
 )
 @click.option("--episodes", default=200, show_default=True, help="Number of runs to learn from.")

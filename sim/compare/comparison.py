@@ -17,13 +17,7 @@ from dataclasses import dataclass, replace
 
 from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
-from sim.evidence import (
-    BudgetEvidence,
-    Evidence,
-    JointLoopEvidence,
-    LoopEvidence,
-    WallEvidence,
-)
+from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS, THESIS
 from sim.options.noise import is_noisy

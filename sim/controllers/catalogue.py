@@ -18,12 +18,7 @@ from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller,
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.composition import composition_named
 from sim.controllers.instances import InstanceOrigin, instance_of, remember
-from sim.controllers.learning import (
-    LEARNED,
-    is_learned_name,
-    learned_file,
-    read_learned,
-)
+from sim.controllers.learning import LEARNED, is_learned_name, learned_file, read_learned
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Neighbour
-from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle
+from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle, run_in_portions
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
 from worldgen.support.arrays import Ints, Words
@@ -19,9 +18,6 @@ from worldgen.support.ccall import check, pointer
 
 # Steps in the first call of a run; later calls grow until they take long enough.
 _FIRST_PORTION = 1 << 8
-
-# Least time of a call, s: short enough to notice Ctrl-C, long enough to cost nothing.
-_PORTION_TIME = 0.05
 
 
 class FleetMember(EpisodeHandle):
@@ -151,13 +147,7 @@ class CoreFleet:
 
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them; all controllers are compiled."""
-        portion = _FIRST_PORTION
-        began = time.monotonic()
-        while self.run(portion) == lib.WG_GOES_ON:
-            now = time.monotonic()
-            if now - began < _PORTION_TIME:
-                portion *= 2
-            began = now
+        run_in_portions(lambda steps: self.run(steps) == lib.WG_GOES_ON, _FIRST_PORTION)
 
 
 def driver_in_core(run: LatticeRun) -> Driver | None:

@@ -255,9 +255,7 @@ class FleetRun:
         senses = [run.reach_of_senses for run in self.runs]
         return {
             (one, other): max(
-                moves[one] + moves[other],
-                senses[one] + radii[other],
-                senses[other] + radii[one],
+                moves[one] + moves[other], senses[one] + radii[other], senses[other] + radii[one]
             )
             for one, other in itertools.combinations(range(len(self.runs)), 2)
         }

@@ -94,15 +94,7 @@ class RunOptions:
                 )
         check_choice("task", str(self.task), TASKS)
         if self.task != TARGET and switch_class(self.motion) is ThesisOptions:
-            raise InvalidParameter(
-                "option-without-effect",
-                "option {option!r} has no effect under motion {motion!r}",
-                "use --motion {where}, or omit it",
-                at_terminal=True,
-                option="task",
-                motion=self.motion,
-                where="swept or endpoint",
-            )
+            raise option_without_effect(self.motion, "task")
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))

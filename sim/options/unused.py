@@ -41,10 +41,7 @@ _READ_BY = {
 _SHAPES = (
     dict.fromkeys(_BEAMS[1:], "beams")
     | dict.fromkeys(_NEIGHBOURS[1:], "neighbour_range")
-    | {
-        "smoke_reach": "smoke",
-        "drift_heading": "drift",
-    }
+    | {"smoke_reach": "smoke", "drift_heading": "drift"}
 )
 
 
@@ -116,8 +113,7 @@ def coarse_forces(scenario: Scenario) -> list[str]:
     return [
         f"{options}: {scenario.run.motion} moves by whole pixels (a tenth of a cell) and drops the "
         "rest of each tick's motion, so a robot that moves less than a pixel per tick stands "
-        "still: "
-        "with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
+        "still: with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
     ]
 
 

@@ -56,10 +56,7 @@ class Effort:
         """Return the effort since a reading, with all survivors so far."""
         now = Effort.so_far()
         return Effort(
-            now.seconds - self.seconds,
-            now.own - self.own,
-            now.broken - self.broken,
-            now.survivors,
+            now.seconds - self.seconds, now.own - self.own, now.broken - self.broken, now.survivors
         )
 
     def __add__(self, other: Effort) -> Effort:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -433,10 +433,19 @@ class CoreEpisode(EpisodeHandle):
 
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them."""
-        portion = _FIRST_PORTION
-        began = time.monotonic()
-        while self.run(portion):
-            now = time.monotonic()
-            if now - began < _PORTION_TIME:
-                portion *= 2
-            began = now
+        run_in_portions(self.run, _FIRST_PORTION)
+
+
+def run_in_portions(run: Callable[[int], bool], portion: int) -> None:
+    """Call a function until it returns False, with more and more steps.
+
+    Args:
+        run: Runs this many steps, and returns True if more can follow.
+        portion: Steps of the first call.
+    """
+    began = time.monotonic()
+    while run(portion):
+        now = time.monotonic()
+        if now - began < _PORTION_TIME:
+            portion *= 2
+        began = now

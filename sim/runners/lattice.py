@@ -42,11 +42,7 @@ from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.lattice import (
-    UNIT,
-    heading_to_lattice,
-    metres_to_lattice,
-)
+from worldgen.lattice import UNIT, heading_to_lattice, metres_to_lattice
 from worldgen.reach.still.cells import reachable_cells
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable

@@ -24,13 +24,7 @@ POINT_FIELDS = 4
 
 
 def trace_of(
-    world: World,
-    options: RunOptions,
-    rows: Ints,
-    path: Ints,
-    *,
-    complete: bool,
-    lean: bool = False,
+    world: World, options: RunOptions, rows: Ints, path: Ints, *, complete: bool, lean: bool = False
 ) -> Trace:
     """Return a recording in metres and radians.
 

@@ -431,10 +431,7 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
             {"scenario": Scenario("turn-left")},
             ["scenario controller is 'turn-right', not 'turn-left'"],
         ),
-        (
-            {"scenario": Scenario.parse("turn-right+beams=36")},
-            ["scenario beams is None, not 36"],
-        ),
+        ({"scenario": Scenario.parse("turn-right+beams=36")}, ["scenario beams is None, not 36"]),
         ({"examples": 13, "epoch": 2}, ["epoch is 1, not 2", "examples is 4, not 13"]),
     ],
 )

@@ -10,16 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.ci import (
-    CiFinding,
-    FindingState,
-    Report,
-    junit,
-    markdown,
-    place_of,
-    repository,
-    sarif,
-)
+from fuzz.ci import CiFinding, FindingState, Report, junit, markdown, place_of, repository, sarif
 from fuzz.failure import Failure
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen

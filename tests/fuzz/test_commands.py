@@ -189,8 +189,7 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
 
 @pytest.mark.gate
 @pytest.mark.parametrize(
-    ("body", "kind"),
-    [("raise SystemExit(7)", "SystemExit"), ("1 / 0", "ZeroDivisionError")],
+    ("body", "kind"), [("raise SystemExit(7)", "SystemExit"), ("1 / 0", "ZeroDivisionError")]
 )
 def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_path):
     (tmp_path / "mine.py").write_text(

@@ -6,14 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.finding import (
-    Limits,
-    Row,
-    controller_name,
-    look_for,
-    removable_cells,
-    tells,
-)
+from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tells
 from benchmarks.finding_tables import tables
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS

@@ -147,10 +147,7 @@ def test_a_description_ends_when_its_time_is_up(monkeypatch):
     monkeypatch.setattr(contacts, "_AT_ONCE", 10)
     world, episode = run("Grinds", math.pi)
     looks = itertools.count()
-    with (
-        pytest.raises(OutOfTime),
-        stopping_when(lambda: next(looks) >= 50, clock=lambda: 0.0),
-    ):
+    with pytest.raises(OutOfTime), stopping_when(lambda: next(looks) >= 50, clock=lambda: 0.0):
         describe_period(world, episode)
 
 

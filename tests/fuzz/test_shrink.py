@@ -310,11 +310,7 @@ def test_odd_numbers_of_the_world_and_the_run_become_simple():
         small.world.robot_radius,
         small.world.target.radius,
         small.record.parameters["time_step"],
-    ) == (
-        0.07,
-        0.05,
-        0.015,
-    )
+    ) == (0.07, 0.05, 0.015)
     assert small.world.start.heading % (math.pi / 2) == 0.0
 
 

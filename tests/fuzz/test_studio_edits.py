@@ -173,10 +173,6 @@ def test_each_run_is_of_the_code_as_it_is_now(gate, robot):
         edit(robot.parent / "gains.py", "TURN = 0.1\n")
         assert run_once(page, robot)["digest"] == first["digest"] != second["digest"]
     assert broken["error"]["code"] == "code-failed"
-    assert broken["error"]["frames"][-1] == {
-        "file": "mine.py",
-        "line": 2,
-        "code": "def act(self:",
-    }
+    assert broken["error"]["frames"][-1] == {"file": "mine.py", "line": 2, "code": "def act(self:"}
     assert crashed["verdict"] == "crash"
     assert crashed["frames"][-1]["code"] == "return (0.0, 1 / 0), memory"

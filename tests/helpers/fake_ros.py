@@ -81,9 +81,7 @@ def modules(commands: list[Any]) -> dict[str, ModuleType]:
     vars(made["rclpy.node"])["Node"] = Node
     policies = SimpleNamespace(TRANSIENT_LOCAL="transient local", RELIABLE="reliable")
     vars(made["rclpy.qos"]).update(
-        QoSProfile=SimpleNamespace,
-        DurabilityPolicy=policies,
-        ReliabilityPolicy=policies,
+        QoSProfile=SimpleNamespace, DurabilityPolicy=policies, ReliabilityPolicy=policies
     )
     vars(made["tf2_ros"])["TransformBroadcaster"] = Broadcaster
     parents = {name.partition(".")[0] for name in made}

@@ -7,15 +7,7 @@ from worldgen.support.rows import flip_rows
 
 # A gap of one cell between two halls; a disc with a radius of more than half a cell does not fit
 # through.
-GAP = (
-    "#########",
-    "#...#...#",
-    "#...#...#",
-    "#.......#",
-    "#...#...#",
-    "#...#...#",
-    "#########",
-)
+GAP = ("#########", "#...#...#", "#...#...#", "#.......#", "#...#...#", "#...#...#", "#########")
 START, TARGET = (3, 1), (3, 7)  # row from the top, column
 
 

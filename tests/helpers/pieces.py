@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from worldgen.compose import Piece
-from worldgen.compose._marks import Mark
+from worldgen.compose.marks import Mark
 from worldgen.lattice import TURN
 from worldgen.timeline import CellState, Timeline
 

@@ -44,44 +44,26 @@ _NAMELESS = r"(?:is|was|are|has|comes|lies|stands|goes|came|cannot|can|it|they|a
 MARKS: dict[str, tuple[str, str]] = {
     "for ever": (r"\bfor ever\b", "forever, endlessly"),
     "beside": (r"\bbeside\b", "next to, in addition to"),
-    "is no": (
-        rf"(?<!there )\b(?:is|are|was|were|be) no (?!{_COMPARED}\b)",
-        "isn't a, is not",
-    ),
-    "is none": (
-        r"(?<!there )\b(?:is|are|was|were) (?-i:none)\b",
-        "isn't one, there are none",
-    ),
+    "is no": (rf"(?<!there )\b(?:is|are|was|were|be) no (?!{_COMPARED}\b)", "isn't a, is not"),
+    "is none": (r"(?<!there )\b(?:is|are|was|were) (?-i:none)\b", "isn't one, there are none"),
     "hangs on": (r"\bhangs? (?:on|from)\b", "depends on"),
     "goes on": (r"\b(?:go|goes|going|went) on\b(?! (?:to|a|the) )", "continues"),
     "likewise": (r"\blikewise\b", "also, same as above"),
     "anew": (r"\b(?:anew|afresh)\b", "again"),
     "left out": (r"\bwhere (?:it is |they are )?left out\b", "if omitted"),
-    "that of": (
-        r"(?<![`\w] )\b(?:is|are|as|than|from|with|to|by) (?:that|those) of\b",
-        "X's",
-    ),
+    "that of": (r"(?<![`\w] )\b(?:is|are|as|than|from|with|to|by) (?:that|those) of\b", "X's"),
     "stands in": (r"\b(?:lies|stands) (?:in|on|at|there)\b", "is in"),
     "way": (
         rf"\b{_OWNERS_OF_WAYS} ways?\b(?! (?:to \w+ing|out|of \w+ing)\b)",
         "path, route, trajectory",
     ),
-    "round": (
-        r"\b(?:goes|go|going|drives?|driving|way|path|walks?|turns?) round\b",
-        "around",
-    ),
-    "for as because": (
-        rf"[,;] for (?:{_SUBJECT}\b(?: \w+){{0,3}} {_VERB})\b",
-        "because",
-    ),
+    "round": (r"\b(?:goes|go|going|drives?|driving|way|path|walks?|turns?) round\b", "around"),
+    "for as because": (rf"[,;] for (?:{_SUBJECT}\b(?: \w+){{0,3}} {_VERB})\b", "because"),
     "who": (rf"\b{_THINGS} who\b", "which, that"),
     "Who does": (r"(?-i:(?:^|[.:] )Who \w+s\b)", "name the subject: a controller that"),
     "is told": (r"\b(?:is|are) told (?:as|by|apart|from|in)\b", "is reported as"),
     "is said": (r"\b(?:is|are|as|was|were) said\b", "is stated, as documented"),
-    "what is": (
-        rf"(?-i:(?:^|[.;:] )What {_NAMELESS}\b(?![^.]*\?))",
-        "name it: 'files that ...'",
-    ),
+    "what is": (rf"(?-i:(?:^|[.;:] )What {_NAMELESS}\b(?![^.]*\?))", "name it: 'files that ...'"),
     "whether first": (
         r"(?-i:(?:^|\. )Whether (?!to\b)(?:\w+ ){1,12}?"
         r"(?:is|are|has|can|was|does|do|may|must)\b(?![^.]*\?))",
@@ -111,10 +93,7 @@ MARKS: dict[str, tuple[str, str]] = {
     "no more": (r"\b(?:and|but) no more\b", "only"),
     "not to": (r"\b(?:is|are) not to be\b", "must not be"),
     "in turn": (r"\bone after the other\b", "one after another, in turn"),
-    "where": (
-        r", where (?:it|they|there|none|nothing|one) (?:is|are|has|can)\b",
-        "if",
-    ),
+    "where": (r", where (?:it|they|there|none|nothing|one) (?:is|are|has|can)\b", "if"),
     "what": (
         r"\b(?:of|from|to|in|with|for|than) what "
         r"(?:is|was|are|has|comes|came|goes|lies|stands|it|they)\b",
@@ -124,20 +103,14 @@ MARKS: dict[str, tuple[str, str]] = {
         r"\b(?:all|nothing|none|each) (?:that|of them that) (?:is|are|there is|it has|has|was)\b",
         "name it",
     ),
-    "speaks of": (
-        r"\b(?:speaks?|tells?|knows?|says?) of\b",
-        "mentions, describes, reports",
-    ),
+    "speaks of": (r"\b(?:speaks?|tells?|knows?|says?) of\b", "mentions, describes, reports"),
     "asked for": (r"\b(?:asked for|is asked|are asked|was asked)\b", "requested"),
     "round a": (
         r"(?<!to )\bround (?:an?|the|its?|them|each|every|which|walls?|corners?|obstacles?)\b"
         r"(?! (?:numbers?|values?|results?|trip|corners? of radius))",
         "around",
     ),
-    "says that": (
-        r"\b(?:says?|tells?|said|told) that\b",
-        "reports, states",
-    ),
+    "says that": (r"\b(?:says?|tells?|said|told) that\b", "reports, states"),
     "as said": (
         r"\b(?:is|are|was|were|be|there|not|file|world) as (?:said|asked|wanted|told|given)\b"
         r"|\bas wanted\b",

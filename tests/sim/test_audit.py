@@ -18,11 +18,7 @@ from sim.audit import Trajectory, audit
 from tests.helpers.audit_referee import second_opinion
 from tests.helpers.audit_room import ROOM, path, room
 from tests.helpers.drawn_worlds import changing_worlds, still_worlds
-from worldgen import (
-    Pose,
-    generate,
-    read_world,
-)
+from worldgen import Pose, generate, read_world
 from worldgen.timeline import CellState
 
 FREE, SOLID, BURNING = CellState

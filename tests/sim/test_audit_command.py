@@ -16,15 +16,7 @@ from sim.audit.file import parse_trajectories
 from tests.helpers.audit_room import ROOM, path, room
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen import (
-    FormatError,
-    InvalidParameter,
-    Pose,
-    Target,
-    World,
-    generate,
-    write_world,
-)
+from worldgen import FormatError, InvalidParameter, Pose, Target, World, generate, write_world
 
 
 @pytest.mark.parametrize(

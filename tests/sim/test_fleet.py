@@ -51,11 +51,7 @@ def test_a_robot_far_from_others_drives_as_alone(motion, controller):
     for number, together in enumerate(fleet.robots):
         seed = robot_seed(world, number, 0)
         alone = simulate(
-            world.alone(number + 1),
-            controller,
-            motion=motion,
-            steps=together.steps,
-            seed=seed,
+            world.alone(number + 1), controller, motion=motion, steps=together.steps, seed=seed
         )
         assert together.steps > 100
         assert together.trace_digest == alone.trace_digest

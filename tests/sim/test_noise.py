@@ -31,8 +31,7 @@ def test_noise_that_a_controller_never_reads_costs_it_no_proof(text):
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["turn-right+sensor_noise=0.1", "q-learning+beam_noise=0.1", "wall-left+slip=0.1"],
+    "text", ["turn-right+sensor_noise=0.1", "q-learning+beam_noise=0.1", "wall-left+slip=0.1"]
 )
 def test_noise_that_a_controller_reads_or_that_moves_it_makes_its_run_random(text):
     scenario = Scenario.parse(text)

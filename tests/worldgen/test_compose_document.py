@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from worldgen.compose._cells import HOW
-from worldgen.compose._recipe_text import SOURCES, VERBS
+from worldgen.compose.cells import HOW
 from worldgen.compose.recipe import family_from_recipe
+from worldgen.compose.recipe_text import SOURCES, VERBS
 from worldgen.generation import generate
 from worldgen.reach import check_certificate
 

@@ -49,16 +49,12 @@ def test_a_world_of_several_robots_names_the_planner_that_made_it(name):
 
 # By planner version, the digest of some worlds with their witnesses. If it changes on purpose,
 # raise PLANNER_VERSION and add the new digest.
-PLANNED = {
-    1: "30c224c69c5498fb",
-}
+PLANNED = {1: "30c224c69c5498fb"}
 
 
 # By version of the planner for crowds, the digest of some worlds with their witnesses. If it
 # changes on purpose, raise CROWD_PLANNER_VERSION and add the new digest.
-CROWDS = {
-    2: "12d8e7280407ed75",
-}
+CROWDS = {2: "12d8e7280407ed75"}
 
 
 def test_what_places_crowds_has_a_version():

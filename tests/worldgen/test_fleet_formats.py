@@ -147,10 +147,7 @@ def test_a_problem_of_db_cbs_comes_back(tmp_path):
     assert check_certificate(world).valid
     assert [robot.radius for robot in world.robots] == [0.4, 0.4]
     again = import_world(exported(world, "dbcbs", tmp_path, "again.yaml"))
-    assert (again.world.robots, again.world.walls.tolist()) == (
-        world.robots,
-        world.walls.tolist(),
-    )
+    assert (again.world.robots, again.world.walls.tolist()) == (world.robots, world.walls.tolist())
 
 
 @pytest.mark.parametrize(

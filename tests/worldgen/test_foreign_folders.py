@@ -20,8 +20,7 @@ FOLDER = os.environ.get("WORLDGEN_FOREIGN_MAPS")
 pytestmark = [
     pytest.mark.nightly,
     pytest.mark.skipif(
-        not FOLDER,
-        reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/census.md says which",
+        not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/census.md says which"
     ),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")

@@ -67,12 +67,7 @@ FAULTS = {
         3,
         {"code": "wrong-place", "key": "robot_speed", "own": "speed"},
     ),
-    "unknown": (
-        "speed =",
-        "sped =",
-        13,
-        {"code": "unknown-name", "name": "sped", "near": "speed"},
-    ),
+    "unknown": ("speed =", "sped =", 13, {"code": "unknown-name", "name": "sped", "near": "speed"}),
     "no-radius": (
         "radius = 0.04\n",
         "",

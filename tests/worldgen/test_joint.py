@@ -190,12 +190,7 @@ def test_steps_across_a_target_join_two_nodes_outside_it():
 
 def test_robots_wait_for_a_door_that_opens_and_are_gone_before_it_closes():
     rows = ["#########", "#...#...#", "#...#...#", "#########"]
-    line = Timeline.of(
-        [
-            Event(1.0, 4, 1, CellState.FREE),
-            Event(5.0, 4, 1, CellState.SOLID),
-        ]
-    )
+    line = Timeline.of([Event(1.0, 4, 1, CellState.FREE), Event(5.0, 4, 1, CellState.SOLID)])
     ends = (((1, 1), (7, 1)), ((2, 2), (6, 2)), ((7, 2), (1, 2)))
     decision = proved(fleet(rows, *ends, timeline=line))
     assert decision.result == REACHABLE

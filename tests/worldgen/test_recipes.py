@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen.compose._recipe_run import MOST_WORK, RecipeCells
-from worldgen.compose._sizes import TooLarge
 from worldgen.compose.recipe import family_from_recipe
+from worldgen.compose.recipe_run import MOST_WORK, RecipeCells
+from worldgen.compose.sizes import TooLarge
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads, world_digest, write_world
@@ -463,7 +463,7 @@ values = st.recursive(
 
 @given(st.data())
 def test_steps_with_any_values_make_a_world_or_one_line(data):
-    from worldgen.compose._recipe_text import VERBS
+    from worldgen.compose.recipe_text import VERBS
     from worldgen.files.grid.toml_text import value_text
 
     verb = data.draw(st.sampled_from(sorted(VERBS)))

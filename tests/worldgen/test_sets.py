@@ -427,7 +427,7 @@ def test_what_is_missing_is_made_again_beside_its_manifest(whole, traps):
     result = run("regenerate", traps)
     assert (
         result.code == 0
-        and "1 worlds made, 5 were there" in result.err
+        and "1 worlds made, 5 already existed" in result.err
         and contents(traps) == contents(whole / "set")
     )
 

@@ -15,12 +15,7 @@ from tests.helpers.thesis_editor import Editor
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.interop import (
-    ImportedRobot,
-    export_world,
-    import_world,
-    read_map,
-)
+from worldgen.interop import ImportedRobot, export_world, import_world, read_map
 from worldgen.interop.formats.thesis import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.interop.readers.java_stream import read_ints, write_ints
 from worldgen.timeline import CellState, Timeline

@@ -200,8 +200,7 @@ def _project(folder: Path) -> _Project | None:
             if "tool.worldgen" in text:
                 say_once(
                     f"{file} belongs to another user and is not read, because it names code to "
-                    f"run; "
-                    "copy its [tool.worldgen] into a file in your own folder"
+                    "run; copy its [tool.worldgen] into a file in your own folder"
                 )
                 return None
             continue

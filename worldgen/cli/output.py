@@ -20,8 +20,7 @@ from worldgen.support.progress import is_quiet, spoke
 
 CONTROLLER_HELP = (
     "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "
-    "the run "
-    "(docs/reference/controllers.md)."
+    "the run (docs/reference/controllers.md)."
 )
 
 PATH = click.Path(path_type=Path)

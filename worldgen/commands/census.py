@@ -56,9 +56,7 @@ _LONGEST = 50
     help="Questions per map, if the map has many problems or none.",
 )
 @click.option(
-    "--clear-ends",
-    is_flag=True,
-    help="Draw starts and targets where the largest disc has room.",
+    "--clear-ends", is_flag=True, help="Draw starts and targets where the largest disc has room."
 )
 @click.option(
     "--count",

@@ -15,11 +15,7 @@ EXAMPLES = (
 @click.command("check-family", epilog=EXAMPLES)
 @click.argument("name")
 @click.option(
-    "--except",
-    "left_out",
-    metavar="CHECK",
-    multiple=True,
-    help="Skip a check; may be repeated.",
+    "--except", "left_out", metavar="CHECK", multiple=True, help="Skip a check; may be repeated."
 )
 @click.option(
     "--digests", is_flag=True, help="Print the digest of seed 7 of each case, to pin it in a test."

@@ -23,11 +23,7 @@ EXAMPLES = (
     help="Number of problems to draw from each scenario file.  [default: all]",
 )
 @click.option(
-    "--seed",
-    type=SEED,
-    default=0,
-    show_default=True,
-    help="Seed for drawing the problems.",
+    "--seed", type=SEED, default=0, show_default=True, help="Seed for drawing the problems."
 )
 @click.option(
     "--csv",

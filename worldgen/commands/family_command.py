@@ -133,8 +133,7 @@ _out_option = click.option(
     "--out",
     type=PATH,
     help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
-    ".tar.bz2. "
-    "Without it, the world goes to stdout.",
+    ".tar.bz2. Without it, the world goes to stdout.",
 )
 _workers_option = click.option(
     "--workers",
@@ -144,9 +143,8 @@ _workers_option = click.option(
 _metrics_option = click.option(
     "--metrics/--no-metrics",
     default=None,
-    help="Measure each world, and store the result in its file's header.  [default: a single "
-    "world up to 2000 x 2000 "
-    "cells, and sets]",
+    help="Measure each world, and store the result in its file's header.  [default: a single world "
+    "up to 2000 x 2000 cells, and sets]",
 )
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 
@@ -169,12 +167,7 @@ def _option(parameter: Parameter, made_by: Family) -> Any:
     )
 
 
-def _make_one(
-    made_by: Family,
-    seed: int,
-    params: dict[str, Value],
-    to: Output,
-) -> None:
+def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) -> None:
     from worldgen.files.grid import dumps, write_world
 
     out = to.path

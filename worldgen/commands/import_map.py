@@ -98,9 +98,7 @@ EXAMPLES = (
     help="How to treat unknown ROS cells.  [default: solid]",
 )
 @click.option(
-    "--seed",
-    type=SEED,
-    help="Seed of the search for places that are far apart.  [default: 0]",
+    "--seed", type=SEED, help="Seed of the search for places that are far apart.  [default: 0]"
 )
 @click.option(
     "--ignore-unread",

@@ -40,13 +40,7 @@ class Output:
 
 
 def make_many(
-    plan: SetPlan,
-    seed: int | None,
-    out: Path,
-    *,
-    workers: int | None,
-    force: bool,
-    as_json: bool,
+    plan: SetPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool
 ) -> None:
     """Make a set, or continue one.
 

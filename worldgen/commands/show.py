@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    check_out,
-    emit_json,
-    force_option,
-    json_option,
-    write_out,
-)
+from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:

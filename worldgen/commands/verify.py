@@ -21,15 +21,10 @@ from worldgen.support.progress import working
     help="Use a disc of this radius, m, instead of the robot's.",
 )
 @click.option(
-    "--widest",
-    is_flag=True,
-    help="Also report the largest disc that could get to the target.",
+    "--widest", is_flag=True, help="Also report the largest disc that could get to the target."
 )
 @click.option(
-    "--deadline",
-    type=float,
-    metavar="T",
-    help="Require the robot to arrive within T seconds.",
+    "--deadline", type=float, metavar="T", help="Require the robot to arrive within T seconds."
 )
 @json_option
 def verify(

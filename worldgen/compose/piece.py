@@ -10,11 +10,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from worldgen.compose._cells import HOW, Events, How, settled, taken, timeline_of
-from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, moved
-from worldgen.compose._placing import corner_of, overlaid, put_down
-from worldgen.compose._sizes import check_size, whole
-from worldgen.compose._world import proved, usual, world_of
+from worldgen.compose.cells import HOW, Events, How, settled, taken, timeline_of
+from worldgen.compose.marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, moved
+from worldgen.compose.placing import corner_of, overlaid, put_down
+from worldgen.compose.sizes import check_size, whole
+from worldgen.compose.world import proved, usual, world_of
 from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, check_choice
@@ -23,12 +23,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.angles import SCALE, direction
 from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import Timeline
-from worldgen.world import (
-    DEFAULT_CELL_SIZE,
-    DEFAULT_ROBOT_RADIUS,
-    DEFAULT_ROBOT_SPEED,
-    World,
-)
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 
 # Units per cell when a piece is turned by an arbitrary angle.
 _FINE = 64

@@ -17,12 +17,12 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from worldgen.compose._recipe_run import RecipeCells, RecipeRun
-from worldgen.compose._recipe_text import MAX_BYTES, RecipeText, read_recipe, words_of
-from worldgen.compose._values import Scalar, is_drawn
-from worldgen.compose._where import DRAWN
 from worldgen.compose.piece import Piece
+from worldgen.compose.recipe_run import RecipeCells, RecipeRun
+from worldgen.compose.recipe_text import MAX_BYTES, RecipeText, read_recipe, words_of
 from worldgen.compose.sources import drawn, first_possible, of_world, read
+from worldgen.compose.values import Scalar, is_drawn
+from worldgen.compose.where import DRAWN
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, MARGIN, Bounds, Build, Family, family
 from worldgen.files.grid import loads

@@ -12,9 +12,9 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.compose._marks import START, TARGET, Mark, frozen, marks_of
-from worldgen.compose._sizes import TooLarge, check_size, whole
+from worldgen.compose.marks import START, TARGET, Mark, frozen, marks_of
 from worldgen.compose.piece import Piece
+from worldgen.compose.sizes import TooLarge, check_size, whole
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import FAMILIES, Family, check_choice, family

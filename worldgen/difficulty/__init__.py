@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     from worldgen.difficulty.search import Search, search_world
 
 # This import needs the families.
-__getattr__, __dir__ = lazy_names(
-    __name__,
-    {"search": ("Search", "search_world")},
-)
+__getattr__, __dir__ = lazy_names(__name__, {"search": ("Search", "search_world")})
 
 __all__ = [
     "METRICS",

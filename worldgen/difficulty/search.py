@@ -109,11 +109,7 @@ class Search:
     """
 
     def __init__(
-        self,
-        family: Family,
-        constraint: Expression,
-        seed: int,
-        given: Mapping[str, Value],
+        self, family: Family, constraint: Expression, seed: int, given: Mapping[str, Value]
     ) -> None:
         self.family = family
         self.constraint = constraint

@@ -63,10 +63,7 @@ def holder(path: Path) -> int | None:
                 ):
                     return None
                 # This frees an abandoned file for a process that wants it.
-                os.kill(
-                    int(number),
-                    0,
-                )
+                os.kill(int(number), 0)
                 fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
             return int(number)

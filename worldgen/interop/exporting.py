@@ -164,8 +164,7 @@ def _too_large(known: Format, data: bytes) -> Iterator[str]:
     if known.read is not None and len(data) > known.most_bytes:
         yield (
             f"import reads {known.name} files of up to {known.most_bytes} bytes, but this one has "
-            f"{len(data)}; "
-            "keep the .grid, or export a smaller world"
+            f"{len(data)}; keep the .grid, or export a smaller world"
         )
 
 

@@ -200,8 +200,7 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
     if (width, height) != sidecar.size:
         warning = (
             f"{sidecar.name} belongs to a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not "
-            f"{width} x {height}; "
-            "it was ignored; delete it, or export the world again"
+            f"{width} x {height}; it was ignored; delete it, or export the world again"
         )
         return replace(found, warnings=(*found.warnings, warning))
 

@@ -19,12 +19,7 @@ from worldgen.files.whole import expanded
 from worldgen.parameters import without_class_options
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
-from worldgen.plugins.user_modules import (
-    SourceLoader,
-    forget_folder,
-    import_in,
-    package_of,
-)
+from worldgen.plugins.user_modules import SourceLoader, forget_folder, import_in, package_of
 from worldgen.support.known_names import unknown_name
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
@@ -133,8 +128,7 @@ def _loading(doing: str) -> Iterator[None]:
             "load-timeout",
             "{doing} takes longer than {seconds:g} s",
             "put code that waits for input or keeps running under if __name__ == '__main__', or "
-            "give it more "
-            "time with {variable}",
+            "give it more time with {variable}",
             doing=doing,
             seconds=seconds,
             variable=LOAD_SECONDS,

@@ -34,10 +34,7 @@ def outlines(mask: Bools) -> list[Ints]:
     y, x = np.nonzero(_parity(mask))
     by_column = np.lexsort((y, x))
     # The other end of the vertical edge; rows pair 0-1, 2-3, ...
-    partner = np.empty(
-        len(x),
-        np.int64,
-    )
+    partner = np.empty(len(x), np.int64)
     partner[by_column] = by_column[np.arange(len(x)) ^ 1]
     vertical = partner.tolist()
     seen = bytearray(len(x))

@@ -101,11 +101,7 @@ def map_parts(world: World, frame: Frame) -> list[Primitive]:
 
 
 def moment_parts(
-    world: World,
-    frame: Frame,
-    solid: Bools,
-    burning: Bools,
-    height: int,
+    world: World, frame: Frame, solid: Bools, burning: Bools, height: int
 ) -> list[Primitive]:
     """Return a world's map at one moment, lowest layer first, with room for text below.
 

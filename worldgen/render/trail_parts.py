@@ -29,11 +29,7 @@ from worldgen.support.arrays import Floats
 
 # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
 # used.
-THIN = (
-    0.15,
-    0.5,
-    1.5,
-)
+THIN = (0.15, 0.5, 1.5)
 # Limit on the points of a drawn trail; more make an SVG of megabytes.
 MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
@@ -187,10 +183,7 @@ def pierced_parts(
     parts: list[Primitive] = []
     if inside:
         # PIERCED_GROUND on a wall.
-        parts += [
-            DrawnCells(mask, FLOOR, opacity=0.6),
-            DrawnCells(mask, PIERCED, opacity=0.25),
-        ]
+        parts += [DrawnCells(mask, FLOOR, opacity=0.6), DrawnCells(mask, PIERCED, opacity=0.25)]
         parts.append(DrawnCells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
     for cell in cells:
         square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))

@@ -54,10 +54,7 @@ def manifest_of(path: Path) -> Manifest:
                     source=f"{path}/{MANIFEST}",
                 )
             # Read line by line, because the file may be a decompression bomb.
-            return parse_manifest(
-                io.BytesIO(data),
-                f"{path}/{MANIFEST}",
-            )
+            return parse_manifest(io.BytesIO(data), f"{path}/{MANIFEST}")
     raise FormatError(
         "no-manifest", "holds no {manifest}; it is not a set", manifest=MANIFEST, source=str(path)
     )

@@ -148,11 +148,5 @@ def header_of(
         metrics: True to measure every metric of each world.
     """
     return ManifestHeader(
-        family.name,
-        family.version,
-        params,
-        seed & MASK64,
-        count,
-        metrics,
-        version("worldgen"),
+        family.name, family.version, params, seed & MASK64, count, metrics, version("worldgen")
     )

@@ -251,9 +251,7 @@ class _Reader:
         if not math.isfinite(float(digits)):
             self._fail(
                 Message(
-                    "too-large",
-                    "this number is beyond the range of a float64",
-                    "use a smaller one",
+                    "too-large", "this number is beyond the range of a float64", "use a smaller one"
                 ),
                 at,
             )

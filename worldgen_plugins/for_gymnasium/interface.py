@@ -255,8 +255,6 @@ def _names(sensors: object) -> tuple[str, ...]:
         )
     if not names or len(set(names)) != len(names):
         raise InvalidParameter(
-            "twice",
-            "sensors={sensors!r}: use at least one, and each only once",
-            sensors=sensors,
+            "twice", "sensors={sensors!r}: use at least one, and each only once", sensors=sensors
         )
     return names

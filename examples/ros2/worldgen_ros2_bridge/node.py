@@ -66,11 +66,7 @@ class RosPorts:
         self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
         self._odom = node.create_publisher(Odometry, "/odom", 10)
         # Reliable, REP 2003: all subscribers match.
-        self._scan = node.create_publisher(
-            LaserScan,
-            "/scan",
-            10,
-        )
+        self._scan = node.create_publisher(LaserScan, "/scan", 10)
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)

@@ -63,9 +63,7 @@ class RemoteJob:
         """
         fingerprint = fingerprint_of(config)
         return cls(
-            config,
-            fingerprint,
-            {place: expanded(place).read_bytes() for place in _places(config)},
+            config, fingerprint, {place: expanded(place).read_bytes() for place in _places(config)}
         )
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:

@@ -53,10 +53,7 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "templates": {"problem": problem, "remedy": remedy},
     }
     # The disk may be full; a number of 5,000 digits raises ValueError.
-    with contextlib.suppress(
-        OutputError,
-        ValueError,
-    ):
+    with contextlib.suppress(OutputError, ValueError):
         write_bytes(
             _file(out), (json.dumps(record, indent=1, default=str) + "\n").encode(), force=True
         )

@@ -122,10 +122,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         ) from error
     now = fingerprint_of(config)
     _refuse_another(
-        out,
-        fingerprint,
-        now,
-        "resume it in its original folder, with its original code",
+        out, fingerprint, now, "resume it in its original folder, with its original code"
     )
     store = FolderStore(out)
     try:

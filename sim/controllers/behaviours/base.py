@@ -12,13 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from sim.controllers.base import (
-    DEFAULT_SENSES,
-    Command,
-    Memory,
-    Observation,
-    check_declared,
-)
+from sim.controllers.base import DEFAULT_SENSES, Command, Memory, Observation, check_declared
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 

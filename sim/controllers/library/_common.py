@@ -15,14 +15,7 @@ from sim.kernels.layout import place
 
 HAND = place("WgWallBody", "hand")
 
-TO_TARGET = (
-    "heading",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-)
+TO_TARGET = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius")
 """Senses of a controller that drives to the target."""
 
 LOCATED = (*TO_TARGET, "x", "y")

@@ -56,9 +56,6 @@ q_learner = CompiledController(
     about="Choose turns from a learned table, and keep learning.",
     senses=(*SENSES, "target_distance"),
     needs=NEEDS,
-    memory_fields=(
-        MemoryField("situation", AT.situation),
-        MemoryField("turn", AT.choice),
-    ),
+    memory_fields=(MemoryField("situation", AT.situation), MemoryField("turn", AT.choice)),
     learning=LEARNING,
 )

@@ -26,11 +26,6 @@ _ESCAPE = 150.0
 
 signal_bug = composed((follow, approach), name="signal-bug")
 subsumption = composed(
-    (
-        Layer(escape, duration=_ESCAPE, options={"patience": _PATIENCE}),
-        follow,
-        approach,
-        wander,
-    ),
+    (Layer(escape, duration=_ESCAPE, options={"patience": _PATIENCE}), follow, approach, wander),
     name="subsumption",
 )

@@ -10,6 +10,9 @@ import numpy as np
 from fuzz.faults import FAULTS
 from sim import Command
 from sim.kernels import layout
+
+# Importing these modules adds their faults to ACTS.
+from tests.reference.fuzz import faults_by_sight, faults_by_touch  # noqa: F401
 from tests.reference.fuzz.planting import FAULTS as ACTS
 
 

@@ -16,15 +16,8 @@ import numpy.typing as npt
 
 from tests.reference.sim.geometry import _corner_is_clear as corner_is_clear
 from tests.reference.sim.geometry import pose_is_clear, segment_first_not_clear
-from tests.reference.sim.lattice_motion import (
-    _contact_with_corner as touch_time,
-)
-from tests.reference.sim.lattice_motion import (
-    endpoint_move,
-    first_contact,
-    round_away,
-    swept_move,
-)
+from tests.reference.sim.lattice_motion import _contact_with_corner as touch_time
+from tests.reference.sim.lattice_motion import endpoint_move, first_contact, round_away, swept_move
 from tests.reference.sim.layout import SOLID, TIME_UNIT
 
 Cells = npt.NDArray[np.uint8]

@@ -80,10 +80,7 @@ OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = (
 )  # first tick that ends with the centre in one
 NEXT_EVENT = 20
 TRACE_START = 21  # step before the first row of the trace, for recordings in pieces
-OVERLAP_BEGAN, OVERLAP_CAUSE = (
-    22,
-    23,
-)  # the current overlap: its first step (-1: none), its move
+OVERLAP_BEGAN, OVERLAP_CAUSE = (22, 23)  # the current overlap: its first step (-1: none), its move
 OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = (
     24,
     25,

@@ -24,10 +24,7 @@ Ints = npt.NDArray[np.int64]
 
 
 def find_chain(
-    solid: npt.NDArray[np.bool_],
-    radius: Fraction,
-    start: ExactPoint,
-    targets: Sequence[ExactPoint],
+    solid: npt.NDArray[np.bool_], radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
 ) -> list[Cell] | None:
     """Return a chain of cells that separates one clear pose from others for a disc, or None.
 

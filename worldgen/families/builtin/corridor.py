@@ -138,10 +138,7 @@ def corridor(
             rng.child("necks"), walls, _chosen_slots(rng, slots, necks), width, neck_length, neck
         )
     return arena.world(
-        walls,
-        start=centres[0],
-        target=centres[-1],
-        quarter=_direction(way[first - 1], way[first]),
+        walls, start=centres[0], target=centres[-1], quarter=_direction(way[first - 1], way[first])
     )
 
 
@@ -490,11 +487,7 @@ def _corners(edges: list[Edge]) -> set[Node]:
 
 
 def _cut(
-    walls: Bools,
-    edges: list[Edge],
-    columns: dict[int, int],
-    rows: dict[int, int],
-    width: int,
+    walls: Bools, edges: list[Edge], columns: dict[int, int], rows: dict[int, int], width: int
 ) -> Bools:
     for (ax, ay), (bx, by) in edges:
         x = sorted((columns[ax], columns[bx]))

@@ -158,12 +158,7 @@ def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> Ints
 
 
 def _felled(
-    rng: RandomStream,
-    arena: Arena,
-    growth: Growth,
-    density: float,
-    places: Ints,
-    stands: Bools,
+    rng: RandomStream, arena: Arena, growth: Growth, density: float, places: Ints, stands: Bools
 ) -> Bools:
     """Draw the trunks to remove; the first one always stays, so that no forest is empty."""
     felled = rng.floats(len(places)) >= density

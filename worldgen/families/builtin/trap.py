@@ -174,13 +174,7 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
 
 
 def _slanted(
-    rng: RandomStream,
-    arena: Arena,
-    request: _Request,
-    degrees: int,
-    faces: Faces,
-    *,
-    inside: bool,
+    rng: RandomStream, arena: Arena, request: _Request, degrees: int, faces: Faces, *, inside: bool
 ) -> World:
     """Build the world of an obstacle that may be slanted, with a passage on all sides.
 

@@ -345,11 +345,7 @@ def weak_walls(rng: RandomStream, plan: Plan, floor: Times, count: int) -> set[i
 
 
 def _slots(
-    walls: Bools,
-    burnt: Bools,
-    side: int,
-    thickness: int,
-    strides: tuple[int, int],
+    walls: Bools, burnt: Bools, side: int, thickness: int, strides: tuple[int, int]
 ) -> Iterator[list[int]]:
     """Yield the flat cells of every slot in +x that fire touches.
 

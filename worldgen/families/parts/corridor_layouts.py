@@ -121,12 +121,7 @@ def neck_slots(
 
 
 def place_necks(
-    rng: RandomStream,
-    walls: Bools,
-    slots: list[Slot],
-    width: int,
-    length: int,
-    neck: int,
+    rng: RandomStream, walls: Bools, slots: list[Slot], width: int, length: int, neck: int
 ) -> None:
     """Narrow the corridor to ``neck`` cells at each slot, in place, at a random side position."""
     for axis, along, across in slots:

@@ -41,11 +41,7 @@ def _turned_box(box: Box, size: int) -> Box:
 
 
 def fleet_world(
-    arena: Arena,
-    walls: Bools,
-    rng: RandomStream,
-    boxes: list[tuple[Box, Box]],
-    owner: str,
+    arena: Arena, walls: Bools, rng: RandomStream, boxes: list[tuple[Box, Box]], owner: str
 ) -> World:
     """Build a world whose robots go from box to box, after turning it at random.
 

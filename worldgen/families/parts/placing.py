@@ -92,12 +92,7 @@ class _Room:
 
 
 def place_robots(
-    world: World,
-    rng: RandomStream,
-    count: int,
-    owner: str,
-    *,
-    margin: float = 0.0,
+    world: World, rng: RandomStream, count: int, owner: str, *, margin: float = 0.0
 ) -> World:
     """Return a world with more robots like its own, between places that its robot can reach.
 
@@ -325,10 +320,7 @@ def _no_paths(owner: str, planned: int, robots: int) -> InvalidParameter:
 
 
 def _draw_one(
-    rooms: tuple[_Room, _Room],
-    rng: RandomStream,
-    box: tuple[Box | None, Box | None],
-    draws: int,
+    rooms: tuple[_Room, _Room], rng: RandomStream, box: tuple[Box | None, Box | None], draws: int
 ) -> PlacedEnds | None:
     starts = rooms[0].left(box[0])
     targets = rooms[1].left(box[1])

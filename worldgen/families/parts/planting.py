@@ -57,13 +57,7 @@ def _halo(cells: Ints, gap: Fraction) -> Ints:
     return np.concatenate(pieces)
 
 
-def plant(
-    free: Bools,
-    places: Ints,
-    kinds: Ints,
-    diameters: range,
-    gap: Fraction,
-) -> Bools:
+def plant(free: Bools, places: Ints, kinds: Ints, diameters: range, gap: Fraction) -> Bools:
     """Try to place a disc at each place in turn, and return which attempts succeed.
 
     Args:
@@ -90,11 +84,7 @@ def plant(
 
 
 def put_down(
-    barred: Bytes,
-    places: Ints,
-    kinds: Ints,
-    cells: list[Ints],
-    halos: list[Ints],
+    barred: Bytes, places: Ints, kinds: Ints, cells: list[Ints], halos: list[Ints]
 ) -> Bools:
     """Visit places in turn, and place an object wherever none of its cells is blocked.
 

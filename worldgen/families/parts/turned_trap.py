@@ -336,9 +336,7 @@ def _spot_inside(
             points = points[:, ~(walls[row, column] & near)]
     if not points.size:
         raise InvalidParameter(
-            "no-room",
-            "inside: the hollow has no room for the robot",
-            "use a larger depth or mouth",
+            "no-room", "inside: the hollow has no room for the robot", "use a larger depth or mouth"
         )
     spot = rng.below(points.shape[1])
     return int(points[0, spot]), int(points[1, spot])

@@ -140,10 +140,7 @@ class Header:
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
             # tomllib reports the fault and stops reading.
-            if kind in (
-                "unclosed",
-                "unclosed_long",
-            ):
+            if kind in ("unclosed", "unclosed_long"):
                 self._last_line = self._line_at(token.start())
                 return
             if kind == "open":

@@ -22,24 +22,10 @@ from worldgen.files.grid.schema import (
     ROBOT_KEYS,
     TABLE_KEYS,
 )
-from worldgen.files.grid.values import (
-    finite,
-    integer_at,
-    kind_of,
-    numbers_at,
-    text_at,
-    values_at,
-)
+from worldgen.files.grid.values import finite, integer_at, kind_of, numbers_at, text_at, values_at
 from worldgen.support.known_names import unknown_name
 from worldgen.support.plain_text import quote
-from worldgen.world import (
-    DEFAULT_ROBOT_SPEED,
-    FailureRecord,
-    Pose,
-    Provenance,
-    Robot,
-    Target,
-)
+from worldgen.world import DEFAULT_ROBOT_SPEED, FailureRecord, Pose, Provenance, Robot, Target
 
 
 class CertificateRecord(NamedTuple):

@@ -19,7 +19,7 @@ _ESCAPES = {
 }
 # This includes Unicode's line ends, so that no tool sees a line where the format has none.
 _ESCAPE_TABLE = str.maketrans(
-    {chr(code): f"\\u{code:04X}" for code in (*range(0x20), 0x7F, 0x85, 0x2028, 0x2029)} | _ESCAPES,
+    {chr(code): f"\\u{code:04X}" for code in (*range(0x20), 0x7F, 0x85, 0x2028, 0x2029)} | _ESCAPES
 )
 
 

@@ -9,14 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from worldgen.errors import InvalidWorld
-from worldgen.files.grid.schema import (
-    END,
-    FLEET_MAGIC,
-    FREE,
-    MAGIC,
-    MAX_HEADER_BYTES,
-    SOLID,
-)
+from worldgen.files.grid.schema import END, FLEET_MAGIC, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
 from worldgen.files.grid.toml_text import number_text, value_text
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState

@@ -143,8 +143,7 @@ def _headline(census: Census) -> str:
     return (
         f"{counted(census.maps, 'map')}{size}, {len(census.refused)} refused; "
         f"{counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the "
-        f"map, "
-        f"{len(asked) - named} drawn with seed {census.options.seed}"
+        f"map, {len(asked) - named} drawn with seed {census.options.seed}"
     )
 
 

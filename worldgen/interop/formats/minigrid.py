@@ -102,9 +102,8 @@ def _check_words(rows: list[bytes]) -> None:
         at = next(at for at in range(0, len(line), 2) if not _WORD.fullmatch(line, at, at + 2))
         raise FormatError(
             "unknown-sign",
-            "{sign!q} in column {column} is not a cell; a cell is two characters: kind and "
-            "colour (WG a grey wall, GG a green goal), two blanks, or the agent, >> VV << "
-            "^^",
+            "{sign!q} in column {column} is not a cell; a cell is two characters: kind and colour "
+            "(WG a grey wall, GG a green goal), two blanks, or the agent, >> VV << ^^",
             sign=line[at : at + 2],
             column=at + 1,
             line=number,

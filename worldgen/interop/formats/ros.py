@@ -210,9 +210,8 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
         if taken_as_free and (image.values == _UNKNOWN_GREY).any():
             found.append(
                 f"grey {_UNKNOWN_GREY}, which map savers write for unknown cells, counts as free "
-                f"because "
-                f"free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells are "
-                f"unknown"
+                f"because free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells "
+                "are unknown"
             )
     if image.maximum == 1:
         found.append(

@@ -72,8 +72,7 @@ def write_svg(
         f'height="{down!r}mm">',
         f"<title>{name}</title>",
         f"<desc>A plan of {world.width} x {world.height} cells; 1 unit is 1 m, "
-        f"1:{decimal_text(exact(scale))} in "
-        "print; x right, y up in #world.</desc>",
+        f"1:{decimal_text(exact(scale))} in print; x right, y up in #world.</desc>",
         f'<metadata id="worldgen">{html.escape(json.dumps(said), quote=False)}</metadata>',
         f"<style>{_STYLE}</style>",
         '<g id="world" transform="scale(1,-1)">',

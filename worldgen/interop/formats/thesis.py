@@ -359,8 +359,7 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     if places[::2] != places[1::2] or turned:
         sentence = (
             "the start pose is not stored; in the program the robot always starts at 35, 35 px, "
-            "which is 3.5 "
-            "cells from the left and the top"
+            "which is 3.5 cells from the left and the top"
         )
         yield "start", sentence
         yield "heading", sentence

@@ -83,12 +83,7 @@ def _corners(solid: Bools) -> tuple[Ints, ...]:
     return x, y, entered, left
 
 
-def _links(
-    x: Ints,
-    y: Ints,
-    entered: Ints,
-    left: Ints,
-) -> Ints:
+def _links(x: Ints, y: Ints, entered: Ints, left: Ints) -> Ints:
     """Return the number of the corner that follows each corner."""
     after = np.empty(len(x), np.int64)
     for direction in range(4):
@@ -130,11 +125,7 @@ def _begun(ring: Ring) -> Ring:
     return ring[first:] + ring[:first]
 
 
-def _shells(
-    solid: Bools,
-    rings: list[Ring],
-    eastward: tuple[Ints, Ints],
-) -> list[int]:
+def _shells(solid: Bools, rings: list[Ring], eastward: tuple[Ints, Ints]) -> list[int]:
     """Return the number of each ring's outline; an outline's is its own.
 
     Below a hole's first corner is a solid cell. Where the run of solid cells below it ends, there

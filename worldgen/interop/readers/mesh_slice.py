@@ -273,10 +273,7 @@ def _floors(vertices: Floats, faces: Ints, height: float) -> list[float]:
 
 
 def _frame(
-    vertices: Floats,
-    cell_size: float,
-    origin: list[float] | None,
-    size: list[int] | None,
+    vertices: Floats, cell_size: float, origin: list[float] | None, size: list[int] | None
 ) -> tuple[tuple[float, float], int, int]:
     """Return the grid's corner, m, and its sides, cells.
 
@@ -326,8 +323,7 @@ def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> 
     if bodies.open_count:
         notes.append(
             f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not "
-            f"closed; "
-            "their surfaces are walls, and their insides stay free"
+            "closed; their surfaces are walls, and their insides stay free"
         )
     if left_out:
         notes.append(

@@ -190,8 +190,7 @@ def _plan(floor: Entity, solid: Bools, unit: Fraction, notes: list[str]) -> _Pla
     if (right - left, high - low) != solid.shape[::-1]:
         notes.append(
             f"black takes {right - left} x {high - low} of the picture's {solid.shape[1]} x "
-            f"{solid.shape[0]} pixels; "
-            "Stage stretches this part over the size, not the picture"
+            f"{solid.shape[0]} pixels; Stage stretches this part over the size, not the picture"
         )
     across = size[0] * unit / (right - left)
     along = size[1] * unit / (high - low)
@@ -217,8 +216,7 @@ def _cells(plan: _Plan, wanted: float, notes: list[str]) -> tuple[Bools, float]:
         notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
             f"are only partly black, because pixels are {float(plan.across):g} x "
-            f"{float(plan.along):g} m; a smaller "
-            f"cell_size is more accurate"
+            f"{float(plan.along):g} m; a smaller cell_size is more accurate"
         )
     return raster.solid, float(size)
 

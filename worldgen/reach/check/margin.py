@@ -55,11 +55,7 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
 
 
 def _near(
-    path: WitnessPoints,
-    piece: Indices,
-    ix: Ints,
-    iy: Ints,
-    reach: float,
+    path: WitnessPoints, piece: Indices, ix: Ints, iy: Ints, reach: float
 ) -> tuple[Floats, Floats]:
     """Return the interval of shares of each piece that is nearer than ``reach`` to a cell.
 

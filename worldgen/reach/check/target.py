@@ -39,10 +39,7 @@ class TooMuch(Exception):
 
 
 def poses_to_part(
-    blocked: Bools,
-    radius: Fraction,
-    centre: tuple[Fraction, Fraction],
-    reach: Fraction,
+    blocked: Bools, radius: Fraction, centre: tuple[Fraction, Fraction], reach: Fraction
 ) -> list[tuple[Fraction, Fraction]]:
     """Return poses of a disc (centre, ``reach``, cells): at least one in each connected clear part.
 

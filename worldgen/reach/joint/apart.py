@@ -34,9 +34,7 @@ def conflict_limits(radii: list[Fraction], k: int) -> Ints:
 
 
 def stay_apart(
-    one: tuple[ExactPoint, ExactPoint],
-    other: tuple[ExactPoint, ExactPoint],
-    apart_sq: Fraction,
+    one: tuple[ExactPoint, ExactPoint], other: tuple[ExactPoint, ExactPoint], apart_sq: Fraction
 ) -> bool:
     """Return True if two robots stay apart while each goes straight from one point to another.
 

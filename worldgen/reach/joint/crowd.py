@@ -81,10 +81,7 @@ class Crowd:
         assert self._question is not None
         count = len(self.robots)
         question = replace(
-            self._question,
-            world=world,
-            radii=self._question.radii * count,
-            ends=self._ends,
+            self._question, world=world, radii=self._question.radii * count, ends=self._ends
         )
         return make_joint_witness(question, taken_nodes(made[0], count))
 

@@ -53,8 +53,7 @@ def decide_joint(
             if witness is not None:
                 reason = (
                     f"joint paths with a total length of {witness.length:.4g} m; the last robot "
-                    f"arrives after "
-                    f"{witness.duration:.4g} s"
+                    f"arrives after {witness.duration:.4g} s"
                 )
                 return Decision(REACHABLE, witness if certificate else None, reason)
         elif plan.is_exhausted and question.spans is None:

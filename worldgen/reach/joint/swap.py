@@ -59,11 +59,7 @@ def _cell_of(world: World, robot: int) -> tuple[int, int]:
 
 
 def _must_swap(
-    world: World,
-    pair: tuple[int, int],
-    cells: int,
-    axis: int,
-    radius: float | None,
+    world: World, pair: tuple[int, int], cells: int, axis: int, radius: float | None
 ) -> bool:
     """Return True if the strip along an axis is too narrow and the targets are in reversed order.
 

@@ -40,10 +40,7 @@ _LIMB_BITS = 32
 
 
 def find_chain(
-    solid: Bools,
-    radius: Fraction,
-    start: ExactPoint,
-    targets: Sequence[ExactPoint],
+    solid: Bools, radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
 ) -> Ints | None:
     """Return a chain of cells that separates one clear pose from others, or None if there is none.
 

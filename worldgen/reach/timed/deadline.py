@@ -26,12 +26,7 @@ _TILES = (4, 8)
 _COARSE = (2, 1)
 _MOST_TILES = 4_000_000
 # Nodes per cell side of the graphs searched for the latest start, as for witnesses.
-_NODES = (
-    2,
-    4,
-    8,
-    16,
-)
+_NODES = (2, 4, 8, 16)
 _MOST_NODES = 4_000_000
 
 

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from worldgen.compose._recipe_text import ROBOT, Part, RecipeText, Step
-from worldgen.compose._sizes import TooLarge, check_size, whole
-from worldgen.compose._values import Scalar, Spec, value_of
 from worldgen.compose.piece import Piece
+from worldgen.compose.recipe_text import ROBOT, Part, RecipeText, Step
+from worldgen.compose.sizes import TooLarge, check_size, whole
 from worldgen.compose.sources import above, beside, of_family, rectangle, row_size
+from worldgen.compose.values import Scalar, Spec, value_of
 from worldgen.domain import MASK64, MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
@@ -296,10 +296,7 @@ def _mark(piece: Piece, value: Any, options: Options) -> Piece:
 def _trim(piece: Piece, value: Any, options: Options) -> Piece:
     if value is not True:
         raise InvalidParameter(
-            "no-effect",
-            "trim={value!r} says nothing",
-            "write trim = true, or omit it",
-            value=value,
+            "no-effect", "trim={value!r} says nothing", "write trim = true, or omit it", value=value
         )
     return piece.trim()
 

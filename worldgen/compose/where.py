@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from worldgen.compose._marks import Mark
+from worldgen.compose.marks import Mark
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bools, Floats, Ints

@@ -10,18 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from worldgen.compose._cells import (
-    Events,
-    How,
-    PlacedCells,
-    put_together,
-    state_of_two,
-    timeline_of,
-)
-from worldgen.compose._marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
-from worldgen.compose._sizes import whole
-from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
-from worldgen.compose._world import usual, witness_path_of
+from worldgen.compose.cells import Events, How, PlacedCells, put_together, state_of_two, timeline_of
+from worldgen.compose.marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
+from worldgen.compose.sizes import whole
+from worldgen.compose.where import DRAWN, NAMED, draw_corner, named_corner
+from worldgen.compose.world import usual, witness_path_of
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_choice

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from worldgen.compose._marks import START, TARGET, Mark, Marks, pose_of, target_of
+from worldgen.compose.marks import START, TARGET, Mark, Marks, pose_of, target_of
 from worldgen.errors import GenerationFailed, InvalidWorld
 from worldgen.interop.place import place
 from worldgen.lattice import in_cells

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from worldgen.compose._values import Choice, Scalar, Spec, spec_of
+from worldgen.compose.values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
@@ -380,11 +380,7 @@ def _declared(raw: Any) -> Declared:
                 default=default,
             )
     return Declared(
-        default,
-        least,
-        most,
-        tuple(choices),
-        " ".join(note.split()) or "A parameter of the recipe.",
+        default, least, most, tuple(choices), " ".join(note.split()) or "A parameter of the recipe."
     )
 
 

@@ -171,13 +171,7 @@ def put_together(host: PlacedCells, piece: PlacedCells, how: How) -> Events:
     return both.only(np.argsort(both.times, kind="stable"))
 
 
-def _merged(
-    host: Events,
-    piece: Events,
-    host_says: Bytes,
-    piece_says: Bytes,
-    how: How,
-) -> Events:
+def _merged(host: Events, piece: Events, host_says: Bytes, piece_says: Bytes, how: How) -> Events:
     """Combine the events of cells that both host and piece cover.
 
     The result has one event for each event of either, with the combination of both latest states.
