@@ -57,7 +57,8 @@ def init(
 
     It runs the search that pull requests will run and stores the findings as known failures; writes
     a CI job that fails when a pull request adds another one; and adds your controller to
-    pyproject.toml, so that `worldgen fuzz --out failures/` needs no more options.
+    pyproject.toml, so that `worldgen fuzz --out failures/` needs no more options. Then it shrinks
+    the known failures, which takes longer; you can work on meanwhile, or press Ctrl-C.
     """
     import contextlib
     import os
@@ -77,12 +78,13 @@ def init(
     # The controller's path is relative to the project, whose folder CI starts in.
     with contextlib.chdir(folder), tempfile.TemporaryDirectory() as scratch:
         config = configure(
-            CampaignOptions(controller=controller, motion=motion, families=families), SEED
+            CampaignOptions(controller=controller, motion=motion, families=families, shrink=False),
+            SEED,
         )
         # Search for today's failures in a temporary folder.
         note(
-            f"searching for the current failures of {controller}, as CI will, and shrinking them; "
-            f"this can take minutes (--units {max(1, units // 3)} takes less)"
+            f"searching for the current failures of {controller}, as CI will "
+            f"(--units {max(1, units // 3)} takes less time)"
         )
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
@@ -97,13 +99,62 @@ def init(
         }
     # Write the project's files, and store the failures as known ones.
     written = project.write(force=force)
-    for name, text in failures.items():
-        write_bytes(project.known / name, text, force=True)
+    known = [project.known / name for name in failures]
+    for path, text in zip(known, failures.values(), strict=True):
+        write_bytes(path, text, force=True)
+    # The project is complete now; smaller worlds only make the failures easier to understand.
     if as_json:
-        known = [str(project.known / name) for name in failures]
-        emit_json({"seed": SEED, "known": known, "written": [str(path) for path in written]})
-        return
-    _report(project, len(failures), written)
+        names = [str(path) for path in known]
+        emit_json({"seed": SEED, "known": names, "written": [str(path) for path in written]})
+    else:
+        _report(project, len(failures), written)
+    _shrink([path.resolve() for path in known], folder)
+
+
+def _shrink(known: list[Path], folder: Path) -> None:
+    """Shrink the known failures in place, the smallest first, until all are shrunk or Ctrl-C comes.
+
+    Args:
+        known: Their files.
+        folder: The project's root, to which the controller's path is relative.
+    """
+    import contextlib
+    import os
+    from concurrent.futures import FIRST_COMPLETED, Future, wait
+
+    from fuzz.campaign.executors import local_executor
+    from fuzz.campaign.shrinking import Shrinking, shrunk_or_same
+    from fuzz.failure import Failure
+    from worldgen.support.plain_text import counted
+    from worldgen.support.progress import working
+    from worldgen.support.workers import LISTEN
+
+    waiting = sorted(((Failure.read(path), path) for path in known), key=lambda one: one[0].order)
+    busy: dict[Future[Shrinking], Path] = {}
+    done = 0
+    try:
+        with (
+            contextlib.chdir(folder),
+            working("shrinking the known failures") as work,
+            local_executor(os.cpu_count() or 1) as executor,
+        ):
+            work.say(lambda: f"{done} of {len(known)}; Ctrl-C leaves the others as found")
+            while waiting or busy:
+                # Other commands should find the same class, so it is kept.
+                while waiting and len(busy) < executor.room:
+                    failure, path = waiting.pop(0)
+                    busy[executor.submit(shrunk_or_same, failure, "class")] = path
+                for future in wait(busy, LISTEN, FIRST_COMPLETED).done:
+                    future.result().failure.write(busy.pop(future), force=True)
+                    done += 1
+                executor.listen()
+    except KeyboardInterrupt:
+        left = len(known) - done
+        note(
+            f"interrupted; the project is complete, and {counted(left, 'known failure')} "
+            f"{'is' if left == 1 else 'are'} not shrunk; worldgen shrink FILE does that"
+        )
+        raise SystemExit(130) from None
 
 
 def _service_of(folder: Path) -> str:

@@ -10,6 +10,7 @@ import yaml
 from fuzz.campaign.run import Campaign
 from fuzz.ci import project as module
 from fuzz.ci.project import FIXED, KNOWN, Project
+from fuzz.failure import Failure
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.cli import configuration
@@ -177,6 +178,7 @@ def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_
     (tmp_path / "robot.py").write_text(RAISES)
     done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
     assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
+    assert all(Failure.read(path).is_shrunk for path in Path(KNOWN).glob("*.grid"))
     configuration._project.cache_clear()
     again = worldgen("fuzz", "--out", "found", "--workers", 1)
     assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, (
@@ -191,6 +193,22 @@ def test_init_names_no_folder_that_goes_when_it_ends(tmp_path, monkeypatch):
     done = worldgen("init", "--controller", ROBOT, "--units", "1")
     assert done.code == 130 and "interrupted; nothing was kept" in done.err
     assert "--resume" not in done.err and not (tmp_path / "pyproject.toml").exists()
+
+
+@pytest.mark.gate
+def test_the_project_is_complete_before_its_failures_are_shrunk(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr("fuzz.campaign.shrinking.shrunk_or_same", interrupted_at_once)
+    (tmp_path / "robot.py").write_text(RAISES)
+    done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
+    assert done.code == 130 and "the project is complete, and 1 known failure is not" in done.err
+    (known,) = Path(KNOWN).glob("*.grid")
+    assert not Failure.read(known).is_shrunk and (tmp_path / "pyproject.toml").exists()
+
+
+def interrupted_at_once(failure, kept):
+    raise KeyboardInterrupt
 
 
 def interrupted(campaign):
