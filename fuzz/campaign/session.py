@@ -507,7 +507,7 @@ class CampaignSession:
         failing = self._failing()
         # The dependencies were tried for the clearest failure of each cause.
         why = {
-            self._out / cause.file: cause.why.describe()
+            self._out / cause.file: cause.why
             for cause in self._overview.causes
             if cause.why is not None
         }
@@ -516,7 +516,7 @@ class CampaignSession:
                 one,
                 self._path(bucket),
                 FindingState.NEW if bucket in failing else FindingState.HAZARD,
-                why=why.get(self._path(bucket), ""),
+                why=why.get(self._path(bucket)),
             )
             for bucket, one in best
         ]

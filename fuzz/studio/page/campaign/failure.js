@@ -21,7 +21,7 @@ export function makeFailurePanel(campaign) {
 }
 
 function redraw({ canvas, look }) {
-  if (canvas && look) drawSmall(canvas, look);
+  if (canvas && look) drawSmall(canvas, look, { touched: true, cells: true });
 }
 
 // Updates the panel after the failures were read again, if the chosen one was shrunk or marked in
