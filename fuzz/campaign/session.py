@@ -7,12 +7,13 @@ import shlex
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import Phase, has_not_arrived, shown_in
+from fuzz.campaign.live import LiveState, Phase, has_not_arrived, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -110,6 +111,7 @@ class CampaignSession:
         self._overview = Overview(())
         self._unsaved: set[str] = set()
         self._status = Status.RUNNING
+        self._has_searched = False
         # This holds until all earlier results have been processed.
         self._goes_on = campaign_run.done > 0
         self._summarised = time.monotonic()
@@ -118,7 +120,10 @@ class CampaignSession:
         """Do the campaign; return the exit code."""
         # Search. If workers died or the disk is full, report what was kept and how to continue.
         try:
-            with contextlib.closing(self._store):
+            with (
+                shown_in(self._out / MEMORY, self._live),
+                contextlib.closing(self._store),
+            ):
                 stopped = self._search_and_say_how_it_ended()
         except WorkersLost as error:
             if not self._lasts:
@@ -249,6 +254,7 @@ class CampaignSession:
 
     def _conclude(self, *, stopped: bool) -> bool:
         """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
+        self._has_searched = True
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
@@ -320,7 +326,6 @@ class CampaignSession:
         events = self._campaign.run()
         with (
             working(f"searching ({self._limit})") as work,
-            shown_in(self._out / MEMORY, self._campaign.live),
             contextlib.closing(events),
         ):
             work.say(self._so_far)
@@ -352,6 +357,11 @@ class CampaignSession:
             f"{are}, because time ran out before shrinking finished: "
             f"worldgen fuzz --resume {folder} --units {state.until} finishes it"
         )
+
+    def _live(self) -> LiveState:
+        """Return the campaign's activity, until it ends."""
+        live = self._campaign.live()
+        return replace(live, phase=Phase.EXPLAINING) if self._has_searched else live
 
     def _so_far(self) -> str:
         """Describe the campaign in a few words."""

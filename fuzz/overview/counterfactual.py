@@ -31,7 +31,7 @@ from sim.options.run import switch_sets
 from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.world import Pose, Value
+from worldgen.world import Pose, Value, World
 
 __all__ = ["Change", "Counterfactuals", "counterfactuals", "named_cells"]
 
@@ -170,14 +170,23 @@ class Counterfactuals:
         return f"if one of the cells {named}{others} is free"
 
 
-def named_cells(changes: Iterable[Mapping[str, object]]) -> list[tuple[int, int]]:
-    """Return the cells that changes concern, which may come from any file, in their JSON form."""
+def named_cells(
+    changes: Iterable[Mapping[str, object]], world: World | None = None
+) -> list[tuple[int, int]]:
+    """Return the cells that changes concern.
+
+    Args:
+        changes: In their JSON form; they may come from any file.
+        world: If given, cells outside it are left out.
+    """
     found: list[tuple[int, int]] = []
     for change in changes:
         match change:
             case {"what": "cell" | "event", "value": [int(ix), int(iy)]} if (ix, iy) not in found:
                 found.append((ix, iy))
-    return found
+    if world is None:
+        return found
+    return [(ix, iy) for ix, iy in found if 0 <= ix < world.width and 0 <= iy < world.height]
 
 
 def counterfactuals(

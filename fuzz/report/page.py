@@ -32,7 +32,6 @@ from sim.controllers import CONTROLLERS
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import counted
-from worldgen.world import World
 
 __all__ = ["write_report"]
 
@@ -125,6 +124,7 @@ def _failure(
     record = seen.failure.record
     cause = cause_of(seen.failure)
     example = causes.get(str(entry.path))
+    named = [] if example is None else named_cells(example.changes, seen.failure.world)
     campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
@@ -151,8 +151,7 @@ def _failure(
         "shrunk": seen.failure.is_shrunk,
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
-        "now": _drawn(seen)
-        | {"named": [] if example is None else _named(example, seen.failure.world)},
+        "now": _drawn(seen) | {"named": named},
         "before": None if reported.original is None else _drawn(reported.original),
     }
 
@@ -161,12 +160,6 @@ def _repeats(seen: ReplayedFailure) -> str:
     if seen.shown is None or seen.failure.is_breach or seen.failure.oracle is not None:
         return ""
     return describe_period(seen.failure.world, seen.shown)
-
-
-def _named(cause: CauseRow, world: World) -> list[tuple[int, int]]:
-    """Return the cells of a world that the sentence about a cause's example names."""
-    cells = named_cells(cause.changes)
-    return [(ix, iy) for ix, iy in cells if 0 <= ix < world.width and 0 <= iy < world.height]
 
 
 def _drawn(seen: ReplayedFailure) -> dict[str, Any]:

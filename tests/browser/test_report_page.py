@@ -17,6 +17,7 @@ from tests.helpers.campaign_folder import (
     explain_the_loop,
     renamed,
 )
+from tests.helpers.yellow_marks import YELLOW, check_in_place
 from worldgen.files.grid import read_world, write_world
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import FailureRecord, Pose, Target, World
@@ -338,19 +339,6 @@ def test_on_paper_every_small_picture_is_drawn(page):
     assert blank == 0 and not page.locator("nav").is_visible()
 
 
-# The middle of the yellow pixels of a canvas, in pixels of the page.
-YELLOW = """canvas => {
-  const { width, height } = canvas;
-  const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
-  const found = [];
-  for (let k = 0; k < width * height; k += 1)
-    if (data[4 * k] === 240 && data[4 * k + 1] === 228 && data[4 * k + 2] === 66) found.push(k);
-  const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
-  const middle = [mean(found.map((k) => k % width)), mean(found.map((k) => Math.floor(k / width)))];
-  return { count: found.length, middle, width: canvas.clientWidth, height: canvas.clientHeight };
-}"""
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_cell_that_a_sentence_names_is_marked_in_the_pictures_next_to_it(
     browser, tmp_path, scheme
@@ -363,27 +351,15 @@ def test_a_cell_that_a_sentence_names_is_marked_in_the_pictures_next_to_it(
         page.goto((tmp_path / "r.html").as_uri())
         answer = page.locator(".answer", has_text="thesis-1").first
         assert answer.get_by_text("cell named in the text").count() == 1
-        in_place(answer.locator("canvas[data-which=now]"), world, (2, 1))
+        check_in_place(answer.locator("canvas[data-which=now]"), world, (2, 1))
         # The cards, which have no sentence, have no mark.
         card = page.locator(".card", has_text="loop-a").first
         assert card.locator("canvas").evaluate(YELLOW)["count"] == 0
         card.click()
         page.locator(".legend-part").get_by_text("cell named in the text").wait_for()
-        in_place(page.locator("#stage"), world, (2, 1))
-        in_place(page.locator(".pair canvas[data-which=now]"), world, (2, 1))
+        check_in_place(page.locator("#stage"), world, (2, 1))
+        check_in_place(page.locator(".pair canvas[data-which=now]"), world, (2, 1))
         assert page.complaints == []
-
-
-def in_place(canvas, world, cell):
-    """Check that a canvas that shows the whole world has a yellow mark on a cell."""
-    canvas.scroll_into_view_if_needed()
-    seen = canvas.evaluate(YELLOW)
-    edge = 2 * (9 if seen["width"] < 400 else 16)
-    scale = min((seen["width"] - edge) / world.width, (seen["height"] - edge) / world.height)
-    across = seen["width"] / 2 + (cell[0] + 0.5 - world.width / 2) * scale
-    down = seen["height"] / 2 - (cell[1] + 0.5 - world.height / 2) * scale
-    assert seen["count"] > 20
-    assert seen["middle"] == pytest.approx([across, down], abs=1.5)
 
 
 def test_a_button_leads_to_the_first_bump(browser, address):

@@ -58,6 +58,7 @@ class Activity(StrEnum):
     PREPARING = "preparing"
     SEARCHING = "searching"
     SHRINKING = "shrinking"
+    EXPLAINING = "explaining"
     STOPPED = "stopped"
     DONE = "done"
     GAVE_UP = "gave-up"
