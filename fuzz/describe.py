@@ -6,6 +6,7 @@ import contextlib
 import sys
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
@@ -18,7 +19,11 @@ from sim.episode import Episode
 from sim.evidence import Evidence
 from sim.runners.stopping import OutOfTime
 from worldgen.render import draw_terminal, wants_color
+from worldgen.render.overlay import naming
 from worldgen.support.plain_text import counted, shown, shown_lines
+
+if TYPE_CHECKING:
+    from fuzz.overview.counterfactual import Counterfactuals
 
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
@@ -39,7 +44,11 @@ def describe_seeds(failure: Failure) -> str:
 
 
 def describe(
-    failure: Failure, path: Path, *, met: Counter[str] | None = None, why: str = ""
+    failure: Failure,
+    path: Path,
+    *,
+    met: Counter[str] | None = None,
+    why: Counterfactuals | None = None,
 ) -> str:
     """Return a failure for the terminal: what happened, why, the picture, the command to replay it.
 
@@ -47,7 +56,7 @@ def describe(
         failure: The failure.
         path: Its file.
         met: By class, the number of times that a campaign met it.
-        why: The changes after which its robot arrives: ``arrives if cell (3, 2) is free``.
+        why: The changes after which its robot arrives; the picture marks their cells.
     """
     world = failure.world
     record = failure.record
@@ -76,7 +85,8 @@ def describe(
         with contextlib.suppress(OutOfTime):
             repeats = describe_period(world, episode)
     who = "The fleet" if world.others else "It"
-    depends = f"  {who} {why}.\n" if why else ""
+    depends = f"  {who} {why.describe()}.\n" if why else ""
+    marked = naming(trail, why.cells if why else ())
     color = wants_color(sys.stdout)
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
@@ -88,7 +98,7 @@ def describe(
         f"{f'  It {repeats}.{chr(10)}' if repeats else ''}"
         f"{shown_lines(depends)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
-        f"{draw_terminal(failure.stored, trail=trail, color=color)}"
+        f"{draw_terminal(failure.stored, trail=marked, color=color)}"
         f"  {shown(failure.replay_command(path))}\n"
     )
 

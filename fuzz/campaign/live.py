@@ -70,6 +70,7 @@ class Phase(StrEnum):
     PREPARING = "preparing"
     SEARCHING = "searching"
     SHRINKING = "shrinking"
+    EXPLAINING = "explaining"
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,8 @@ class LiveState:
 
     Args:
         phase: Preparing until the first run, which does not count towards the budget; then
-            searching, or shrinking while there is no search.
+            searching, or shrinking while there is no search; at last explaining, while it runs
+            natural worlds and tries what the failures depend on.
         worlds: Runs so far, including those of units in progress.
         steps: Steps of these runs.
         failed: Runs that did not arrive in screening.

@@ -7,12 +7,13 @@ import shlex
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import Phase, has_not_arrived, shown_in
+from fuzz.campaign.live import LiveState, Phase, has_not_arrived, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -108,6 +109,7 @@ class CampaignSession:
         self._overview = Overview(())
         self._unsaved: set[str] = set()
         self._status = Status.RUNNING
+        self._has_searched = False
         # This holds until all earlier results have been processed.
         self._goes_on = campaign_run.done > 0
         self._summarised = time.monotonic()
@@ -116,7 +118,7 @@ class CampaignSession:
         """Do the campaign; return the exit code."""
         # Search. If workers died or the disk is full, report what was kept and how to continue.
         try:
-            with contextlib.closing(self._store):
+            with shown_in(self._out / MEMORY, self._live), contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
         except WorkersLost as error:
             if not self._lasts:
@@ -247,6 +249,7 @@ class CampaignSession:
 
     def _conclude(self, *, stopped: bool) -> bool:
         """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
+        self._has_searched = True
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
@@ -316,11 +319,7 @@ class CampaignSession:
 
     def _watch(self) -> None:
         events = self._campaign.run()
-        with (
-            working(f"searching ({self._limit})") as work,
-            shown_in(self._out / MEMORY, self._campaign.live),
-            contextlib.closing(events),
-        ):
+        with working(f"searching ({self._limit})") as work, contextlib.closing(events):
             work.say(self._so_far)
             for event in events:
                 self._see(event)
@@ -350,6 +349,11 @@ class CampaignSession:
             f"{are}, because time ran out before shrinking finished: "
             f"worldgen fuzz --resume {folder} --units {state.until} finishes it"
         )
+
+    def _live(self) -> LiveState:
+        """Return the campaign's activity, until it ends."""
+        live = self._campaign.live()
+        return replace(live, phase=Phase.EXPLAINING) if self._has_searched else live
 
     def _so_far(self) -> str:
         """Describe the campaign in a few words."""
@@ -502,7 +506,7 @@ class CampaignSession:
         failing = self._failing()
         # The dependencies were tried for the clearest failure of each cause.
         why = {
-            self._out / cause.file: cause.why.describe()
+            self._out / cause.file: cause.why
             for cause in self._overview.causes
             if cause.why is not None
         }
@@ -511,7 +515,7 @@ class CampaignSession:
                 one,
                 self._path(bucket),
                 FindingState.NEW if bucket in failing else FindingState.HAZARD,
-                why=why.get(self._path(bucket), ""),
+                why=why.get(self._path(bucket)),
             )
             for bucket, one in best
         ]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
@@ -16,7 +17,11 @@ from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
+from worldgen.render.overlay import naming
 from worldgen.support.plain_text import counted, shown, shown_lines
+
+if TYPE_CHECKING:
+    from fuzz.overview.counterfactual import Counterfactuals
 
 
 class FindingState(StrEnum):
@@ -84,7 +89,7 @@ class CiFinding:
         state: FindingState,
         reason: str = "",
         controller: str | None = None,
-        why: str = "",
+        why: Counterfactuals | None = None,
     ) -> CiFinding:
         """Describe a failure; this runs its controller to draw the path.
 
@@ -94,7 +99,7 @@ class CiFinding:
             state: See the class.
             reason: Why it is not confirmed.
             controller: A controller to use instead of the recorded one.
-            why: After which single changes the robot arrives.
+            why: After which single changes the robot arrives; the picture marks their cells.
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
@@ -104,7 +109,7 @@ class CiFinding:
         # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
         try:
             episode, words = run_to_draw(failure)
-            trail = trails_of(episode, world)
+            trail = naming(trails_of(episode, world), why.cells if why else ())
             frames = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"
@@ -138,7 +143,7 @@ class CiFinding:
             replay=shown(replay),
             cause=cause.value,
             sentence=cause.sentence,
-            why=shown(why),
+            why=shown(why.describe()) if why else "",
         )
 
     @property

@@ -3,21 +3,51 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, note
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_out,
+)
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
-EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain failures/ --json"
+if TYPE_CHECKING:
+    from fuzz.failure import Failure
+    from fuzz.overview.counterfactual import Counterfactuals
+
+EXAMPLES = (
+    "\b\n  worldgen explain failures/loop-wall.grid --picture why.png"
+    "\n  worldgen explain failures/ --json"
+)
+_PICTURES = (".png", ".svg")
 
 
 @click.command(epilog=EXAMPLES)
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
+@click.option(
+    "--picture",
+    type=PATH,
+    metavar="OUT",
+    help="Draw a single failure, with the cells that its explanation names: .png or .svg.",
+)
 @json_option
-def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> None:
+@force_option
+def explain(
+    paths: tuple[Path, ...],
+    controller: str | None,
+    picture: Path | None,
+    as_json: bool,
+    force: bool,
+) -> None:
     """Report what a failure depends on, one change at a time.
 
     It frees each wall cell near the path, drops each event and each option, and varies start
@@ -31,6 +61,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 
+    check_out("--picture", picture, *_PICTURES, force=force)
     # Explain one failure after another; skip files that have none.
     explained: list[dict[str, object]] = []
     unexplained = 0
@@ -40,6 +71,8 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
             note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
             unexplained += 1
             continue
+        if picture is not None and explained:
+            raise click.UsageError(f"--picture {picture} shows one failure; give explain one file")
         failure = failure.driven_by(controller)
         try:
             with working(f"explaining {path}"):
@@ -51,6 +84,10 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
         if not as_json:
             click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
             click.echo(f"  {shown(found.describe())}")
+        if picture is not None:
+            with working(f"drawing {picture}"):
+                data = _picture(failure, found, picture.suffix)
+            write_out(picture, data, force=force)
         explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
         for sentence in survivors_found([failure.record.controller]):
             note(f"note: {sentence}")
@@ -59,3 +96,16 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
         emit_json({"explained": len(explained), "failures": explained})
     if unexplained:
         raise SystemExit(2)
+
+
+def _picture(failure: Failure, found: Counterfactuals, suffix: str) -> bytes:
+    from fuzz.describe import run_to_draw
+    from sim.drawing.picture import trails_of
+    from worldgen import render
+    from worldgen.render.overlay import naming
+
+    trail = naming(trails_of(run_to_draw(failure)[0], failure.world), found.cells)
+    title = f"{failure.verdict}: {found.describe()}"
+    if suffix == ".svg":
+        return render.draw_svg(failure.stored, trail=trail, title=title).encode()
+    return render.draw_png(failure.stored, trail=trail, title=title)

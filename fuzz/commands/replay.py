@@ -112,7 +112,7 @@ def replay(
             click.echo(f"{shown(path)}: {shown(now.words)}")
             if with_picture and outcome.confirmed:
                 found = explained(failure.driven_by(controller))
-                click.echo(describe(failure, path, why="" if found is None else found.describe()))
+                click.echo(describe(failure, path, why=found))
             elif now.episode is not None:
                 click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
         if reports:

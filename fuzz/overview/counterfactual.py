@@ -9,7 +9,7 @@ only if the target is still provably reachable, so no change makes the world eas
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,9 +31,9 @@ from sim.options.run import switch_sets
 from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.world import Pose, Value
+from worldgen.world import Pose, Value, World
 
-__all__ = ["Change", "Counterfactuals", "counterfactuals"]
+__all__ = ["Change", "Counterfactuals", "counterfactuals", "named_cells"]
 
 # Numbers that every scenario has. A different start heading explains more than a different time
 # step, so this is also the order in which they are reported.
@@ -128,6 +128,11 @@ class Counterfactuals:
     runs: int
     is_complete: bool
 
+    @property
+    def cells(self) -> list[tuple[int, int]]:
+        """The cells that one of the changes concerns, to be marked in a picture."""
+        return named_cells(map(vars, self.changes))
+
     def table(self) -> dict[str, object]:
         """Return the form of this record in JSON."""
         return {
@@ -163,6 +168,25 @@ class Counterfactuals:
         more = len(cells) - _MOST_NAMED
         others = f" or one of {more} others" if more > 1 else " or one other" if more == 1 else ""
         return f"if one of the cells {named}{others} is free"
+
+
+def named_cells(
+    changes: Iterable[Mapping[str, object]], world: World | None = None
+) -> list[tuple[int, int]]:
+    """Return the cells that changes concern.
+
+    Args:
+        changes: In their JSON form; they may come from any file.
+        world: If given, cells outside it are left out.
+    """
+    found: list[tuple[int, int]] = []
+    for change in changes:
+        match change:
+            case {"what": "cell" | "event", "value": [int(ix), int(iy)]} if (ix, iy) not in found:
+                found.append((ix, iy))
+    if world is None:
+        return found
+    return [(ix, iy) for ix, iy in found if 0 <= ix < world.width and 0 <= iy < world.height]
 
 
 def counterfactuals(

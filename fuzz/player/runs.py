@@ -75,9 +75,12 @@ def drawn_run(
         return None
     # Keep more steps where readers look closely.
     evident = judged or episode
-    marks = _marks(evident)
+    marks = sorted([*_first_touch(trace), *_marks(evident)], key=lambda mark: int(mark["step"]))
     loop = _loop(evident)
-    kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks), most)
+    span = _span_of_interest(trace.steps, loop, marks)
+    kept, coarsest = _kept_steps(trace.steps, span, most)
+    marked = np.array([mark["step"] for mark in marks], np.int64)
+    kept = np.union1d(kept, marked[marked <= trace.steps])
     columns, rows = _columns(trace, kept, cell_size)
     memory = None
     if controller is not None:
@@ -229,6 +232,14 @@ def _loop(episode: Episode) -> list[int] | None:
     if isinstance(evidence, JointLoopEvidence):
         return [evidence.entry, evidence.driven_period]
     return None
+
+
+def _first_touch(trace: Trace) -> list[dict[str, Any]]:
+    """Return the mark of the first step in which the robot touches something; none if it never does."""
+    steps = np.flatnonzero(trace.bump)[:1].tolist()
+    return [
+        _mark(step, "touch", "First bump", "touches something for the first time") for step in steps
+    ]
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:

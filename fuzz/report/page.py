@@ -12,6 +12,8 @@ from typing import Any
 import msgspec
 
 from fuzz.corpus import CorpusEntry, places
+from fuzz.overview.counterfactual import named_cells
+from fuzz.overview.table import CauseRow
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for, entry_of
@@ -61,18 +63,18 @@ def write_report(
     check_output(out, force)
     subject = gather(paths)
     answers = answers_for(subject.entries, subject.campaigns)
-    why = {cause.file: cause.why for answer in answers for cause in answer.causes}
+    causes = {cause.file: cause for answer in answers for cause in answer.causes}
     failures = []
     place = places(subject.entries)
     # Replay each entry, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
-        shown_entry = _failure(entry, subject.campaigns, why)
+        shown_entry = _failure(entry, subject.campaigns, causes)
         failures.append(shown_entry | {"place": place[entry.facts.order]})
     # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
-    others = [entry_of(Path(name)) for name in why if name and name not in shown]
-    extras = [_failure(entry, subject.campaigns, why) for entry in others if entry is not None]
+    others = [entry_of(Path(name)) for name in causes if name and name not in shown]
+    extras = [_failure(entry, subject.campaigns, causes) for entry in others if entry is not None]
     heading = title or _heading(subject)
     data = {
         "title": heading,
@@ -101,14 +103,22 @@ def _heading(subject: ReportSubject) -> str:
 
 
 def _failure(
-    entry: CorpusEntry, campaigns: list[ReportedCampaign], why: Mapping[str, str]
+    entry: CorpusEntry, campaigns: list[ReportedCampaign], causes: Mapping[str, CauseRow]
 ) -> dict[str, Any]:
-    """Return a failure as the page's script expects it."""
+    """Return a failure as the page's script expects it.
+
+    Args:
+        entry: The failure's file.
+        campaigns: The campaigns whose folders were given.
+        causes: By file, the cause whose example it is.
+    """
     reported = look_at(entry, campaigns)
     seen = reported.seen
     facts = entry.facts
     record = seen.failure.record
     cause = cause_of(seen.failure)
+    example = causes.get(str(entry.path))
+    named = [] if example is None else named_cells(example.changes, seen.failure.world)
     campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
@@ -130,12 +140,12 @@ def _failure(
         "cause": cause.value,
         "sentence": cause.sentence,
         "advice": cause.advice,
-        "why": why.get(str(entry.path), ""),
+        "why": "" if example is None else example.why,
         "repeats": _repeats(seen),
         "shrunk": seen.failure.is_shrunk,
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
-        "now": _drawn(seen),
+        "now": _drawn(seen) | {"named": named},
         "before": None if reported.original is None else _drawn(reported.original),
     }
 

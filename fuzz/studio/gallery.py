@@ -13,8 +13,10 @@ from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
+from fuzz.overview.counterfactual import named_cells
 from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
+from fuzz.studio.campaigns.overviews import example_in, ranks
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.running import check_record, check_registered, from_anywhere
@@ -66,6 +68,7 @@ class WallAnswers(Opened):
             self._packed(place, faults, part) if packed else self._entries(below, faults, part)
         )
         place_of = places(entries)
+        rank_of = ranks(map(self._cause, entries), {entry.path.parent for entry in entries})
         return {
             "failures": [
                 {
@@ -80,6 +83,7 @@ class WallAnswers(Opened):
                     "solid": entry.facts.solid,
                     "events": entry.facts.events,
                     "place": place_of[entry.facts.order],
+                    "rank": rank_of[self._cause(entry)],
                     "seen": entry.seen or 0,
                     "digest": entry.facts.digest,
                     "known": entry.facts.key in known,
@@ -115,7 +119,10 @@ class WallAnswers(Opened):
             "sensors": None,
             "error": None,
         }
+        example = example_in(path)
         answer |= {
+            "why": "" if example is None else example.why,
+            "named": [] if example is None else named_cells(example.changes, world),
             "replay": from_anywhere(
                 failure.replay_command(path), failure.record.controller, CONTROLLERS.names()
             ),

@@ -9,7 +9,15 @@ import pytest
 from fuzz.report import write_report
 from tests.helpers.accessibility import nameless
 from tests.helpers.browser import page_in
-from tests.helpers.campaign_folder import CORPUS, LOOP, TUNNEL, campaign_folder, renamed
+from tests.helpers.campaign_folder import (
+    CORPUS,
+    LOOP,
+    TUNNEL,
+    campaign_folder,
+    explain_the_loop,
+    renamed,
+)
+from tests.helpers.yellow_marks import YELLOW, check_in_place
 from worldgen.files.grid import read_world, write_world
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import FailureRecord, Pose, Target, World
@@ -329,3 +337,37 @@ def test_on_paper_every_small_picture_is_drawn(page):
     )
     # The one world whose controller is missing is also drawn, without a path.
     assert blank == 0 and not page.locator("nav").is_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_cell_that_a_sentence_names_is_marked_in_the_pictures_next_to_it(
+    browser, tmp_path, scheme
+):
+    folder = campaign_folder(tmp_path / "c", controller="thesis-1")
+    explain_the_loop(folder, [{"what": "cell", "value": [2, 1]}])
+    world = read_world(folder / LOOP)
+    write_report([folder], tmp_path / "r.html")
+    with page_in(browser, color_scheme=scheme) as page:
+        page.goto((tmp_path / "r.html").as_uri())
+        answer = page.locator(".answer", has_text="thesis-1").first
+        assert answer.get_by_text("cell named in the text").count() == 1
+        check_in_place(answer.locator("canvas[data-which=now]"), world, (2, 1))
+        # The cards, which have no sentence, have no mark.
+        card = page.locator(".card", has_text="loop-a").first
+        assert card.locator("canvas").evaluate(YELLOW)["count"] == 0
+        card.click()
+        page.locator(".legend-part").get_by_text("cell named in the text").wait_for()
+        check_in_place(page.locator("#stage"), world, (2, 1))
+        check_in_place(page.locator(".pair canvas[data-which=now]"), world, (2, 1))
+        assert page.complaints == []
+
+
+def test_a_button_leads_to_the_first_bump(browser, address):
+    with page_in(browser) as page:
+        page.goto(address)
+        page.locator(".card", has_text="loop-a").first.click()
+        button = page.get_by_role("button", name=re.compile(r"First bump \d+"))
+        button.click()
+        step = int(button.inner_text().split()[-1])
+        assert f"step {step} of" in page.locator("#readout").inner_text()
+        assert "touches something for the first time" in page.locator("#readout").inner_text()

@@ -72,7 +72,7 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     page.keyboard.press("3")
     page.locator("#begin").wait_for()
     begin(page, units=5000)
-    stands(page, "ing")  # preparing, searching or shrinking
+    stands(page, "ing")  # preparing, searching, shrinking or explaining
     page.locator(".card").first.wait_for(timeout=CAMPAIGN)
     page.reload()  # the campaign continues, and is shown again
     stands(page, "ing")
@@ -89,6 +89,7 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     )
     page.get_by_role("button", name="Stop").click()
     stands(page, "Stopped")
+    page.locator("[data-filter=sort]").select_option("size")
     page.locator(".card").first.press("Enter")
     name = page.locator("#failure-panel td").last.inner_text()
     world = read_world(tmp_path / name)

@@ -208,6 +208,24 @@ def test_the_command_explains_a_file():
     assert result.code == 0 and "arrives if cell (0, 2) is free" in result.out
 
 
+def test_the_picture_of_an_explanation_marks_the_cells_that_the_sentence_names(tmp_path):
+    assert worldgen("explain", WALL, "--picture", tmp_path / "why.svg").code == 0
+    svg = (tmp_path / "why.svg").read_text()
+    assert "loop: arrives if cell (0, 2) is free" in svg
+    assert "cell named in the text" in svg
+    assert worldgen("explain", WALL, "--picture", tmp_path / "why.png").code == 0
+    assert (tmp_path / "why.png").read_bytes().startswith(b"\x89PNG")
+    # A picture holds one failure, and does not replace a file.
+    assert worldgen("explain", WALL, FIRE, "--picture", tmp_path / "two.png").code == 2
+    assert worldgen("explain", WALL, "--picture", tmp_path / "why.png").code == 2
+
+
+def test_replay_marks_the_cells_that_its_explanation_names():
+    result = worldgen("replay", WALL, "--show")
+    assert "arrives if cell (0, 2) is free" in result.out
+    assert "? cell named in the text" in result.out
+
+
 def test_json_has_the_changes_as_data():
     found = json.loads(worldgen("explain", WALL, "--json").out)
     assert found["explained"] == 1

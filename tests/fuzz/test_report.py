@@ -31,6 +31,7 @@ from tests.helpers.campaign_folder import (
     SUMMARY,
     TUNNEL,
     campaign_folder,
+    explain_the_loop,
     renamed,
 )
 from tests.helpers.command_line import worldgen
@@ -309,8 +310,41 @@ def test_a_stall_is_marked_where_the_last_new_cell_is_entered(page):
     )
     last = read_world(CORPUS / STALLED).failure.evidence["last_new_cell"]
     assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [
-        ("Nothing new after", last)
+        ("First bump", first_bump(STALLED)),
+        ("Nothing new after", last),
     ]
+
+
+def first_bump(name):
+    """Return the step of a failure's first bump, found in its recording."""
+    (first, *_) = np.flatnonzero(Failure.read(CORPUS / name).run().trace.bump)
+    return int(first)
+
+
+def test_the_step_of_the_first_bump_is_kept_in_a_thinned_run():
+    failure = Failure.read(CORPUS / STALLED)
+    run = drawn_run(failure.run(), failure.world.cell_size, most=20)
+    assert run["thinned"] > 1
+    assert first_bump(STALLED) * SHARE in decoded(run["at"])
+
+
+def test_only_the_example_of_a_cause_names_cells_and_only_those_in_its_world(tmp_path):
+    folder = campaign_folder(tmp_path / "c", controller="thesis-1")
+    changes = [
+        {"what": "cell", "value": [2, 1]},
+        {"what": "event", "value": [3, 2], "was": 1.0},
+        {"what": "cell", "value": [10_000, 1]},
+        {"what": "cell", "value": "gone"},
+        {"what": "radius", "value": 0.05, "was": 0.1},
+    ]
+    explain_the_loop(folder, changes)
+    write_report([folder], tmp_path / "r.html")
+    named = {
+        Path(one["path"]).name: one["now"]["named"]
+        for one in data_of(tmp_path / "r.html")["failures"]
+    }
+    assert named[LOOP] == [[2, 1], [3, 2]]
+    assert named[STALLED] == []
 
 
 def test_corners_inside_steps_are_kept():

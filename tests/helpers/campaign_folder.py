@@ -54,6 +54,17 @@ def campaign_folder(folder, **summary):
     return folder
 
 
+def explain_the_loop(folder, changes):
+    """Write an overview into the folder, with the loop as the example of its only cause."""
+    cause = {
+        "cause": "bounces-between-walls", "sentence": "It bounces.", "advice": "Add memory.",
+        "severity": "never-arrives", "state": "new", "met": 17, "verdicts": {"loop": 17},
+        "natural": None, "classes": ["loop-a"], "file": LOOP, "smallest": LOOP,
+        "why": "arrives if some cell is free", "changes": changes,
+    }  # fmt: skip
+    (folder / ".campaign/overview.json").write_text(json.dumps({"version": 1, "causes": [cause]}))
+
+
 def renamed(world, kind):
     """Return the failure with another class."""
     return replace(

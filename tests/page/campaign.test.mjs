@@ -62,6 +62,8 @@ test("preparation does not count towards the budget, and shrinking says how many
   const { made, line } = status();
   made.show({ ...RUNNING, activity: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
   assert.match(line(), /^Preparing.*the 30 s begin after that0 worlds/);
+  made.show({ ...RUNNING, activity: "explaining" });
+  assert.match(line(), /^Explaining.*natural worlds/);
   made.show({ ...RUNNING, activity: "shrinking", shrinking: 3 });
   assert.match(line(), /^Shrinking 3 failures.*31 not arrived/);
 });
@@ -104,6 +106,12 @@ test("the best so far is the smallest failure, or the longest path if there is n
   assert.equal(best.textContent, "No failure yet. Longest path so far: 1.5 to 2 times the straight line");
   made.sizes(smallest(SLID, A));
   assert.equal(best.textContent, "Best so far:loop-z7 x 3 cells, 19 solid");
+  // It was hidden while the folder was being read.
+  made.sizes(null);
+  made.show({ ...RUNNING, archive });
+  assert.equal(best.hidden, true);
+  made.sizes(smallest(SLID, A));
+  assert.equal(best.hidden, false);
   best.querySelector("button").click();
   assert.deepEqual(done, ["loop-z"]);
 });

@@ -42,7 +42,7 @@ test("a contact just after a step does not make the robot seem fast", () => {
 test("the legend explains only the marks that are drawn", () => {
   const words = (drawn) => legendOf(drawn).querySelectorAll("li").map((item) => item.textContent);
   const { world, run } = straight();
-  assert.deepEqual(words({ world, run }), ["start", "target", "the robot's path", "still to be driven", "wall touched"]);
+  assert.deepEqual(words({ world, run }), ["start; the tick is its heading", "target", "the robot's path", "still to be driven", "wall touched"]);
   const loops = { ...run, loop: [1, 2], marks: [{ step: 1, kind: "breach", name: "", text: "", cell: [1, 1] }] };
   const more = words({ world: { ...world, cut: [[1, 1]] }, run: loops });
   for (const item of ["the path into the loop", "the period, repeated forever", "wall entered, or cell that did harm", "the cut that separates start and target"]) assert.ok(more.includes(item), item);

@@ -14,7 +14,19 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
 from worldgen.render import EventMark, Frame, Trail, draw_html, draw_png, draw_svg
-from worldgen.render.palette import FIRE, FLOOR, GREY, LOOP, PAPER, START, TUNNEL, WALL, mix, rgb
+from worldgen.render.palette import (
+    FIRE,
+    FLOOR,
+    GREY,
+    LOOP,
+    NAMED,
+    PAPER,
+    START,
+    TUNNEL,
+    WALL,
+    mix,
+    rgb,
+)
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 
@@ -352,3 +364,30 @@ def test_the_floor_ends_where_the_wall_around_it_begins():
         rgb(WALL),
     ]
     assert [tuple(picture[row, x]) for x in (frame.left - 1, frame.left)] == [rgb(WALL), rgb(FLOOR)]
+
+
+def test_named_cells_are_marked_and_the_columns_and_rows_are_numbered():
+    world = small_world()
+    trail = square_trail(named=((10, 3), (4, 9)))
+    picture = decoded(draw_png(world, trail=trail, pixels=900))
+    frame = Frame.of(world, 900, is_numbered=True)
+    for x, y in ((1.05, 0.35), (0.45, 0.95)):
+        column, row = (int(at) for at in frame.to_pixels(x, y))
+        around = picture[row - 15 : row + 16, column - 15 : column + 16].reshape(-1, 3)
+        assert sum(near(colour, NAMED) for colour in around) > 50
+    texts = re.findall("<text[^>]*>([^<]*)</text>", draw_svg(world, trail=trail))
+    assert "cell named in the text" in texts
+    assert {str(number) for number in range(20)} <= set(texts)
+    # Only pictures with named cells have numbers.
+    assert not {"0", "cell named in the text"} & set(
+        re.findall("<text[^>]*>([^<]*)</text>", draw_svg(world, trail=square_trail()))
+    )
+
+
+def test_the_numbers_of_a_large_world_do_not_overlap():
+    world = large_maze(100)
+    svg = draw_svg(world, trail=Trail([0.15], [0.15], named=((0, 0),)), pixels=400)
+    texts = re.findall(r'<text x="([^"]*)" y="([^"]*)"[^>]*>(\d+)</text>', svg)
+    above = sorted(float(x) for x, y, _ in texts if y == texts[0][1])
+    assert len(above) > 5
+    assert min(b - a for a, b in pairwise(above)) > 15.0

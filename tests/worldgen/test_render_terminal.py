@@ -188,3 +188,20 @@ def test_colour_is_for_terminals_that_can_show_it(monkeypatch, stream, environme
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     assert wants_color(stream) is wanted
+
+
+def test_a_cell_that_the_text_names_has_its_own_sign():
+    trail = Trail([0.15], [0.35], named=((5, 2),))
+    lines = draw_terminal(tiny_world(), trail=trail, color=False, width=80).splitlines()
+    assert lines[1:4] == ["#S.....#", "#....?.#", "#....#G#"]
+    assert "? cell named in the text" in lines[5]
+
+
+def test_a_named_cell_is_filled_in_a_coloured_picture():
+    yellow = "\x1b[38;2;240;228;66m"
+    picture = draw_terminal(
+        tiny_world(), trail=Trail([0.15], [0.35], named=((5, 2),)), width=80, truecolor=True
+    )
+    rows = [line for line in picture.splitlines()[:-2] if yellow in line]
+    assert len(rows) > 1
+    assert yellow not in draw_terminal(tiny_world(), width=80, truecolor=True)

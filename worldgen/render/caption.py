@@ -10,6 +10,7 @@ import numpy as np
 from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import decoy_mark, push_arrow
 from worldgen.render.fleet_parts import COLOURS, colour_of
+from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import (
     APPROACH,
@@ -132,7 +133,7 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     length = bar * frame.scale
     keys = [
         (f"{bar:g} m", _scale_sample(length), length),
-        *((words, sample, ICON * unit) for words, sample in _keys(content)),
+        *((words, sample, ICON * unit) for words, sample in _all_keys(content)),
     ]
     placed, y = _place(keys, left, room, y + 4.0 * unit, unit)
     return parts + placed, round(y + 10.0 * unit)
@@ -189,6 +190,11 @@ def _place(
     return parts, y
 
 
+def _all_keys(content: Content) -> list[tuple[str, Sample]]:
+    named = [("cell named in the text", _named_sample)] if content.named else []
+    return [*_keys(content), *named]
+
+
 def _keys(content: Content) -> list[tuple[str, Sample]]:
     world = content.world
     trail = content.trail
@@ -235,7 +241,7 @@ def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
 def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
     # The path and its loop.
     if trail.loop_from is None:
-        keys: list[tuple[str, Sample]] = [("robot's way", _line(LOOP, 2.2, arrow=True))]
+        keys: list[tuple[str, Sample]] = [("robot's path", _line(LOOP, 2.2, arrow=True))]
     else:
         keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
         spot = ("loop, forever on this spot", _end_sample)
@@ -334,6 +340,10 @@ def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
         DrawnLine(np.array((x, y)) + arms, paint),
         DrawnLine(np.array((x, y)) + arms[:, ::-1], paint),
     ]
+
+
+def _named_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return named_mark(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
 
 
 def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:

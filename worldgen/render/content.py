@@ -50,6 +50,7 @@ class Content:
         title: First line of the caption.
         frame: The map's place in the picture.
         changes: The cells that the world's timeline changes.
+        named: The cells that the text next to the picture names.
     """
 
     world: World
@@ -60,3 +61,4 @@ class Content:
     frame: Frame
     changes: Changes
     trails: Sequence[Trail] = ()
+    named: Sequence[tuple[int, int]] = ()

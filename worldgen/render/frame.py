@@ -22,6 +22,8 @@ CRISP_CELL = 8
 BAND = 7.0
 # Width of the white paper around the band, units.
 MARGIN = 12.0
+# More paper for the numbers of columns and rows, units.
+NUMBERS = 14.0
 # Minimum width of a picture, units, to fit the caption.
 NARROWEST = 380.0
 
@@ -51,8 +53,10 @@ class Frame:
     picture_width: int
 
     @classmethod
-    def of(cls, world: World, pixels: int = DEFAULT_PIXELS) -> Frame:
+    def of(cls, world: World, pixels: int = DEFAULT_PIXELS, *, is_numbered: bool = False) -> Frame:
         """Return the frame of a world's picture with a map of at most ``pixels`` on either side.
+
+        ``is_numbered`` leaves room for the numbers of columns and rows.
 
         Raises:
             InvalidParameter: If ``pixels`` is out of range.
@@ -74,7 +78,7 @@ class Frame:
         unit = min(max(pixels / DEFAULT_PIXELS, 0.75), 6.0)
         width = max(1, round(world.width * cell))
         height = max(1, round(world.height * cell))
-        edge = round((BAND + MARGIN) * unit)
+        edge = round((BAND + MARGIN + (NUMBERS if is_numbered else 0.0)) * unit)
         # A narrow map gets a wider picture, so that the caption has room.
         picture_width = max(width + 2 * edge, round(NARROWEST * unit))
         left = (picture_width - width) // 2

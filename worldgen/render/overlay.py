@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
@@ -144,6 +144,7 @@ class Trail:
             ``None`` for another task.
         memory: The robot's memory at the end; ``None`` if it does not show it.
         blocked_by: The robots, numbered from 1, that this one drives into forever.
+        named: Cells (ix, iy) that the text next to the picture names.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -159,6 +160,7 @@ class Trail:
     missed: Bools | None = None
     memory: Remembered | None = None
     blocked_by: tuple[int, ...] = ()
+    named: tuple[tuple[int, int], ...] = ()
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.
@@ -274,3 +276,12 @@ def each_trail(trails: Trails) -> tuple[Trail, ...]:
     if trails is None:
         return ()
     return (trails,) if isinstance(trails, Trail) else tuple(trails)
+
+
+def naming(trails: Trails, cells: Sequence[tuple[int, int]]) -> Trails:
+    """Return the same trails for a picture next to a text that names some cells."""
+    if not cells or not trails:
+        return trails
+    first, *others = each_trail(trails)
+    marked = replace(first, named=tuple(cells))
+    return marked if isinstance(trails, Trail) else [marked, *others]

@@ -20,6 +20,8 @@ FIRE = "#E69F00"
 PUSH = "#56B4E9"
 # Yellow: cells of a coverage task that the robot missed.
 MISSED = "#E3C800"
+# A lighter yellow, with a dark edge: cells that the text next to the picture names.
+NAMED = "#F0E442"
 # Violet, as in the player: the robot's memory.
 MEMORY = "#6A3FB5"
 # Reddish purple: where the run broke the world's rules, and cuts.

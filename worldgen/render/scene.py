@@ -16,8 +16,9 @@ from worldgen.render.disturbance_parts import above_the_trail, missed_cells, und
 from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
+from worldgen.render.named_parts import axis_numbers, named_cells, named_parts
 from worldgen.render.outline import corner_count, outlines
-from worldgen.render.overlay import Trail, Trails
+from worldgen.render.overlay import Trail, Trails, each_trail
 from worldgen.render.palette import (
     FIRE,
     FLOOR,
@@ -83,15 +84,18 @@ def compose(
     Raises:
         InvalidParameter: If ``pixels`` is out of range.
     """
-    frame = Frame.of(world, pixels)
+    named = named_cells(each_trail(trail))
+    frame = Frame.of(world, pixels, is_numbered=bool(named))
     # The floor cannot show the signals of several targets.
     shown = signal and not world.others
     one = trail if isinstance(trail, Trail) else None
     several = () if trail is None or isinstance(trail, Trail) else tuple(trail)
-    content = Content(world, one, shown, witness, title, frame, Changes.of(world), several)
+    content = Content(world, one, shown, witness, title, frame, Changes.of(world), several, named)
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
-    return Picture(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
+    marked = [*named_parts(named, frame), *axis_numbers(content)] if named else []
+    parts = (paper, *_map(content), *marked, *words)
+    return Picture(frame, frame.picture_width, height, title, parts)
 
 
 def map_parts(world: World, frame: Frame) -> list[Primitive]:

@@ -21,6 +21,7 @@ from worldgen.render.palette import (
     FULL_TINT,
     GREY,
     LOOP,
+    NAMED,
     START,
     TARGET,
     TUNNEL,
@@ -49,6 +50,7 @@ BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 FREE, PARTLY, SOLID, CLOSES, BURNS, WITNESS, WAY, LOOPS, START_DOT, TARGET_DOT, TUNNELS = range(11)
 # Only where a cell is solid.
 OPENS = 11
+NAMED_CELL = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +75,13 @@ SIGNS = {
     START_DOT: Sign("S", START, "start"),
     TARGET_DOT: Sign("G", TARGET, "target"),
     TUNNELS: Sign("!", TUNNEL, "through a wall"),
+    NAMED_CELL: Sign("?", NAMED, "cell named in the text"),
 }
+
+# The order of the key.
+_IN_KEY = (
+    START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, NAMED_CELL, PARTLY, CLOSES, OPENS, BURNS,
+)  # fmt: skip
 
 
 def wants_color(stream: TextIO) -> bool:
@@ -248,6 +256,8 @@ class _Grid:
         for trail in trails:
             for x, y in trail.places("tunnel"):
                 dots[self.place(dots, x, y)] = TUNNELS
+            for ix, iy in trail.named:
+                self._cell(dots, world, ix, iy, NAMED_CELL)
         return dots
 
     def place(self, dots: Bytes, x: float, y: float) -> tuple[int, int]:
@@ -256,6 +266,15 @@ class _Grid:
         row = math.floor(y / self.dot_size)
         column = math.floor(x / self.dot_size)
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
+
+    def _cell(self, dots: Bytes, world: World, ix: int, iy: int, sign: int) -> None:
+        """Fill a cell, or mark the dot that shows it."""
+        if self.dots_per_cell > 1:
+            side = self.dots_per_cell
+            dots[iy * side : (iy + 1) * side, ix * side : (ix + 1) * side] = sign
+        else:
+            size = world.cell_size
+            dots[self.place(dots, (ix + 0.5) * size, (iy + 0.5) * size)] = sign
 
     def _line(self, dots: Bytes, points: Floats, sign: int) -> None:
         if not len(points):
@@ -366,7 +385,7 @@ def _key(dots: Bytes, own: Mapping[int, str], *, color: bool, deep: bool) -> str
         deep: True for 24-bit colours.
     """
     words = []
-    for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
+    for sign in _IN_KEY:
         if (dots == sign).any():
             if sign in own:
                 words.append(own[sign])

@@ -1,22 +1,25 @@
 // The legend of a player: the marks in its picture, described as in the static pictures.
 
-import { BURNING, SOLID, openWorld } from "#player/decode.js";
+import { BURNING, SOLID, openRun, openWorld } from "#player/decode.js";
 import { el } from "#player/dom.js";
 import { hasMap } from "#player/picture/memory.js";
 import { robotColour } from "#player/picture/pen.js";
+
+const NAMED = ["named", "cell named in the text"];
+const TOUCHED = ["square touched", "wall touched"];
 
 /**
  * Returns the marks that are drawn, as pairs of a class and a description.
  * @param {Drawn} drawn
  * @returns {[string, string][]}
  */
-function marksOf({ world, run, others, number }) {
+function marksOf({ world, run, others, number, named }) {
   const { events } = openWorld(world),
     happens = new Set(events?.state ?? []);
   const several = (others ?? []).length > 0;
   /** @type {(string[] | false)[]} */
   const marks = [
-    ["start", "start"],
+    ["start", "start; the tick is its heading"],
     ["target", "target"],
     several && ["chip-mark", "each robot has its number and colour"],
     !several && run !== null && run.loop !== null && ["way", "the path into the loop"],
@@ -24,8 +27,9 @@ function marksOf({ world, run, others, number }) {
     several && run !== null && run.loop !== null && [`${robotColour(number ?? 1)} thick`, "its period, repeated forever"],
     several && [{ run }, ...(others ?? [])].some((one) => one.run?.blocked_by?.length) && ["blocked", "is blocked by"],
     run !== null && [ "ahead", "still to be driven"],
-    run !== null && ["square touched", "wall touched"],
+    run !== null && TOUCHED,
     run !== null && run.marks.some(({ cell }) => cell) && ["square pierced", "wall entered, or cell that did harm"],
+    Boolean(named?.length) && NAMED,
     hasMap(run) && ["memory", "the robot's own map"],
     happens.has(BURNING) && ["square fire", "burning"],
     happens.has(BURNING) && ["square burnt", "burnt floor"],
@@ -41,6 +45,15 @@ function marksOf({ world, run, others, number }) {
  * @returns {HTMLElement}
  */
 export function legendOf(drawn) {
-  const items = marksOf(drawn).map(([name, words]) => el("li", {}, el("i", { class: name }), words));
-  return el("details", { class: "legend-part", open: true }, el("summary", {}, "Legend"), el("ul", { class: "legend" }, items));
+  return el("details", { class: "legend-part", open: true }, el("summary", {}, "Legend"), listOf(marksOf(drawn)));
 }
+
+/**
+ * Makes the legend of a small picture: the cells that its text is about.
+ * @param {Pick<DrawnFailure, "run" | "named">} drawn
+ * @returns {HTMLElement}
+ */
+export const legendOfCells = ({ run, named }) =>
+  listOf([...(run && openRun(run).bump.some(Boolean) ? [TOUCHED] : []), ...(named?.length ? [NAMED] : [])]);
+
+const listOf = (marks) => el("ul", { class: "legend" }, marks.map(([name, words]) => el("li", {}, el("i", { class: name }), words)));

@@ -37,7 +37,7 @@ export function makePlayer(canvas, drawn, changed) {
     playing: false,
     period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,
-    show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, memory: true },
+    show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, cells: true, memory: true },
     drawnMore: null, // called after each frame, while both runs are saved to a file
     view: null, // null: the whole world
     follow: false,

@@ -236,6 +236,8 @@ interface DrawnFailure {
   /** For the first robot, and for the others if there are several. */
   number?: number | null;
   others?: OtherRobot[];
+  /** Cells that the text next to the picture names. */
+  named?: [number, number][];
 }
 
 interface ReportFailure {
@@ -398,7 +400,7 @@ interface Pose {
 type Layer = "changes" | "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
 
 /** The visible parts of a scene; `grid` is visible unless it is false. */
-type Shown = Partial<Record<Layer | "grid", boolean>>;
+type Shown = Partial<Record<Layer | "grid" | "cells", boolean>>;
 
 interface OtherRobot {
   run: DrawnRun;
@@ -419,6 +421,8 @@ interface Scene {
   others?: OtherRobot[];
   /** Draws the whole path, as in small pictures. */
   whole?: boolean;
+  /** Cells that the text next to the picture names. */
+  named?: [number, number][];
 }
 
 /** A scene of a robot's run. */
@@ -431,6 +435,7 @@ interface Drawn {
   sensors?: Sensors | null;
   number?: number | null;
   others?: OtherRobot[];
+  named?: [number, number][];
   name?: string;
   /** Why there is no run. */
   why?: string;
@@ -459,7 +464,7 @@ interface Player extends Clock, Camera {
   /** Plays only the period of a loop. */
   period: boolean;
   speed: number;
-  show: Record<Layer, boolean>;
+  show: Record<Layer | "cells", boolean>;
   /** Called after each frame while both runs are saved to a file. */
   drawnMore: (() => void) | null;
   /** Null for the whole world. */

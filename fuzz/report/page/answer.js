@@ -1,6 +1,7 @@
 // The first screen: does it work, how bad is it, why, and what to do.
 
 import { el, grouped, plural, verdictDot } from "#player/dom.js";
+import { legendOfCells } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
 
@@ -53,7 +54,7 @@ export function makeAnswer(section, data) {
     for (const canvas of section.querySelectorAll("canvas")) {
       const failure = all.find((one) => one.id === canvas.dataset.id);
       const drawn = failure && failure[canvas.dataset.which === "before" ? "before" : "now"];
-      if (drawn) drawSmall(canvas, drawn);
+      if (drawn) drawSmall(canvas, drawn, { touched: true, cells: true });
     }
   };
   return { redraw };
@@ -258,7 +259,7 @@ function picturePart(failure) {
         { href: `#${failure.id}`, "aria-label": `${words}: play it` },
         el("canvas", { "data-id": failure.id, "data-which": which, role: "img", "aria-label": pictureLabel(drawn) }),
       ),
-      el("figcaption", {}, words),
+      el("figcaption", {}, words, legendOfCells(drawn)),
     );
   const now = failure.shrunk
     ? `Shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`

@@ -47,7 +47,7 @@ export function makeDetail(section, failure, neighbours) {
     ),
   );
   const drawPair = () => {
-    for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""]);
+    for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""], { touched: true, cells: true });
   };
   if (failure.now.world) load(failure.now, failure.bucket);
   drawPair();

@@ -47,6 +47,7 @@ class Activity(StrEnum):
     PREPARING = "preparing"
     SEARCHING = "searching"
     SHRINKING = "shrinking"
+    EXPLAINING = "explaining"
     STOPPED = "stopped"
     DONE = "done"
     GAVE_UP = "gave-up"

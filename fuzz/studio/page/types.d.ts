@@ -258,7 +258,7 @@ interface CampaignState {
   seed: string;
   budget: { units: number | null; seconds: number | null };
   /** What it is doing, or how it ended. */
-  activity: "preparing" | "searching" | "shrinking" | "stopped" | "done" | "gave-up";
+  activity: "preparing" | "searching" | "shrinking" | "explaining" | "stopped" | "done" | "gave-up";
   /** Failures that are being shrunk, or wait for it. */
   shrinking: number;
   units: number;
@@ -294,6 +294,8 @@ interface WallFailure {
   events: number;
   /** Its place among the folder's failures, the simplest first. */
   place: number;
+  /** The place of its cause, the worst first. */
+  rank: number;
   seen: number;
   digest: string;
   known: boolean;

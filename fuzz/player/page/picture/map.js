@@ -9,6 +9,7 @@ import { grouped, plural } from "#player/dom.js";
 import { drawStart, drawTarget } from "#player/picture/ends.js";
 import { drawGround } from "#player/picture/ground.js";
 import { drawMemory } from "#player/picture/memory.js";
+import { drawAxisNumbers, drawNamed } from "#player/picture/named.js";
 import { drawNumbers } from "#player/picture/numbers.js";
 import { disc, penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
@@ -41,7 +42,19 @@ export function drawScene(canvas, scene, view = null) {
   drawTarget(pen, world);
   if (run) drawRun(pen, { ...scene, run, step, number }, cells);
   else drawStart(pen, world, true);
+  if (scene.show.cells) drawCellsOf(pen, scene);
   drawScaleBar(pen, world);
+}
+
+/**
+ * Marks the cells that the text next to a scene names. The cell in which the run broke a rule has
+ * its own mark.
+ * @param {Pen} pen
+ * @param {Scene} scene
+ */
+function drawCellsOf(pen, { world, run, named = [] }) {
+  drawNamed(pen, named);
+  if (named.length > 0 || run?.marks.some(({ cell }) => cell)) drawAxisNumbers(pen, world);
 }
 
 /**
@@ -71,15 +84,16 @@ function drawRun(pen, scene, cells) {
 /**
  * Draws a small picture: the whole path, and the robot where the run ends.
  * @param {HTMLCanvasElement} canvas
- * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "number" | "others">} drawn
+ * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "number" | "others" | "named">} drawn
+ * @param {Partial<Shown>} [more] - Further layers
  */
-export function drawSmall(canvas, drawn) {
+export function drawSmall(canvas, drawn, more = {}) {
   const { world } = drawn;
   if (!world) return;
-  const show = { trail: true, signal: true, touched: false, sensors: false, witness: false };
-  const { run, sensors, number, others } = drawn;
+  const show = { trail: true, signal: true, touched: false, sensors: false, witness: false, ...more };
+  const { run, sensors, number, others, named } = drawn;
   const last = Math.max(...[run, ...(others ?? []).map((other) => other.run)].map((one) => one?.steps ?? 0));
-  drawScene(canvas, { world, run, sensors, number, others, show, whole: true, step: last });
+  drawScene(canvas, { world, run, sensors, number, others, named, show, whole: true, step: last });
 }
 
 /**

@@ -1,6 +1,7 @@
 // The chosen failure: what happened, and the actions for it.
 
 import { el, plural, verdictDot } from "#player/dom.js";
+import { legendOfCells } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
 import { framesPart } from "#player/robots.js";
 import { copied } from "#studio/shared/clipboard.js";
@@ -21,7 +22,7 @@ export function makeFailurePanel(campaign) {
 }
 
 function redraw({ canvas, look }) {
-  if (canvas && look) drawSmall(canvas, look);
+  if (canvas && look) drawSmall(canvas, look, { touched: true, cells: true });
 }
 
 // Updates the panel after the failures were read again, if the chosen one was shrunk or marked in
@@ -41,6 +42,7 @@ function show(panel, failure) {
   panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's path" });
   const words = el("p", {}, "…");
   const why = el("p", { id: "failure-cause" });
+  const legend = el("div");
   const changed = el("p", { class: "notice", hidden: true }, OTHER_RUN);
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
@@ -52,6 +54,7 @@ function show(panel, failure) {
   panel.element.replaceChildren(
     el("h2", {}, verdictDot(failure.verdict), " ", failure.class),
     panel.canvas,
+    legend,
     why,
     words,
     changed,
@@ -64,8 +67,10 @@ function show(panel, failure) {
     panel.look = look;
     words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
     const cause = campaignCauses(panel)[look.cause ?? failure.cause];
-    const repeats = look.repeats ? ` It ${look.repeats}.` : "";
-    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}${repeats}`] : []));
+    const who = look.others?.length ? "The fleet" : "It";
+    const more = [look.repeats && `It ${look.repeats}.`, look.why && `${who} ${look.why}.`].filter(Boolean);
+    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${[cause.advice, ...more].join(" ")}`] : []));
+    legend.replaceChildren(look.error ? "" : legendOfCells(look));
     changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });

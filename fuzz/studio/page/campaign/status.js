@@ -6,7 +6,7 @@ import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js"
 import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
-const ACTIVITIES = { preparing: "Preparing", searching: "Searching", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
+const ACTIVITIES = { preparing: "Preparing", searching: "Searching", explaining: "Explaining", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
 // What became of a class; only kept ones have a picture.
 const FATES = { kept: "", known: "known", waiting: "to be shrunk", lost: "not kept", unread: "…" };
 
@@ -45,7 +45,7 @@ export function makeStatus(campaign) {
     actions: parts.actions,
     show: (state) => show(status, state),
     sizes: (smallest) => {
-      // by class, the simplest first; null while the folder is being read
+      // the simplest of each class, the worst first; null while the folder is being read
       status.smallest = smallest;
       if (status.state) showFailures(status);
     },
@@ -104,10 +104,11 @@ function strategiesNow({ state, strategies }) {
   return new Set([...strategies].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
 }
 
-// Shows the smallest failure or, before there is one, the longest path
+// Shows the worst failure or, before there is one, the longest path
 // that a robot took to its target.
 function showBest({ state, smallest, parts, campaign }) {
   const [best] = (smallest || new Map()).values();
+  parts.best.hidden = false;
   if (best) {
     const open = el("button", { type: "button", class: "link", onclick: () => campaign.wall.choose(best) }, best.class);
     parts.best.replaceChildren(el("span", {}, "Best so far:"), open, el("span", {}, `${best.width} x ${best.height} cells, ${best.solid} solid`));
@@ -164,6 +165,7 @@ function activityWords({ activity, shrinking }) {
 
 function budgetWords({ budget, units, running, elapsed, activity }) {
   if (activity === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
+  if (activity === "explaining") return `running natural worlds, and trying what the failures depend on; ${plural(units, "unit")}`;
   if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
   if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over; finishing current work, ${shown}`;

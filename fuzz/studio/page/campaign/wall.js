@@ -9,7 +9,7 @@ import { Refused, refusalWords } from "#studio/shared/refusals.js";
 const AT_ONCE = 3; // pictures requested at the same time
 const LOOKS = 400; // pictures that are kept, about 50 kB each
 const ROWS = 120; // cards that are shown before the user asks for more
-const SORTS = { cause: "by cause", size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
+const SORTS = { worst: "worst first", size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
 const FILTERS = { cause: "Cause", class: "Class", verdict: "Verdict", controller: "Controller" };
 
 /**
@@ -24,7 +24,7 @@ export function makeWall(campaign) {
     faults: el("p", { class: "notice", hidden: true }),
   };
   const wall = {
-    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Recent(LOOKS), queue: [], busy: 0, isRead: false, cards: new Map(),
+    campaign, parts, failures: [], shown: ROWS, sort: "worst", chosen: "", filter: {}, looks: new Recent(LOOKS), queue: [], busy: 0, isRead: false, cards: new Map(),
   };
   wall.seen = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && want(wall, entry.target)), { rootMargin: "200px" });
   const element = el("div", { class: "wall-part" }, parts.tools, parts.faults, el("div", { class: "wall-scroll" }, parts.list));
@@ -81,7 +81,8 @@ function show(wall, answer) {
   parts.faults.textContent = answer ? faultWords(answer.faults) : "";
   const smallest = new Map();
   for (const one of sorted(wall.failures, "size")) if (!smallest.has(one.class)) smallest.set(one.class, one);
-  campaign.status.sizes(answer && smallest);
+  const worst = sorted([...smallest.values()], "worst");
+  campaign.status.sizes(answer && new Map(worst.map((one) => [one.class, one])));
   campaign.failure.follow(wall.failures);
   showAll(wall);
 }
@@ -94,9 +95,8 @@ function faultWords(faults) {
 
 function sorted(failures, by) {
   const size = (a, b) => a.place - b.place;
-  const times = (cause) => failures.filter((one) => one.cause === cause).length;
   const name = (a, b) => (a.class < b.class ? -1 : a.class > b.class ? 1 : 0);
-  const orders = { cause: (a, b) => times(b.cause) - times(a.cause) || (a.cause < b.cause ? -1 : a.cause > b.cause ? 1 : 0), size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
+  const orders = { worst: (a, b) => a.rank - b.rank, size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
   return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || (a.name < b.name ? -1 : 1));
 }
 

@@ -1,0 +1,64 @@
+"""The wall of failures: the worst first, with the cells that the explanation of one names."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.helpers.campaign_folder import LOOP, STALLED, TUNNEL, campaign_folder, explain_the_loop
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+from tests.helpers.yellow_marks import check_in_place
+from worldgen.files.grid import read_world, write_world
+
+pytestmark = pytest.mark.gate
+
+CAUSES = {
+    LOOP: "bounces-between-walls",
+    TUNNEL: "slides-into-a-wall",
+    STALLED: "harmed-by-what-it-cannot-sense",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wall")
+    found = campaign_folder(folder / "found", controller="thesis-1")
+    for name, cause in CAUSES.items():
+        world = read_world(found / name)
+        details = {**world.failure.details, "cause": cause}
+        record = replace(world.failure, details=details)
+        write_world(replace(world, failure=record), found / name, force=True)
+    explain_the_loop(found, [{"what": "cell", "value": [2, 1]}])
+    return folder
+
+
+@pytest.fixture
+def page(browser, folder):
+    with studio_of(folder) as gate, opened(browser, gate) as page:
+        page.keyboard.press("3")
+        page.locator(".card").nth(2).wait_for()
+        yield page
+
+
+def shown(page):
+    return page.locator(".card").evaluate_all("cards => cards.map((one) => one.dataset.failure)")
+
+
+def test_the_worst_failure_comes_first_and_what_cannot_be_sensed_last(page, folder):
+    assert shown(page) == [f"found/{name}" for name in (TUNNEL, LOOP, STALLED)]
+    page.locator("[data-filter=sort]").select_option("size")
+    sizes = [read_world(folder / name).walls.size for name in shown(page)]
+    assert sizes == sorted(sizes)
+
+
+def test_the_explained_failure_has_its_cells_marked(page, folder):
+    panel = page.locator("#failure-panel")
+    page.locator(f".card[data-failure='found/{LOOP}']").click()
+    page.locator("#failure-cause", has_text="It arrives if some cell is free.").wait_for()
+    assert panel.get_by_text("cell named in the text").is_visible()
+    check_in_place(panel.locator("canvas"), read_world(folder / "found" / LOOP), (2, 1))
+    # Nothing is known about the others.
+    page.locator(f".card[data-failure='found/{TUNNEL}']").click()
+    page.locator("#failure-cause", has_text="It slides").wait_for()
+    assert panel.get_by_text("cell named in the text").count() == 0
+    assert page.complaints == []

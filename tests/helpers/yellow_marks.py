@@ -1,0 +1,27 @@
+"""The marks of named cells in the canvases of pages."""
+
+import pytest
+
+# The middle of the yellow pixels of a canvas, and its size.
+YELLOW = """canvas => {
+  const { width, height } = canvas;
+  const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+  const found = [];
+  for (let k = 0; k < width * height; k += 1)
+    if (data[4 * k] === 240 && data[4 * k + 1] === 228 && data[4 * k + 2] === 66) found.push(k);
+  const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+  const middle = [mean(found.map((k) => k % width)), mean(found.map((k) => Math.floor(k / width)))];
+  return { count: found.length, middle, width: canvas.clientWidth, height: canvas.clientHeight };
+}"""
+
+
+def check_in_place(canvas, world, cell):
+    """Check that a canvas that shows the whole world has a yellow mark on a cell."""
+    canvas.scroll_into_view_if_needed()
+    seen = canvas.evaluate(YELLOW)
+    edge = 2 * (9 if seen["width"] < 400 else 16)
+    scale = min((seen["width"] - edge) / world.width, (seen["height"] - edge) / world.height)
+    across = seen["width"] / 2 + (cell[0] + 0.5 - world.width / 2) * scale
+    down = seen["height"] / 2 - (cell[1] + 0.5 - world.height / 2) * scale
+    assert seen["count"] > 20
+    assert seen["middle"] == pytest.approx([across, down], abs=1.5)
