@@ -129,6 +129,7 @@ def _shrink(known: list[Path], folder: Path) -> None:
     from worldgen.support.progress import working
     from worldgen.support.workers import LISTEN
 
+    # The simplest failures take the least time.
     waiting = sorted(((Failure.read(path), path) for path in known), key=lambda one: one[0].order)
     busy: dict[Future[Shrinking], Path] = {}
     done = 0
@@ -148,6 +149,7 @@ def _shrink(known: list[Path], folder: Path) -> None:
                     future.result().failure.write(busy.pop(future), force=True)
                     done += 1
                 executor.listen()
+    # Every file holds a whole failure, shrunk or not.
     except KeyboardInterrupt:
         left = len(known) - done
         note(
