@@ -112,7 +112,12 @@ def _own_loops(joint: JointLoopEvidence) -> str:
 def _never_arrive(joint: JointLoopEvidence) -> str:
     """Return a statement that robots never arrive although none of them touches another one."""
     never = "never arrives" if len(joint.waiting) == 1 else "never arrive"
-    return f"{_robots(joint.waiting)} {never}, and no robot drives into another"
+    # A robot that has arrived can be in another one's way without being touched.
+    numbers = [number for number, _ in joint.parked]
+    parked = (
+        f"; {_robots(numbers)} {'has' if len(numbers) == 1 else 'have'} parked" if numbers else ""
+    )
+    return f"{_robots(joint.waiting)} {never}, and no robot drives into another{parked}"
 
 
 def _robots(numbers: Sequence[int]) -> str:

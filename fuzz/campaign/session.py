@@ -432,6 +432,7 @@ class CampaignSession:
                 count for verdict, count in state.verdicts.items() if has_not_arrived(verdict)
             ),
             has_units=state.units > 0,
+            robots=self._config.robots,
         )
         color = wants_color(sys.stdout)
         for line in overview_lines(self._overview, headline):

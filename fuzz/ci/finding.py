@@ -142,7 +142,7 @@ class CiFinding:
             seed=record.seed,
             replay=shown(replay),
             cause=cause.value,
-            sentence=cause.sentence,
+            sentence=cause.sentence_in(world),
             why=shown(why.describe()) if why else "",
         )
 

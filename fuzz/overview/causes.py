@@ -50,6 +50,13 @@ class CauseTotals:
     state: str = ""
 
     @property
+    def sentence(self) -> str:
+        """What goes wrong, in one sentence."""
+        if self.failure is None:
+            return self.cause.sentence
+        return self.cause.sentence_in(self.failure.world)
+
+    @property
     def met(self) -> int:
         """Number of classified failures of this cause."""
         return sum(self.verdicts.values())
@@ -63,7 +70,7 @@ class CauseTotals:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
         return CauseRow(
             cause=self.cause.value,
-            sentence=self.cause.sentence,
+            sentence=self.sentence,
             advice=self.cause.advice,
             severity=self.cause.severity.word,
             state=self.state,

@@ -55,6 +55,7 @@ class Headline:
         lasts: False if the folder is deleted after the command, so that no command can use it.
         not_arrived: Worlds of the search in which the robot did not arrive.
         has_units: False if the time was too short for even one unit, so that nothing was proved.
+        robots: Robots in each world.
     """
 
     who: str
@@ -65,6 +66,7 @@ class Headline:
     lasts: bool = True
     not_arrived: int = 0
     has_units: bool = True
+    robots: int = 1
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
@@ -73,12 +75,17 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
         lines.append(f"  {describe_rate(overview.natural, overview.causes)}")
+    elif headline.robots > 1 and not headline.is_known:
+        lines.append(
+            "  how often several robots arrive is not measured: no worlds are natural for them; "
+            "worldgen compare counts it in worlds that you choose"
+        )
     # Describe the worst cause in full, the next ones in short, and name the others.
     causes = _counted_causes(overview) or overview.causes
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
-        advice = f"   {cause.cause.sentence} {cause.cause.advice}"
+        advice = f"   {cause.sentence} {cause.cause.advice}"
         lines += [f"{number}. {_title(cause, overview.natural)}", advice]
     lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
@@ -258,7 +265,7 @@ def _verdicts(cause: CauseTotals) -> str:
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
-    lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
+    lines = [f"1. {_title(cause, natural)}", f"   {cause.sentence} {cause.cause.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)

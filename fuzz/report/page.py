@@ -138,7 +138,7 @@ def _failure(
         "replay": entry.replay_command,
         "explain": f"worldgen explain {shlex.quote(str(entry.path))}",
         "cause": cause.value,
-        "sentence": cause.sentence,
+        "sentence": cause.sentence_in(seen.failure.world),
         "advice": cause.advice,
         "why": "" if example is None else example.why,
         "repeats": _repeats(seen),

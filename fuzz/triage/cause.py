@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from enum import IntEnum, StrEnum
 
+from worldgen.world import World
+
 __all__ = ["Cause", "Severity"]
 
 
@@ -102,7 +104,13 @@ class Cause(StrEnum):
     @property
     def sentence(self) -> str:
         """What the robot does wrong: one sentence."""
-        return _SENTENCES[self]
+        return _SENTENCES[self].format(It="It", Its="Its")
+
+    def sentence_in(self, world: World) -> str:
+        """Return the sentence for a world; of several robots, it is about one of them."""
+        if not world.others:
+            return self.sentence
+        return _SENTENCES[self].format(It="A robot", Its="A robot's")
 
     @property
     def phrase(self) -> str:
@@ -120,43 +128,44 @@ class Cause(StrEnum):
         return _SEVERITIES.get(self, Severity.NEVER_ARRIVES)
 
 
+# The subject is the robot, or one of several.
 _SENTENCES = {
-    Cause.STEPS_OVER_A_WALL: "It drives so far in one step that it passes a wall, or the corner of "
+    Cause.STEPS_OVER_A_WALL: "{It} drives so far in one step that it passes a wall, or the corner of "
     "one, without noticing.",
-    Cause.CUTS_A_CORNER: "Its edge cuts the corner of a wall as it passes.",
-    Cause.SLIDES_INTO_A_WALL: "It slides along a wall, or backs off from one, into another wall.",
+    Cause.CUTS_A_CORNER: "{Its} edge cuts the corner of a wall as it passes.",
+    Cause.SLIDES_INTO_A_WALL: "{It} slides along a wall, or backs off from one, into another wall.",
     Cause.COLLIDES: (
-        "It drives into another robot in the middle of a step, which its motion model does not "
+        "{It} drives into another robot in the middle of a step, which its motion model does not "
         "check."
     ),
-    Cause.CRASHES: "Its code raises an error.",
-    Cause.GIVES_NO_ANSWER: "Its code does not answer in time.",
-    Cause.INVALID_COMMAND: "It sends a command that is not a valid speed and turn rate.",
-    Cause.DRIVES_INTO_A_HAZARD: "It drives into a cell that is already burning or solid.",
-    Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
+    Cause.CRASHES: "{Its} code raises an error.",
+    Cause.GIVES_NO_ANSWER: "{Its} code does not answer in time.",
+    Cause.INVALID_COMMAND: "{It} sends a command that is not a valid speed and turn rate.",
+    Cause.DRIVES_INTO_A_HAZARD: "{It} drives into a cell that is already burning or solid.",
+    Cause.CAUGHT_BY_A_CHANGE: "{It} is in a cell when the cell catches fire or becomes solid.",
     Cause.CONFUSED_BY_CHANGES: (
-        "It fails because cells change while it drives: it arrives if they have "
+        "{It} fails because cells change while it drives: it arrives if they have "
         "all changed before it starts."
     ),
     Cause.NEEDS_A_WIDER_GAP: (
-        "It does not drive through a gap, or up to a wall, although it would fit; a smaller robot "
+        "{It} does not drive through a gap, or up to a wall, although it would fit; a smaller robot "
         "arrives."
     ),
-    Cause.STANDS_STILL: "It stops in the open and never moves again.",
-    Cause.PUSHES_A_WALL: "It keeps driving into a wall and does not get away from it.",
-    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or in circles, instead of moving on.",
+    Cause.STANDS_STILL: "{It} stops in the open and never moves again.",
+    Cause.PUSHES_A_WALL: "{It} keeps driving into a wall and does not get away from it.",
+    Cause.TURNS_BACK_AND_FORTH: "{It} turns back and forth, or in circles, instead of moving on.",
     Cause.MISSES_THE_TARGET: (
-        "It gets close to the target on a clear path, but passes it again and again."
+        "{It} gets close to the target on a clear path, but passes it again and again."
     ),
-    Cause.CIRCLES_A_WALL: "It follows a wall all the way around and never leaves it.",
-    Cause.RETURNS_TO_THE_WALL: "It leaves a wall for the target too early and comes back to the "
+    Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and never leaves it.",
+    Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall for the target too early and comes back to the "
     "same wall.",
-    Cause.BOUNCES_BETWEEN_WALLS: "It bounces from wall to wall on a path that repeats.",
+    Cause.BOUNCES_BETWEEN_WALLS: "{It} bounces from wall to wall on a path that repeats.",
     Cause.TRAPPED_BEHIND_A_WALL: (
-        "It stays where it is nearest to the target, although a wall is in between."
+        "{It} stays where it is nearest to the target, although a wall is in between."
     ),
-    Cause.DRIVES_IN_CIRCLES: "It drives the same closed path again and again, far from any wall.",
-    Cause.WANDERS: "It still reaches new places when its time is up.",
+    Cause.DRIVES_IN_CIRCLES: "{It} drives the same closed path again and again, far from any wall.",
+    Cause.WANDERS: "{It} still reaches new places when its time is up.",
     Cause.FACE_TO_FACE: "Two robots drive into each other, and neither gives way.",
     Cause.WAITS_IN_A_CIRCLE: "Three or more robots wait for each other in a circle.",
     Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in another robot's way.",
@@ -165,11 +174,11 @@ _SENTENCES = {
     Cause.WAITS_FOR_OTHERS: (
         "Robots stop because of each other, although each of them would arrive alone."
     ),
-    Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
-    Cause.HARMED_UNSENSED: "It is caught by fire or debris that none of its senses detects.",
-    Cause.PUSHED_TOO_HARD: "It is moved farther than any controller can be certain to correct.",
+    Cause.BREAKS_A_RULE: "{It} breaks a rule that you asked about with --oracle.",
+    Cause.HARMED_UNSENSED: "{It} is caught by fire or debris that none of its senses detects.",
+    Cause.PUSHED_TOO_HARD: "{It} is moved farther than any controller can be certain to correct.",
     Cause.UNKNOWN: (
-        "It fails; the reason is unknown, because its controller could not be run here, or not in "
+        "{It} fails; the reason is unknown, because its controller could not be run here, or not in "
         "time."
     ),
 }

@@ -250,9 +250,15 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
     cause = cause_of_run(closed, episode, lambda _: True)
     assert cause == Cause.BLOCKED_BY_PARKED
+    # Of several robots, a sentence does not say "it".
+    sentences = [one.sentence_in(closed) for one in Cause]
+    assert not [text for text in sentences if text.startswith(("It ", "Its "))]
+    assert Cause.PUSHES_A_WALL.sentence_in(closed).startswith("A robot keeps driving")
     # The verdict's words must not deny what the cause's sentence says.
     assert "another robot's way" in cause.sentence
-    assert describe_evidence(episode).endswith("never arrives, and no robot drives into another)")
+    assert describe_evidence(episode).endswith(
+        "never arrives, and no robot drives into another; robot 2 has parked)"
+    )
 
 
 def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
