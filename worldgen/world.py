@@ -146,6 +146,17 @@ class FailureRecord:
     details: Mapping[str, Value] = field(default_factory=dict)
 
     @property
+    def who(self) -> str:
+        """Controller, motion model and options in words: ``vfh under swept with beams=36``."""
+        given = [
+            name if value is True else f"{name}={value}"
+            for name, value in self.parameters.items()
+            if name not in ("steps", "time_step")
+        ]
+        options = f" with {', '.join(given)}" if given else ""
+        return f"{self.controller} under {self.motion}{options}"
+
+    @property
     def outcome(self) -> str:
         """The verdict; if an oracle found the violation, its name too."""
         return self.verdict + (

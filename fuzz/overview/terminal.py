@@ -13,10 +13,11 @@ from fuzz.campaign.store import MEMORY
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
+from fuzz.overview.table import NaturalRow
 from fuzz.triage.cause import Cause, Severity
 from worldgen.support.plain_text import counted, shown
 
-__all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
+__all__ = ["Headline", "describe_coverage", "describe_rate", "never_tried", "overview_lines"]
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
 # whole campaign, this makes fifteen.
@@ -165,16 +166,21 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
 def describe_coverage(natural: NaturalRuns) -> str:
     """Return which natural worlds were tried, and which were not."""
     tried = [name for name, (worlds, _) in natural.families.items() if worlds]
-    table = natural.table()
-    clearances = [name for name, row in table.clearances.items() if not row.worlds]
-    turns = [name for name, row in table.turns.items() if not row.worlds]
+    never = never_tried(natural.table())
+    text = f"natural worlds: {counted(len(tried), 'family', 'families')} at default settings"
+    return text + (f"; never tried: {'; '.join(never)}" if never else "")
+
+
+def never_tried(natural: NaturalRow) -> list[str]:
+    """Return the kinds of paths that no natural world had, for the terminal and the report."""
+    clearances = [name for name, row in natural.clearances.items() if not row.worlds]
+    turns = [name for name, row in natural.turns.items() if not row.worlds]
     never = []
     if clearances:
         never.append(f"gaps of {_listed(clearances)} robot radii")
     if turns:
         never.append(f"paths with {_listed(turns)} quarter turns")
-    text = f"natural worlds: {counted(len(tried), 'family', 'families')} at default settings"
-    return text + (f"; never tried: {'; '.join(never)}" if never else "")
+    return never
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -15,6 +15,7 @@ from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
+from fuzz.overview.terminal import never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
@@ -50,7 +51,9 @@ class Answer:
             "controller": self.controller,
             "motion": self.motion,
             "causes": list(map(plain, self.causes)),
-            "natural": None if self.natural is None else plain(self.natural),
+            "natural": None
+            if self.natural is None
+            else plain(self.natural) | {"never": never_tried(self.natural)},
             "comparison": None if self.comparison is None else plain(self.comparison),
             "campaign": self.campaign,
         }

@@ -42,7 +42,7 @@ def snippet(failure: Failure) -> str:
         re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower()[:_LONGEST]
         or "controller"
     )
-    title = f"{record.controller} under {record.motion}: {record.outcome}"
+    title = f"{failure.who}: {record.outcome}"
     text = dumps(world).decode("utf-8")
     comment = (
         _RELATIVE.format(controller=shown(record.controller))

@@ -57,6 +57,7 @@ def limits() -> dict[str, Any]:
         "workers": MOST_WORKERS,
         "examples": _most("examples"),
         "epoch": _most("epoch"),
+        "fleet": _most("robots"),
         "seed": str(MASK64),
     }
 

@@ -67,6 +67,26 @@ def test_the_form_says_at_the_field_what_is_wrong_and_gives_the_line_for_a_termi
     assert line.endswith(f"--out {folder}/turn-right-swept") and page.complaints == []
 
 
+def test_a_campaign_of_several_robots_is_set_up_in_the_form(page):
+    page.keyboard.press("3")
+    page.locator("#begin").wait_for()
+    robots = page.get_by_role("spinbutton", name="Robots")
+    robots.fill("101")
+    page.get_by_role("button", name="Copy command").click()
+    page.locator(".campaign-form small.fault", has_text="from 1 to 100").wait_for()
+    robots.fill("3")
+    page.get_by_role("button", name="Copy command").click()
+    page.get_by_role("button", name="Copied").wait_for()
+    assert " --robots 3 " in page.evaluate("navigator.clipboard.readText()")
+    # The number is kept for the folder.
+    page.reload()
+    page.wait_for_function("() => document.querySelector('input[name=robots]')?.value === '3'")
+    robots.fill("")
+    page.get_by_role("button", name="Copy command").click()
+    page.get_by_role("button", name="Copied").wait_for()
+    assert "--robots" not in page.evaluate("navigator.clipboard.readText()")
+
+
 def test_of_many_failures_only_those_in_sight_are_drawn_and_damaged_files_are_told(page, folder):
     page.keyboard.press("3")
     page.locator("#campaign-folder").select_option("mine")

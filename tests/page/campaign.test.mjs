@@ -155,7 +155,7 @@ const OFFERED = {
   controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: REFUSED }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
   motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
   strategies: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", motion: "swept", time_step: 0.015,
-  options: Object.fromEntries(["--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
+  options: Object.fromEntries(["--robots", "--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
 };
 
 function form({ offered = OFFERED, folder = "/here", played = null, folders = [], states = new Map() } = {}) {
@@ -187,7 +187,7 @@ beforeEach(() => {
 test("an untouched form requests the defaults", async () => {
   const { send } = form();
   assert.deepEqual(await send(), {
-    time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
+    robots: null, time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
     folder: "turn-right-swept", controller: "turn-right", motion: "swept", strategies: [], world: null, world_name: null, seed: "1", workers: 2, known: true, seconds: 30,
   });
 });
@@ -200,10 +200,11 @@ test("a filled form requests the values in it", async () => {
   tick(radio("units"));
   type(made.element.querySelector("#campaign-amount"), "7");
   type(field("Seed"), " 12 ");
+  type(field("Robots"), "3");
   type(field("Worlds per unit"), "9");
   type(field("Oracles"), "turn  wall=3 ");
-  const { controller, strategies, units, seconds, seed, examples, oracles, folder } = await send();
-  assert.deepEqual([controller, strategies, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
+  const { controller, strategies, units, seconds, seed, robots, examples, oracles, folder } = await send();
+  assert.deepEqual([controller, strategies, units, seconds, seed, robots, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 3, 9, ["turn", "wall=3"], "bug1-swept"]);
 });
 
 test("if no strategy is chosen, no campaign begins", async () => {

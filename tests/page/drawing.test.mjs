@@ -8,6 +8,7 @@ import { drawBlocked } from "#player/picture/blocked.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { drawScene, pictureLabel } from "#player/picture/map.js";
 import { drawMemory, memoryFacts } from "#player/picture/memory.js";
+import { drawOther } from "#player/picture/body.js";
 import { drawNumbers } from "#player/picture/numbers.js";
 import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
@@ -173,6 +174,29 @@ test("the numbers of several robots are next to them and along their paths, with
   }
   for (const [k, one] of written.entries())
     for (const other of written.slice(k + 1)) if (k > 1) assert.ok(Math.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]) > 15);
+});
+
+test("a disc with room has its robot's number in the middle", () => {
+  const room = roomOf(10, 10);
+  const scene = { world: room, run: runOf({ at: [0, 1], x: [2, 3], y: [5, 5] }), others: [{ run: runOf({ at: [0, 1], x: [7, 8], y: [4, 4] }), number: 2 }], number: 1, step: 1, show: { ...SHOW, trail: false } };
+  const placed = (scale) => {
+    const pen = penOf(room, { scale });
+    drawNumbers(pen, scene);
+    return pen.context.of("fillText").map(({ given: [text, x, y] }) => [text, x - pen.px(text === "1" ? 3 : 8), y - pen.py(text === "1" ? 5 : 4)]);
+  };
+  assert.deepEqual(placed(100).sort(), [["1", -4, 5], ["2", -4, 5]]);
+  assert.ok(placed(5).every(([, x, y]) => x > 0 && y < 0), "next to a small disc");
+});
+
+test("another robot's path is faint up to its loop, which is stronger", () => {
+  const room = roomOf(10, 10);
+  const widths = (loop) => {
+    const pen = penOf(room, { scale: 20 });
+    const path = runOf({ at: [0, 1, 2, 3, 4], x: [2, 3, 4, 3, 4], y: [5, 5, 5, 5, 5], loop });
+    drawOther(pen, { world: room, run: path, step: 4, show: SHOW, number: 1 }, { run: path, number: 2 });
+    return pen.context.of("stroke").map(({ lineWidth }) => lineWidth);
+  };
+  assert.deepEqual([widths([2, 2]).slice(0, 2), widths(null).slice(0, 2)], [[1, 3], [2, 2]]);
 });
 
 test("robots that block each other each have an arrow, side by side, once their loop has begun", () => {

@@ -62,7 +62,7 @@ export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bum
 /** Limits as the server sends them. */
 export const LIMITS = {
   message: 32 * 2 ** 20, dropped: 16 * 2 ** 20, side: 20_000, cells: 4_194_304, lengths: [0.0001, 10_000], robots: 6,
-  seed: "18446744073709551615", steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000,
+  seed: "18446744073709551615", steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000, fleet: 100,
 };
 
 /** What the server writes into the page. */

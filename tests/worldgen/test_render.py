@@ -391,3 +391,10 @@ def test_the_numbers_of_a_large_world_do_not_overlap():
     above = sorted(float(x) for x, y, _ in texts if y == texts[0][1])
     assert len(above) > 5
     assert min(b - a for a, b in pairwise(above)) > 15.0
+
+
+def test_the_caption_names_the_options_of_the_controller():
+    parameters = {"beams": 36, "repaired": True, "steps": 9, "time_step": 0.015}
+    record = FailureRecord("vfh", "swept", 0, "loop", "0" * 16, parameters)
+    svg = draw_svg(small_world(failure=record))
+    assert "vfh under swept with beams=36, repaired: loop" in svg

@@ -126,7 +126,5 @@ def _robot_facts(robot: Robot) -> dict[str, object]:
 
 def _failure_lines(failure: FailureRecord, path: Path) -> str:
     evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
-    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (
-        f" ({evidence})" if evidence else ""
-    )
+    what = f"{failure.who}: {failure.verdict}" + (f" ({evidence})" if evidence else "")
     return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"

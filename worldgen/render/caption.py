@@ -66,9 +66,7 @@ def facts(world: World) -> str:
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
     if world.failure is not None:
-        parts.append(
-            f"{world.failure.controller} under {world.failure.motion}: {world.failure.outcome}"
-        )
+        parts.append(f"{world.failure.who}: {world.failure.outcome}")
     return printable("; ".join(parts))
 
 

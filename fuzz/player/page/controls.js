@@ -51,7 +51,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
     controls(player, parts),
     layers(player, parts),
     legendOf(drawn),
-    ...thinNote(drawn.run),
+    ...thinNote([drawn.run, ...(drawn.others ?? []).map(({ run }) => run)]),
   );
   player.update();
   return player;
@@ -239,7 +239,8 @@ function layers(player, parts) {
   );
 }
 
-function thinNote(run) {
+function thinNote(runs) {
+  const [run] = runs.sort((a, b) => b.thinned - a.thinned);
   if (run.thinned === 1) return [];
   return [
     el(

@@ -17,6 +17,8 @@ function marksOf({ world, run, others, number, named }) {
   const { events } = openWorld(world),
     happens = new Set(events?.state ?? []);
   const several = (others ?? []).length > 0;
+  const all = [{ run, number: number ?? 1 }, ...(others ?? [])];
+  const looping = all.find((one) => one.run?.loop);
   /** @type {(string[] | false)[]} */
   const marks = [
     ["start", "start; the tick is its heading"],
@@ -24,8 +26,8 @@ function marksOf({ world, run, others, number, named }) {
     several && ["chip-mark", "each robot has its number and colour"],
     !several && run !== null && run.loop !== null && ["way", "the path into the loop"],
     !several && run !== null && ["loop", run.loop ? "the period, repeated forever" : "the robot's path"],
-    several && run !== null && run.loop !== null && [`${robotColour(number ?? 1)} thick`, "its period, repeated forever"],
-    several && [{ run }, ...(others ?? [])].some((one) => one.run?.blocked_by?.length) && ["blocked", "is blocked by"],
+    several && looping !== undefined && [`${robotColour(looping.number)} thick`, "its period, repeated forever"],
+    several && all.some((one) => one.run?.blocked_by?.length) && ["blocked", "is blocked by"],
     run !== null && [ "ahead", "still to be driven"],
     run !== null && TOUCHED,
     run !== null && run.marks.some(({ cell }) => cell) && ["square pierced", "wall entered, or cell that did harm"],

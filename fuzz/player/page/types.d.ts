@@ -309,6 +309,8 @@ interface NaturalWorlds {
   families: Record<string, NaturalRow>;
   clearances: Record<string, NaturalRow>;
   turns: Record<string, NaturalRow>;
+  /** The kinds of paths that none of these worlds had. */
+  never: string[];
 }
 
 interface ReportCause {

@@ -185,24 +185,13 @@ function ratePart(natural) {
 }
 
 function coverage(natural) {
-  const never = (rows) => Object.keys(rows).filter((name) => rows[name].worlds === 0);
   const tried = Object.keys(natural.families).filter((name) => natural.families[name].worlds > 0);
-  const clearances = never(natural.clearances),
-    turns = never(natural.turns);
-  const missing = [
-    clearances.length ? `paths with room for ${listed(clearances)} robot radii` : "",
-    turns.length ? `paths with ${listed(turns.map((name) => (name === "no" ? "0" : name)))} quarter turns` : "",
-  ].filter(Boolean);
   return el(
     "p",
     { class: "quiet" },
     `Natural worlds are those of families at default settings: ${tried.join(", ")}.`,
-    missing.length ? ` Never tried: ${missing.join(", ")}.` : "",
+    natural.never.length ? ` Never tried: ${natural.never.join("; ")}.` : "",
   );
-}
-
-function listed(names) {
-  return [names.slice(0, -1).join(", "), names.at(-1)].filter(Boolean).join(" or ");
 }
 
 function causeItem(cause, answer, failure, first) {

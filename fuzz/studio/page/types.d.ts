@@ -56,6 +56,8 @@ interface Limits {
   /** m. */
   lengths: [number, number];
   robots: number;
+  /** Robots in each world of a campaign. */
+  fleet: number;
   /** Controllers, worlds, and runs with chance of a comparison. */
   compared: number;
   compared_worlds: number;

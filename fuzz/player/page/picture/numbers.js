@@ -7,6 +7,7 @@ import { robotColour } from "#player/picture/pen.js";
 
 // cells before the first number on a path; the next is twice as far along, and so on
 const FIRST = 6;
+const INSIDE = 9; // pixels: radius of a disc with room for its number
 const APART = 18; // minimum distance in pixels between two numbers, or a number and a robot
 
 /**
@@ -43,8 +44,10 @@ export function drawNumbers(pen, { run, step, world, show, number, others }) {
   for (const one of all) {
     const pose = poseAt(one.run, stepWithin(one.run, one.step)),
       aside = bodyRadius(pen, world) * pen.scale;
-    const x = pen.px(pose.x) + aside + 3,
-      y = pen.py(pose.y) - aside - 1;
+    // In the middle of a disc that has room, as in the static pictures; else next to it.
+    const isInside = aside >= INSIDE,
+      x = pen.px(pose.x) + (isInside ? -4 : aside + 3),
+      y = pen.py(pose.y) + (isInside ? 5 : -aside - 1);
     places.push([x + 4, y - 5]);
     drawNumber(pen, one.number, x, y);
   }

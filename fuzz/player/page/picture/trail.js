@@ -51,7 +51,7 @@ export function drawTrail(pen, scene) {
 }
 
 /**
- * Draws another robot's path up to a row, and from there to its current place.
+ * Draws another robot's path up to a row, and from there to its current place; faint up to a loop, and the loop stronger.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {string} colour
@@ -59,11 +59,14 @@ export function drawTrail(pen, scene) {
  * @param {Pose | null} pose
  */
 export function drawOtherTrail(pen, run, colour, until, pose) {
-  const open = openRun(run);
-  drawLine(pen, open, "other", { from: 0, to: until, colour, width: 2, alpha: 1 });
+  const open = openRun(run),
+    entry = run.loop ? rowAt(run, run.loop[0]) : until,
+    loops = until > entry + 1;
+  drawLine(pen, open, "other", { from: 0, to: loops ? entry + 1 : until, colour, width: loops ? 1.25 : 2, alpha: loops ? 0.4 : 1 });
+  if (loops) drawLine(pen, open, "other-loop", { from: entry, to: until, colour, width: 3, alpha: 1 });
   line(pen, open.x, open.y, until - 1, until, pose);
-  stroke(pen, colour, 2);
-  drawHeads(pen, open, 0, until, colour);
+  stroke(pen, colour, loops ? 3 : 2);
+  drawHeads(pen, open, loops ? entry : 0, until, colour);
 }
 
 // Draws the path of the step that breaks the world's rules.

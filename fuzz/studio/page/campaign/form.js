@@ -79,7 +79,7 @@ function build(form) {
     parts.controllerPlace,
     worldsPart(form),
     goalPart(form),
-    el("div", { class: "pair-fields" }, labelled("Seed", parts.seed), labelled("Workers", parts.workers)),
+    el("div", { class: "triple" }, form.more.robots, labelled("Seed", parts.seed), labelled("Workers", parts.workers)),
     labelled("Folder for the failures", parts.folder, { help: "A folder inside the opened one." }),
     knownPart(form, kept.known ?? true),
     form.more.element,

@@ -7,7 +7,7 @@ import { labelled } from "#studio/shared/fields.js";
 const SHRINK = { usual: "default", yes: "yes", no: "no" };
 
 /**
- * Makes this part of the form; `filled` returns its values.
+ * Makes this part of the form; `robots` is its field for the number of robots, and `filled` returns its values.
  * @param {Offered} offered
  * @param {Limits} limits
  */
@@ -15,6 +15,7 @@ export function makeMore({ options }, limits) {
   const text = (name, placeholder) => el("input", { type: "text", name, autocomplete: "off", placeholder });
   const whole = (name, high) => el("input", { type: "number", name, min: 1, max: high, step: 1, placeholder: options[`--${name}`].default });
   const inputs = {
+    robots: el("input", { type: "number", name: "robots", min: 1, max: limits.fleet, step: 1, placeholder: "1", title: options["--robots"].help }),
     time_step: el("input", { type: "number", name: "time-step", min: limits.time_steps[0], max: limits.time_steps[1], step: "any", placeholder: "default" }),
     examples: whole("examples", limits.examples),
     epoch: whole("epoch", limits.epoch),
@@ -46,6 +47,7 @@ export function makeMore({ options }, limits) {
   const entries = Object.entries(inputs);
   return {
     element,
+    robots: labelled("Robots", inputs.robots),
     filled: () => filled(inputs),
     timeStep: (value) => (inputs.time_step.value = value ?? ""),
     offer: (folders) => list.replaceChildren(...folders.map((name) => el("option", { value: name }))),
@@ -60,6 +62,7 @@ function filled(inputs) {
   const given = ({ valueAsNumber: value }) => (Number.isFinite(value) ? value : null);
   const { shrink } = inputs;
   return {
+    robots: given(inputs.robots),
     time_step: given(inputs.time_step),
     examples: given(inputs.examples),
     epoch: given(inputs.epoch),
