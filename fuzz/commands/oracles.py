@@ -8,8 +8,6 @@ import click
 
 from worldgen.cli.output import emit_list, json_option
 
-__all__ = ["oracles"]
-
 EXAMPLES = (
     "\b\n  worldgen oracles\n"
     "  worldgen fuzz --controller bug2 --oracle detour=5 --budget 60s --out failures/"

@@ -12,8 +12,6 @@ from worldgen.cli.output import emit_list, json_option
 if TYPE_CHECKING:
     from sim.controllers.base import Controller
 
-__all__ = ["controllers"]
-
 EXAMPLES = (
     "\b\n  worldgen controllers\n  worldgen controllers ./mine.py:Robot\n"
     "  worldgen controllers topological --json"

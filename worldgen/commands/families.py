@@ -6,8 +6,6 @@ import click
 
 from worldgen.cli.output import emit_list, json_option
 
-__all__ = ["families"]
-
 EXAMPLES = "\b\n  worldgen families\n  worldgen maze --help"
 
 

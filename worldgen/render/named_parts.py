@@ -13,8 +13,6 @@ from worldgen.render.overlay import Trail
 from worldgen.render.palette import GREY, INK, NAMED
 from worldgen.render.primitives import DrawnLine, Paint, Primitive, Text
 
-__all__ = ["axis_numbers", "named_cells", "named_mark", "named_parts"]
-
 _SIZE = 9.0  # of the numbers, units
 _DIGIT = 0.58  # width of a digit divided by its size
 # Half the diagonal of a mark: a part of a cell, within limits in units.

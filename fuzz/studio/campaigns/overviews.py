@@ -12,8 +12,6 @@ from fuzz.overview.table import CauseRow, OverviewTable
 from fuzz.triage.cause import Cause
 from worldgen.errors import WorldgenError
 
-__all__ = ["example_in", "ranks"]
-
 
 def ranks(causes: Iterable[str], folders: Iterable[Path]) -> dict[str, int]:
     """Return the place of each cause, the worst first, in the order of the report.
