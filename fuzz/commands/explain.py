@@ -57,6 +57,7 @@ def explain(
     """
     from fuzz.failure import Failure
     from fuzz.overview.counterfactual import counterfactuals
+    from fuzz.triage.run_facts import RunFacts, run_facts
     from sim.runners.renewal import survivors_found
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
@@ -74,21 +75,29 @@ def explain(
         if picture is not None and explained:
             raise click.UsageError(f"--picture {picture} shows one failure; give explain one file")
         failure = failure.driven_by(controller)
+        found = problem = None
+        facts = RunFacts()
         try:
             with working(f"explaining {path}"):
+                facts = run_facts(failure, failure.run())
                 found = counterfactuals(failure)
         except WorldgenError as error:
-            note(f"{shown(path)}: {error}")
+            problem = error
+        # The run shows something even if no change explains it, as for a controller that crashes.
+        if not as_json and (found or facts.text()):
+            click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
+            for line in (*([shown(found.describe())] if found else []), *facts.text()):
+                click.echo(f"  {line}")
+        if found is None:
+            note(f"{shown(path)}: {problem}")
             unexplained += 1
             continue
-        if not as_json:
-            click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
-            click.echo(f"  {shown(found.describe())}")
         if picture is not None:
             with working(f"drawing {picture}"):
                 data = _picture(failure, found, picture.suffix)
             write_out(picture, data, force=force)
-        explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
+        about = {"file": str(path), "verdict": failure.verdict}
+        explained.append({**about, **found.table(), **facts.table()})
         for sentence in survivors_found([failure.record.controller]):
             note(f"note: {sentence}")
     # Print the object, and fail if a file could not be explained.

@@ -15,13 +15,17 @@ from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 @click.option(
     "--title", default="", help="Heading of the page.  [default: controller and motion model]"
 )
+@click.option("--no-code", is_flag=True, help="Leave out the source lines of Python controllers.")
 @json_option
 @force_option
-def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force: bool) -> None:
+def report(
+    paths: tuple[Path, ...], out: Path, title: str, no_code: bool, as_json: bool, force: bool
+) -> None:
     """Show failures and their campaign in one HTML page.
 
     The page needs no network and no other file. Each failure is run again for the page, so this
-    runs the controllers that the files name. docs/howto/keep-failures.md describes it.
+    runs the controllers that the files name. For a controller in Python, the page contains the
+    lines of its file that run when it fails. docs/howto/keep-failures.md describes it.
     """
     from fuzz.report import write_report
     from worldgen.support.plain_text import counted
@@ -33,6 +37,7 @@ def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force:
             out,
             title=title,
             force=force,
+            code=not no_code,
             progress=lambda done, of: work.count(done, of, "failures"),
         )
     note(f"wrote {out}: {counted(count, 'failure')}")

@@ -24,10 +24,9 @@ from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
-from fuzz.triage.repeated_moves import describe_period
+from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
-from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = [
@@ -219,7 +218,7 @@ def _with_worlds(
         file=chosen.file,
         failure=chosen.failure,
         smallest=smallest.file if existing else chosen.file,
-        repeats=_repeats(chosen.failure, is_over) if is_explained else "",
+        shown=_shown(chosen.failure, is_over) if is_explained else RunFacts(),
         why=explained(chosen.failure, is_over) if is_explained else None,
         fault=_fault_of(chosen.failure),
         original=chosen.original,
@@ -309,15 +308,13 @@ def _fault_of(failure: Failure) -> str:
     return ": ".join(filter(None, (evidence.at, evidence.error)))
 
 
-def _repeats(failure: Failure, is_over: Callable[[], bool] | None) -> str:
-    """Return what the robot of a failure repeats; empty if there is no time to run it."""
-    if failure.verdict != Verdict.LOOP or failure.oracle is not None:
-        return ""
+def _shown(failure: Failure, is_over: Callable[[], bool] | None) -> RunFacts:
+    """Return what the run of a failure shows; nothing without time to run it."""
     try:
         with stopping_when(is_over or (lambda: False)):
-            return describe_period(failure.world, failure.run())
+            return run_facts(failure, failure.run())
     except (WorldgenError, OutOfTime):
-        return ""
+        return RunFacts()
 
 
 def explained(

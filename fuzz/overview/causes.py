@@ -11,6 +11,7 @@ from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
 from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.run_facts import RunFacts
 
 __all__ = ["CauseTotals", "causes_of", "in_order", "with_natural"]
 
@@ -29,7 +30,7 @@ class CauseTotals:
         failure: The failure in ``file``.
         original: The failure that ``failure`` was shrunk from, if only natural worlds have it.
         smallest: File of the simplest world; empty if there is none.
-        repeats: What its robot repeats, to follow ``it``; empty if it does not loop, or not tried.
+        shown: What the run in ``file`` shows; empty if not tried.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
             empty if the controller raised none.
@@ -44,7 +45,7 @@ class CauseTotals:
     failure: Failure | None = None
     original: Failure | None = None
     smallest: str = ""
-    repeats: str = ""
+    shown: RunFacts = field(default_factory=RunFacts)
     why: Counterfactuals | None = None
     fault: str = ""
     state: str = ""
@@ -81,7 +82,7 @@ class CauseTotals:
             file=self.file,
             smallest=self.smallest,
             fault=self.fault,
-            repeats=self.repeats,
+            **self.shown.table(),
             why="" if self.why is None else self.why.describe(),
             changes=[] if self.why is None else [vars(change) for change in self.why.changes],
         )

@@ -38,6 +38,8 @@ class CauseRow(msgspec.Struct, frozen=True, kw_only=True):
     smallest: _File
     fault: str = ""  # earlier versions did not write it
     repeats: str = ""  # the same
+    inside: dict[str, Any] | None = None
+    reactions: list[list[Any]] = []
     why: str
     changes: list[dict[str, Any]] = []
 

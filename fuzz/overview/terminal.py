@@ -277,7 +277,7 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
     if has_file:
         lines.append(f"   worldgen replay {path} --show")
-    known = [cause.repeats, "" if cause.why is None else cause.why.describe()]
+    known = [cause.shown.repeats, "" if cause.why is None else cause.why.describe()]
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif any(known):

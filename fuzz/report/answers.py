@@ -50,13 +50,19 @@ class Answer:
         return {
             "controller": self.controller,
             "motion": self.motion,
-            "causes": list(map(plain, self.causes)),
+            "causes": [_shown(cause) for cause in self.causes],
             "natural": None
             if self.natural is None
             else plain(self.natural) | {"never": never_tried(self.natural)},
             "comparison": None if self.comparison is None else plain(self.comparison),
             "campaign": self.campaign,
         }
+
+
+def _shown(cause: CauseRow) -> dict[str, Any]:
+    """Return a cause without the facts about its run, which the page has from running it again."""
+    facts = ("inside", "reactions")
+    return {name: value for name, value in plain(cause).items() if name not in facts}
 
 
 def answers_for(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import shlex
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -11,17 +12,25 @@ from typing import Any
 
 import msgspec
 
-from fuzz.corpus import CorpusEntry, places
+from fuzz.corpus import places
 from fuzz.overview.counterfactual import named_cells
 from fuzz.overview.table import CauseRow
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for, entry_of
-from fuzz.report.gather import ReplayedFailure, ReportedCampaign, ReportSubject, gather, look_at
+from fuzz.report.gather import (
+    ReplayedFailure,
+    Reported,
+    ReportedCampaign,
+    ReportSubject,
+    gather,
+    look_at,
+)
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
 from fuzz.triage.diagnosis import cause_of
-from fuzz.triage.repeated_moves import describe_period
+from fuzz.triage.reactions import Reactions
+from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.controllers import CONTROLLERS
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
@@ -38,6 +47,7 @@ def write_report(
     *,
     title: str = "",
     force: bool = False,
+    code: bool = True,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
     """Write failures and their campaigns as one HTML page.
@@ -49,6 +59,7 @@ def write_report(
         out: The page.
         title: Heading; if empty, the controller and motion model, or the number of controllers.
         force: Overwrite an existing file.
+        code: False to leave out the source lines and the state of Python controllers.
         progress: Called with the number of failures done and the total.
 
     Returns:
@@ -65,20 +76,30 @@ def write_report(
     answers = answers_for(subject.entries, subject.campaigns)
     causes = {cause.file: cause for answer in answers for cause in answer.causes}
     failures = []
+    reactions: defaultdict[tuple[str, str], Reactions] = defaultdict(Reactions)
     place = places(subject.entries)
     # Replay each entry, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
-        shown_entry = _failure(entry, subject.campaigns, causes)
+        reported = look_at(entry, subject.campaigns)
+        _add_reactions(reported, reactions[entry.facts.controller, entry.facts.motion])
+        shown_entry = _failure(reported, subject.campaigns, causes, with_code=code)
         failures.append(shown_entry | {"place": place[entry.facts.order]})
     # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
     others = [entry_of(Path(name)) for name in causes if name and name not in shown]
-    extras = [_failure(entry, subject.campaigns, causes) for entry in others if entry is not None]
+    extras = [
+        _failure(look_at(entry, subject.campaigns), subject.campaigns, causes, with_code=code)
+        for entry in others
+        if entry is not None
+    ]
     heading = title or _heading(subject)
     data = {
         "title": heading,
-        "answers": [answer.table() for answer in answers],
+        "answers": [
+            answer.table() | {"reactions": reactions[answer.controller, answer.motion].table()}
+            for answer in answers
+        ],
         "failures": failures,
         "extras": extras,
         "campaigns": list(map(_campaign, subject.campaigns)),
@@ -103,17 +124,22 @@ def _heading(subject: ReportSubject) -> str:
 
 
 def _failure(
-    entry: CorpusEntry, campaigns: list[ReportedCampaign], causes: Mapping[str, CauseRow]
+    reported: Reported,
+    campaigns: list[ReportedCampaign],
+    causes: Mapping[str, CauseRow],
+    *,
+    with_code: bool,
 ) -> dict[str, Any]:
     """Return a failure as the page's script expects it.
 
     Args:
-        entry: The failure's file.
+        reported: The failure, run again.
         campaigns: The campaigns whose folders were given.
         causes: By file, the cause whose example it is.
+        with_code: False to leave out what runs inside its controller.
     """
-    reported = look_at(entry, campaigns)
     seen = reported.seen
+    entry = reported.entry
     facts = entry.facts
     record = seen.failure.record
     cause = cause_of(seen.failure)
@@ -141,7 +167,7 @@ def _failure(
         "sentence": cause.sentence_in(seen.failure.world),
         "advice": cause.advice,
         "why": "" if example is None else example.why,
-        "repeats": _repeats(seen),
+        **_shown(seen, with_code=with_code).table(),
         "shrunk": seen.failure.is_shrunk,
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
@@ -150,10 +176,18 @@ def _failure(
     }
 
 
-def _repeats(seen: ReplayedFailure) -> str:
-    if seen.shown is None or seen.failure.is_breach or seen.failure.oracle is not None:
-        return ""
-    return describe_period(seen.failure.world, seen.shown)
+def _add_reactions(reported: Reported, to: Reactions) -> None:
+    """Add a failure's runs, also as it was found, where the robot has more around it."""
+    for seen in filter(None, (reported.seen, reported.original)):
+        world = seen.failure.world
+        if seen.shown is not None and seen.shown.trace is not None and not world.others:
+            to.add(world, seen.shown.trace)
+
+
+def _shown(seen: ReplayedFailure, *, with_code: bool) -> RunFacts:
+    if seen.shown is None:
+        return RunFacts()
+    return run_facts(seen.failure, seen.shown, with_code=with_code)
 
 
 def _drawn(seen: ReplayedFailure) -> dict[str, Any]:

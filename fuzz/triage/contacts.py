@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from sim.runners.stopping import check_time
 from sim.trace import Trace
-from worldgen.support.arrays import Floats, Ints
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
@@ -27,6 +27,7 @@ __all__ = [
     "WallBearings",
     "contacts",
     "enclosure",
+    "nearest_walls",
     "part_of",
     "walls_at_the_end",
     "winding_number",
@@ -116,9 +117,12 @@ class WallBearings:
     Args:
         world: World of the run; walls count as they are after the last event.
         trace: The recording.
+        at_once: True if the robot turns at the end of the step in which it touches a wall, so that
+            the heading before that turn counts.
     """
 
-    def __init__(self, world: World, trace: Trace) -> None:
+    def __init__(self, world: World, trace: Trace, *, at_once: bool = False) -> None:
+        self.at_once = at_once
         self._walls = walls_at_the_end(world)
         self._cell_size = world.cell_size
         self._touched = world.robot_radius / world.cell_size + _SLACK
@@ -148,27 +152,74 @@ class WallBearings:
     def _of(self, steps: Ints) -> Floats:
         x = self._trace.x[steps] / self._cell_size
         y = self._trace.y[steps] / self._cell_size
-        column = np.floor(x).astype(np.int64)
-        row = np.floor(y).astype(np.int64)
-        height, width = self._walls.shape
-        # Examine the cells around all places at once, one offset after the other.
+        heading = self._trace.heading[np.maximum(steps - self.at_once, 0)]
         best = np.full(len(steps), np.inf)
-        reach = math.floor(self._touched) + 1
-        for dy, dx in itertools.product(range(-reach, reach + 1), repeat=2):
-            ix = column + dx
-            iy = row + dy
-            inside = (ix >= 0) & (ix < width) & (iy >= 0) & (iy < height)
-            solid = ~inside | self._walls[iy.clip(0, height - 1), ix.clip(0, width - 1)]
-            away_x = x - np.clip(x, ix, ix + 1)
-            away_y = y - np.clip(y, iy, iy + 1)
-            counts = solid & (np.hypot(away_x, away_y) <= self._touched)
-            bearing = np.arctan2(-away_y, -away_x) - self._trace.heading[steps]
+        for solid, dx, dy in _walls_around(self._walls, x, y, self._touched):
+            counts = solid & (np.hypot(dx, dy) <= self._touched)
+            bearing = np.arctan2(dy, dx) - heading
             bearing -= math.tau * np.round(bearing / math.tau)
             # Of two walls at the same angle, the one on the right counts.
             ahead = np.abs(bearing) < np.abs(best)
             ahead |= (np.abs(bearing) == np.abs(best)) & (bearing < best)
             best = np.where(counts & ahead, bearing, best)
         return np.where(np.isinf(best), 0.0, best)
+
+
+def nearest_walls(world: World, trace: Trace, steps: Ints, within: float) -> tuple[Floats, Floats]:
+    """Return the distance and the direction of the wall nearest to a robot's centre.
+
+    Args:
+        world: World of the run; walls count as they are after the last event.
+        trace: The recording.
+        steps: (n,) the steps after which the robot is looked at.
+        within: Distance within which walls are found, m.
+
+    Returns:
+        (n,) the distance, m, infinite if no wall is near enough; and (n,) the direction, rad, in
+        the world's frame.
+
+    Raises:
+        OutOfTime: If there is no more time.
+    """
+    walls = walls_at_the_end(world)
+    reach = within / world.cell_size
+    nearest = np.full(len(steps), np.inf)
+    direction = np.zeros(len(steps))
+    for first in range(0, len(steps), _AT_ONCE):
+        check_time()
+        part = slice(first, first + _AT_ONCE)
+        x = trace.x[steps[part]] / world.cell_size
+        y = trace.y[steps[part]] / world.cell_size
+        for solid, dx, dy in _walls_around(walls, x, y, reach):
+            far = np.hypot(dx, dy)
+            nearer = solid & (far <= reach) & (far < nearest[part])
+            nearest[part] = np.where(nearer, far, nearest[part])
+            direction[part] = np.where(nearer, np.arctan2(dy, dx), direction[part])
+    return nearest * world.cell_size, direction
+
+
+def _walls_around(
+    walls: Bools, x: Floats, y: Floats, reach: float
+) -> Iterator[tuple[Bools, Floats, Floats]]:
+    """Yield, for one cell near each place after the other, if it is solid and the way to it.
+
+    Args:
+        walls: (height, width) solid cells.
+        x: (n,) places, cells.
+        y: (n,) places, cells.
+        reach: Distance within which no cell is missed, cells.
+    """
+    column = np.floor(x).astype(np.int64)
+    row = np.floor(y).astype(np.int64)
+    height, width = walls.shape
+    most = math.floor(reach) + 1
+    # Examine the cells around all places at once, one offset after the other.
+    for down, across in itertools.product(range(-most, most + 1), repeat=2):
+        ix = column + across
+        iy = row + down
+        inside = (ix >= 0) & (ix < width) & (iy >= 0) & (iy < height)
+        solid = ~inside | walls[iy.clip(0, height - 1), ix.clip(0, width - 1)]
+        yield solid, np.clip(x, ix, ix + 1) - x, np.clip(y, iy, iy + 1) - y
 
 
 def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""Describe one period of a robot's loop in a sentence: its turns and the walls that it touches.
+"""Describe what a robot repeats in a sentence: its turns and the walls that it touches.
 
 A cause names a behaviour; the moves show the decision behind it: to which side the robot turns
 after which touch, and by how much.
@@ -10,19 +10,20 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzz.triage.contacts import WallBearings
 from sim.episode import Episode
-from sim.evidence import LoopEvidence
+from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
 from sim.runners.stopping import in_time
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import counted
 from worldgen.world import World
 
-__all__ = ["describe_period"]
+__all__ = ["LastPart", "describe_period", "last_part", "reacts_at_once"]
 
 # A longer list of moves is harder to read than a summary.
 _MOST_MOVES = 8
@@ -47,6 +48,97 @@ _BESIDE = 125.0
 
 # Minimum share of a period's touches that must be on one side for that side to be named.
 _MOSTLY = 0.8
+
+
+# Without a proof, moves count as repeated if the same ones come again and again to the end: turns
+# within this many degrees and lengths within this share of the longest step, for at least two
+# repetitions and this many steps.
+_ALIKE_TURN = 1.0
+_ALIKE_LENGTH = 0.05
+_FEWEST_ALIKE = 60
+
+# Steps before the end of a run in which repetitions are looked for.
+_MOST_SEARCHED = 6_000
+
+
+class LastPart(NamedTuple):
+    """The part of a run that shows why it does not end well.
+
+    Args:
+        first: The number of steps before it.
+        last: Its last step.
+        period: After how many steps its moves recur; 0 if they don't.
+        is_proved: True if it is one period of a loop, so that it repeats endlessly.
+    """
+
+    first: int
+    last: int
+    period: int = 0
+    is_proved: bool = False
+
+    @property
+    def words(self) -> str:
+        """The part in words, such as ``its last 24 steps``."""
+        count = self.last - self.first
+        steps = f"{count:,} {'step' if count == 1 else 'steps'}"
+        if self.is_proved:
+            return f"one period of its loop, {steps}"
+        if count == 1:
+            return "its last step"
+        return f"its last {steps}"
+
+
+def last_part(episode: Episode) -> LastPart | None:
+    """Return one period of a loop, the moves that recur at the end, or else the last steps.
+
+    Those are the second half of a run without an end, and one step of a controller that fails.
+    ``None`` without a recording of a single robot.
+    """
+    trace = episode.trace
+    evidence = episode.evidence
+    if trace is None or not trace.steps:
+        return None
+    if isinstance(evidence, LoopEvidence):
+        last = evidence.entry + evidence.period
+        return LastPart(evidence.entry, last, evidence.period, is_proved=True)
+    if isinstance(evidence, FaultEvidence):
+        return LastPart(episode.steps - 1, episode.steps)
+    if isinstance(evidence, BudgetEvidence) and (period := _recurrence(trace)):
+        # Without a proof, several repetitions show what also changes from one to the next.
+        times = math.ceil(_FEWEST_ALIKE / period)
+        return LastPart(trace.steps - times * period, trace.steps, period)
+    # What ends a run, such as a fire, shows in its last steps; what wastes its time does not.
+    late = trace.steps // 2 if isinstance(evidence, BudgetEvidence) else trace.steps - _FEWEST_ALIKE
+    return LastPart(max(late, 0), trace.steps)
+
+
+def _recurrence(trace: Trace) -> int:
+    """Return after how many steps the moves at the end of a run recur; 0 if they don't."""
+    # Look at the turn and the length of each step before the end.
+    count = min(trace.steps, _MOST_SEARCHED)
+    steps = np.arange(trace.steps - count, trace.steps)
+    turns = _turns(trace, steps)
+    lengths = np.hypot(np.diff(trace.x), np.diff(trace.y))[steps]
+    far = _ALIKE_LENGTH * max(float(lengths.max()), 1e-9)
+
+    # Find the shortest period after which they are alike.
+    for period in range(1, count // 3 + 1):
+        window = max(2 * period, _FEWEST_ALIKE)
+        if window + period > count:
+            break
+        # Most periods are refuted by the last step.
+        for size in (1, window):
+            now = slice(count - size, count)
+            before = slice(count - size - period, count - period)
+            apart = turns[now] - turns[before]
+            apart -= 360.0 * np.round(apart / 360.0)
+            if np.abs(apart).max() > _ALIKE_TURN:
+                break
+            if np.abs(lengths[now] - lengths[before]).max() > far:
+                break
+        else:
+            return period
+    return 0
 
 
 @dataclass
@@ -84,26 +176,35 @@ def describe_period(world: World, episode: Episode) -> str:
         episode: The run, recorded.
 
     Returns:
-        The words, to follow ``it``; empty unless the run is a loop of a single robot.
+        The words, to follow ``it``; empty unless a single robot loops or runs out of time.
 
     Raises:
         OutOfTime: If there is no more time.
     """
-    loop = episode.evidence
+    part = last_part(episode)
     trace = episode.trace
-    if not isinstance(loop, LoopEvidence) or trace is None:
+    if part is None or trace is None:
         return ""
-    first = loop.entry
-    last = first + loop.period
+    if not isinstance(episode.evidence, LoopEvidence | BudgetEvidence):
+        return ""
+    last = part.last
+    first = last - part.period if part.period else part.first
     length = float(np.hypot(np.diff(trace.x), np.diff(trace.y))[first:last].sum())
-    duration = f"{loop.period * trace.time_step:.3g} s, {length:.2g} m"
-    bearings = WallBearings(world, trace)
+    steps = f"{counted(last - first, 'step')} ({(last - first) * trace.time_step:.3g} s, {length:.2g} m)"
+    bearings = WallBearings(world, trace, at_once=reacts_at_once(trace))
+    if not part.period:
+        return (
+            f"does not repeat itself; in its last {steps} {_summary(bearings, trace, first, last)}"
+        )
     # A period may have more than 100,000 moves, so stop at the first that is too many.
     moves = list(itertools.islice(_moves(bearings, trace, first, last), _MOST_MOVES + 1))
-    begin = f"repeats {counted(loop.period, 'step')} ({duration}): "
-    if len(moves) <= _MOST_MOVES:
-        return begin + _in_order([_describe(move, world.robot_radius) for move in moves])
-    return begin + _summary(bearings, trace, first, last)
+    begin = f"repeats {steps}" if part.is_proved else f"ends by repeating about the same {steps}"
+    if len(moves) > _MOST_MOVES:
+        return f"{begin}: {_summary(bearings, trace, first, last)}"
+    # A touch is named where it begins, so one that never ends has no place.
+    if trace.bump[first:last].all() and not any(move.begins_at for move in moves):
+        begin += ", always touching a wall"
+    return f"{begin}: {_in_order([_describe(move, world.robot_radius) for move in moves])}"
 
 
 def _in_order(told: list[str]) -> str:
@@ -124,16 +225,16 @@ def _in_order(told: list[str]) -> str:
 def _moves(bearings: WallBearings, trace: Trace, first: int, last: int) -> Iterator[_Move]:
     """Yield the moves of a range of steps, each with the touch that comes before it."""
     move: _Move | None = None
-    turns = _turns(trace, np.arange(first, last))
+    turns = _reactions(bearings, trace, first, last)
+    # Join each step to the move before it, unless it turns or drives in another way.
     for step in in_time(range(first, last)):
         turn = float(turns[step - first])
         dx = float(trace.x[step + 1] - trace.x[step])
         dy = float(trace.y[step + 1] - trace.y[step])
         length = math.hypot(dx, dy)
-        # The wheels drive along the heading that the robot had before it turned.
+        # The wheels drive along the heading that the robot had before it turned at the step's end.
         heading = float(trace.heading[step])
         backwards = dx * math.cos(heading) + dy * math.sin(heading) < -_BACKWARDS * length
-        # The controller senses a touch after the step, and reacts to it in the next one.
         before = last - 1 if step == first else step - 1
         touches_anew = trace.bump[step] and not trace.bump[before]
         in_place = length == 0.0 and trace.bump[step]
@@ -179,7 +280,7 @@ def _summary(bearings: WallBearings, trace: Trace, first: int, last: int) -> str
     from the others.
     """
     steps = np.arange(first, last)
-    turns = _turns(trace, steps)
+    turns = _reactions(bearings, trace, first, last)
     touches = trace.bump[first:last]
     if not touches.any():
         return f"it turns {_in_all(turns)} in all, and touches no wall"
@@ -220,6 +321,28 @@ def _wall(bearings: WallBearings, step: int) -> str:
     if abs(degrees) <= _HALF_AHEAD:
         return f"ahead on its {side}"
     return f"on its {side}" if abs(degrees) <= _BESIDE else "behind"
+
+
+def reacts_at_once(trace: Trace) -> bool:
+    """Return True if touches mostly change the turn in their own step, not in the step after it.
+
+    Both occur: a controller may look at the touch itself, or at a memory of it.
+    """
+    begins = 1 + np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1])
+    begins = begins[begins > 1]
+    if not len(begins):
+        return False
+    change = _turns(trace, begins - 1) - _turns(trace, begins - 2)
+    return bool((np.abs(change) >= _STRAIGHT).mean() > 0.5)
+
+
+def _reactions(bearings: WallBearings, trace: Trace, first: int, last: int) -> Floats:
+    """Return the turn with which the robot reacts to the state at the start of each step."""
+    steps = np.arange(first, last)
+    if bearings.at_once:
+        # A period begins as it ends.
+        steps = np.append(last - 1, steps[:-1])
+    return _turns(trace, steps)
 
 
 def _turns(trace: Trace, steps: Ints) -> Floats:

@@ -37,7 +37,7 @@ def hidden_state(controller: Any) -> HiddenState | None:
     """
     parts = getattr(controller, "made_of", ())
     kinds = dict.fromkeys(base for one in (controller, *parts) for base in type(one).__mro__)
-    own = [_attributes(controller), *(_data(getattr(part, "__dict__", {})) for part in parts)]
+    own = [attributes(controller), *(_data(getattr(part, "__dict__", {})) for part in parts)]
     shared = [
         *(_data_of_class(base) for base in kinds if base is not object),
         *(
@@ -56,10 +56,11 @@ def hidden_state(controller: Any) -> HiddenState | None:
 
 def own_attributes(controller: Any) -> dict[str, bytes]:
     """Return the object's attributes as bytes to compare; empty for one that can't be pickled."""
-    return {name: _pickled_if_it_can_be(value) for name, value in _attributes(controller).items()}
+    return {name: _pickled_if_it_can_be(value) for name, value in attributes(controller).items()}
 
 
-def _attributes(controller: Any) -> dict[str, Any]:
+def attributes(controller: Any) -> dict[str, Any]:
+    """Return the object's attributes by name; not those of its class."""
     slots = [
         name
         for base in type(controller).__mro__

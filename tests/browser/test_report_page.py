@@ -17,6 +17,7 @@ from tests.helpers.campaign_folder import (
     explain_the_loop,
     renamed,
 )
+from tests.helpers.command_line import worldgen
 from tests.helpers.yellow_marks import YELLOW, check_in_place
 from worldgen.files.grid import read_world, write_world
 from worldgen.timeline import CellState, Event, Timeline
@@ -63,6 +64,35 @@ def address(folder):
     out = folder.parent / "report.html"
     write_report([folder], out)
     return out.as_uri()
+
+
+@pytest.fixture(scope="module")
+def python_address(tmp_path_factory):
+    """The report of a campaign of a Python class whose count of bumps survives reset()."""
+    folder = tmp_path_factory.mktemp("python")
+    (folder / "counts.py").write_text("""
+import math
+from sim import Command
+
+class Counts:
+    bumps = 0
+    def reset(self):
+        return (0.0,)
+    def act(self, observation, memory):
+        turn = 0.0
+        if observation.bump:
+            self.bumps += 1
+            turn = math.pi / 2
+        elif observation.x < -1:
+            turn = 1.0
+        return Command(observation.top_speed, turn / observation.time_step), memory
+""")
+    out = folder / "failures"
+    controller = f"{folder / 'counts.py'}:Counts"
+    wanted = ("--units", 1, "--examples", 40, "--seed", 5, "--workers", 1, "--no-shrink")
+    worldgen("fuzz", "--controller", controller, *wanted, "--out", out)
+    write_report([out], folder / "report.html")
+    return (folder / "report.html").as_uri()
 
 
 @pytest.fixture
@@ -371,3 +401,35 @@ def test_a_button_leads_to_the_first_bump(browser, address):
         step = int(button.inner_text().split()[-1])
         assert f"step {step} of" in page.locator("#readout").inner_text()
         assert "touches something for the first time" in page.locator("#readout").inner_text()
+
+
+def test_lines_state_and_reactions_are_on_the_first_screen_and_with_each_failure(
+    browser, python_address
+):
+    with page_in(browser) as page:
+        page.goto(python_address)
+        answer = page.locator("#answer")
+        assert "survives reset(): self.bumps" in answer.locator(".notice").inner_text()
+        runs = answer.locator(".code tr", has_text="turn = math.pi / 2").first
+        assert runs.get_attribute("class") == "ran" and "never" not in runs.inner_text()
+        idle = answer.locator(".code tr", has_text="turn = 1.0").first
+        assert idle.get_attribute("class") == "unused" and "never" in idle.inner_text()
+        assert "in all runs of this report" in answer.locator(".evidence").inner_text()
+        assert "left by 90 degrees" in answer.locator(".reactions").inner_text()
+        page.locator(".card").first.click()
+        page.locator("#stage").wait_for()
+        for part in (".code", ".state", ".reactions"):
+            assert page.locator(f"#detail {part}").is_visible(), part
+        assert page.complaints == []
+
+
+def test_lines_of_code_need_no_scrolling_sideways(browser, python_address):
+    with page_in(browser, viewport={"width": 400, "height": 800}, is_mobile=True) as page:
+        page.goto(python_address)
+        page.locator(".code").first.wait_for()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
+
+
+def test_a_compiled_controller_has_reactions_and_no_lines(page):
+    assert page.locator("#answer .reactions").first.is_visible()
+    assert page.locator(".code").count() == 0

@@ -240,6 +240,16 @@ interface DrawnFailure {
   named?: [number, number][];
 }
 
+/** What runs inside a controller in Python in the last part of its run. */
+interface ReportInside {
+  file: string;
+  part: string;
+  /** Number (0 for lines left out), how often it runs (null for one that does not run by itself), text. */
+  lines: [number, number | null, string][];
+  unused: string[];
+  state: [string, string][];
+}
+
 interface ReportFailure {
   id: string;
   bucket: string;
@@ -263,8 +273,11 @@ interface ReportFailure {
   cause: string;
   sentence: string;
   advice: string;
-  /** What the robot repeats; empty if that is not one short loop of a single robot. */
+  /** What the robot repeats; empty if it arrives, or if there are several robots. */
   repeats: string;
+  inside: ReportInside | null;
+  /** What is around it, steps, how it turns and how it drives there, in words. */
+  reactions: [string, number, string, string][];
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
   shrunk: boolean;
@@ -290,6 +303,7 @@ interface ReportCampaign {
   strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
   met: Record<string, number>;
   verdicts: Record<string, number>;
+  survives_reset?: string[];
   archive: Archive | null;
 }
 
@@ -336,6 +350,8 @@ interface ReportAnswer {
   natural: NaturalWorlds | null;
   comparison: { sentence: string } | null;
   campaign: number;
+  /** Of all runs of this controller on the page. */
+  reactions: [string, number, string, string][];
 }
 
 interface ReportData {

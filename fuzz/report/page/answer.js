@@ -4,6 +4,7 @@ import { el, grouped, plural, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
+import { insidePart, reactionsPart } from "#report/inside.js";
 
 const PHRASES = {
   "through-walls": "It goes through walls",
@@ -84,10 +85,17 @@ function answerPart(answer, find, several, campaign) {
         ),
         causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
+        survivorsPart(campaign),
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
       ),
       failure ? picturePart(failure) : null,
+    ),
+    el(
+      "div",
+      { class: "evidence" },
+      failure ? insidePart(failure.inside) : null,
+      reactionsPart(answer.reactions, "What it does by what is around it, in all runs of this report"),
     ),
   );
 }
@@ -216,6 +224,13 @@ function causeItem(cause, answer, failure, first) {
     first ? whyPart(cause, failure) : null,
     first && failure ? commandPart(failure) : null,
   );
+}
+
+// State that a class keeps from one run to the next is a fault of its own, whatever else it does.
+function survivorsPart(campaign) {
+  const names = campaign?.survives_reset ?? [];
+  if (!names.length) return null;
+  return el("p", { class: "notice" }, `State of the controller survives reset(): ${names.join(", ")}. Clear it there, or a run depends on the runs before it.`);
 }
 
 // A failure that no change explains gets no sentence; if the campaign had no time to try, show the

@@ -6,6 +6,7 @@ import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { besideIn } from "#player/pair.js";
 import { copyButton } from "#report/copy.js";
+import { insidePart, reactionsPart } from "#report/inside.js";
 
 /**
  * @param {HTMLElement} section
@@ -41,6 +42,8 @@ export function makeDetail(section, failure, neighbours) {
         "div",
         {},
         failure.now.world ? [stage, under] : tooLarge(failure.now),
+        insidePart(failure.inside),
+        reactionsPart(failure.reactions),
         pairPart(failure, pair, load),
       ),
       el("div", { class: "side" }, replayPart(failure), ...failure.groups.map(numbersPart)),

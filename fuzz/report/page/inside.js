@@ -1,0 +1,59 @@
+// What runs inside a controller in Python where it fails, and what a robot does by what is around it.
+
+import { el, grouped } from "#player/dom.js";
+
+/**
+ * @param {ReportInside | null} inside
+ * @returns {HTMLElement | null}
+ */
+export function insidePart(inside) {
+  if (!inside) return null;
+  const row = ([number, times, text]) =>
+    el(
+      "tr",
+      { class: times === 0 ? "unused" : times === null ? "" : "ran" },
+      el("td", { class: "times" }, times === null ? "" : times ? `${grouped(times)}\u00a0×` : "never"),
+      el("td", { class: "times" }, number ? String(number) : ""),
+      el("td", {}, text),
+    );
+  return el(
+    "div",
+    { class: "part" },
+    el("h3", {}, `Lines of ${inside.file} in ${inside.part}`),
+    el("div", { class: "scroll" }, el("table", { class: "code" }, el("tbody", {}, inside.lines.map(row)))),
+    inside.unused.length ? el("p", { class: "quiet" }, `Never runs there: ${inside.unused.join(", ")}.`) : null,
+    inside.state.length ? statePart(inside.state) : null,
+  );
+}
+
+function statePart(state) {
+  const item = ([name, words]) => el("li", {}, el("b", {}, name), ` ${words}`);
+  return el("div", { class: "part" }, el("h3", {}, "Its state and what it senses there"), el("ul", { class: "state" }, state.map(item)));
+}
+
+/**
+ * @param {[string, number, string, string][]} reactions
+ * @param {string} title
+ * @returns {HTMLElement | null}
+ */
+export function reactionsPart(reactions, title = "What it does by what is around it") {
+  if (!reactions.length) return null;
+  const head = ["What is around it", "Steps", "Turns in a step", "Moves"];
+  const row = ([situation, steps, turns, moves]) =>
+    el("tr", {}, el("th", { scope: "row" }, situation), el("td", { class: "times" }, grouped(steps)), el("td", {}, turns), el("td", {}, moves));
+  return el(
+    "div",
+    { class: "part" },
+    el("h3", {}, title),
+    el(
+      "div",
+      { class: "scroll" },
+      el(
+        "table",
+        { class: "reactions" },
+        el("thead", {}, el("tr", {}, head.map((words) => el("th", { scope: "col" }, words)))),
+        el("tbody", {}, reactions.map(row)),
+      ),
+    ),
+  );
+}

@@ -1,0 +1,236 @@
+"""Show what runs inside a Python controller in the part of its run that goes wrong.
+
+The moves say what the robot does. The lines that run there, and the values of its state, say which
+decision of the controller does it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from fuzz.failure import Failure
+from fuzz.triage.repeated_moves import last_part
+from sim.episode import Episode
+from sim.runners.watched import StateValues, WatchedPart, watched_part
+from worldgen.plugins.counted_code import CodeFunction
+from worldgen.support.plain_text import shown
+
+__all__ = ["CodeLine", "Inside", "inside"]
+
+
+class CodeLine(NamedTuple):
+    """A line of a controller's file.
+
+    Args:
+        number: Its number; 0 for lines that are left out.
+        times: How often it ran in the part; ``None`` for a line that does not run by itself.
+        text: Its text.
+    """
+
+    number: int
+    times: int | None
+    text: str
+
+
+# Lines of an excerpt, to fit on a screen, and characters of a line.
+_MOST_LINES = 50
+_LONGEST_LINE = 120
+
+# Lines that are kept at both ends of a block that is cut.
+_KEPT = 2
+
+# Parts of the state that are described one by one.
+_MOST_STATE = 10
+
+_GAP = CodeLine(0, None, "...")
+
+# Methods that only run before the first step.
+_AT_THE_START = frozenset(("reset", "__init__", "__post_init__"))
+
+
+@dataclass(frozen=True)
+class Inside:
+    """What ran inside a controller in the last part of its run.
+
+    Args:
+        file: Name of its file, without folders.
+        part: The part of the run, in words.
+        lines: The functions that ran in it, cut to fit on a screen.
+        unused: Functions that did not run in it.
+        state: What its attributes, its memory and the senses that it reads did, as pairs of a name
+            and words.
+    """
+
+    file: str
+    part: str
+    lines: list[CodeLine] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
+    state: list[tuple[str, str]] = field(default_factory=list)
+
+    def table(self) -> dict[str, object]:
+        """Return the form of this record in JSON."""
+        return {
+            **vars(self),
+            "lines": list(map(list, self.lines)),
+            "state": list(map(list, self.state)),
+        }
+
+    def text(self) -> list[str]:
+        """Return the lines for the terminal."""
+        found = [f"lines of {self.file} in {self.part}, and how often each runs:"]
+        for number, times, text in self.lines:
+            often = "" if times is None else f"{times:,} x" if times else "never"
+            found.append(f"{often:>10} {number or '':>5} | {text}".rstrip())
+        if self.unused:
+            found.append(f"never runs there: {', '.join(self.unused)}")
+        if self.state:
+            found.append("its state and what it senses there:")
+            found += [f"  {name} {words}" for name, words in self.state]
+        return [shown(line) for line in found]
+
+
+def inside(failure: Failure, episode: Episode) -> Inside | None:
+    """Return what ran inside a failure's controller in the part of its run that goes wrong.
+
+    This runs the controller again.
+
+    Args:
+        failure: The failure.
+        episode: Its run, recorded.
+
+    Returns:
+        The lines and the state; ``None`` for several robots, for a controller without lines in
+        Python, and for one that does not do the same again.
+
+    Raises:
+        OutOfTime: If there is no more time.
+    """
+    part = last_part(episode)
+    if part is None or failure.world.others:
+        return None
+    found = watched_part(
+        failure.world, failure.record.controller, failure.options, episode, part.first
+    )
+    if found is None or not any(found.counts):
+        return None
+    ran = [one for one in found.code.functions if _runs(one, found)]
+    return Inside(
+        file=shown(found.code.file.name),
+        part=part.words,
+        lines=_excerpt(found, ran),
+        unused=[
+            one.name
+            for one in found.code.functions
+            if one not in ran and one.name not in _AT_THE_START
+        ],
+        state=_state(found),
+    )
+
+
+def _runs(function: CodeFunction, found: WatchedPart) -> bool:
+    return any(found.counts[function.first : function.last + 1])
+
+
+def _excerpt(found: WatchedPart, functions: list[CodeFunction]) -> list[CodeLine]:
+    """Return the lines of functions and the constants that they read, cut to fit on a screen."""
+    lines = _lines(found, functions, has_comments=True)
+    if len(lines) > _MOST_LINES:
+        lines = _lines(found, functions, has_comments=False)
+    # Long blocks that never run say the least, and then functions that decide nothing there.
+    if len(lines) > _MOST_LINES:
+        lines = _without_middles(lines, unused_only=True)
+    if len(lines) > _MOST_LINES:
+        deciding = [one for one in functions if _decides(one, found)]
+        lines = _lines(found, deciding or functions, has_comments=False)
+        lines = _without_middles(lines, unused_only=True)
+    if len(lines) > _MOST_LINES:
+        lines = _without_middles(lines, unused_only=False)
+    if len(lines) > _MOST_LINES:
+        lines = [*lines[: _MOST_LINES - 1], _GAP]
+    return lines
+
+
+def _decides(function: CodeFunction, found: WatchedPart) -> bool:
+    """Return True if some statements of a function run more often than others."""
+    own = {
+        found.counts[first]
+        for first in found.code.statements
+        if function.body <= first <= function.last
+    }
+    return len(own) > 1
+
+
+def _lines(
+    found: WatchedPart, functions: list[CodeFunction], *, has_comments: bool
+) -> list[CodeLine]:
+    """Return the lines of functions, without their docstrings, and the constants that they read."""
+    # Choose the lines.
+    numbers: set[int] = set()
+    for one in functions:
+        numbers.update((one.first, *range(one.body, one.last + 1)))
+        names = one.names & found.code.constants.keys()
+        numbers.update(found.code.constants[name] for name in names)
+    # A statement's count holds for all of its lines.
+    counts: dict[int, int] = {}
+    for first, own in sorted(found.code.statements.items()):
+        counts.update(dict.fromkeys(own, found.counts[first]))
+
+    # Show them in order, with a mark where code between them is left out.
+    lines: list[CodeLine] = []
+    is_gap = False
+    for number, line in enumerate(found.code.source, start=1):
+        text = shown(line.expandtabs(4))[:_LONGEST_LINE]
+        is_code = bool(text.strip()) and not text.lstrip().startswith("#")
+        if number not in numbers:
+            is_gap |= is_code
+        elif is_code or has_comments:
+            if is_gap and lines:
+                lines.append(_GAP)
+            is_gap = False
+            lines.append(CodeLine(number, counts.get(number) if is_code else None, text))
+    return lines
+
+
+def _without_middles(lines: list[CodeLine], *, unused_only: bool) -> list[CodeLine]:
+    """Return lines without the middle of long blocks that never run, or that all run alike."""
+    found: list[CodeLine] = []
+    for times, block in itertools.groupby(lines, key=lambda line: line.times):
+        own = list(block)
+        is_long = times is not None and len(own) > 2 * _KEPT + 1
+        if is_long and not (unused_only and times):
+            own = [*own[:_KEPT], _GAP, *own[-_KEPT:]]
+        found.extend(own)
+    return found
+
+
+def _state(found: WatchedPart) -> list[tuple[str, str]]:
+    """Return what the state did: first what changes, then what no longer changes; then the senses."""
+    changing = [one for one in found.state if not one.is_constant]
+    settled = [one for one in found.state if one.is_constant and one.since]
+    fixed = [one for one in found.state if one.is_constant and not one.since]
+    words = [(one.name, _change(one)) for one in changing]
+    words += [(one.name, f"is {one.values[0]} since step {one.since:,}") for one in settled]
+    words = words[:_MOST_STATE]
+    if fixed:
+        same = ", ".join(f"{one.name} = {one.values[0]}" for one in fixed[:_MOST_STATE])
+        words.append(("the same in the whole run:", same))
+    return words + [(one.name, _change(one)) for one in found.senses][:_MOST_STATE]
+
+
+def _change(values: StateValues) -> str:
+    """Return how a value changes: ``takes -1, 1``, ``only rises, from 3 to 51``."""
+    if not values.has_many_values:
+        return f"takes {', '.join(values.values)}"
+    if values.low is None or values.high is None:
+        return "changes"
+    low, high = (
+        f"{value:.4g}" if isinstance(value, float) else f"{value:,}"
+        for value in (values.low, values.high)
+    )
+    if values.only_rises:
+        return f"only rises, from {low} to {high}"
+    if values.only_falls:
+        return f"only falls, from {high} to {low}"
+    return f"varies from {low} to {high}"

@@ -1,0 +1,70 @@
+"""What a failure's run shows about its controller, for the terminal, reports and JSON."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from fuzz.failure import Failure
+from fuzz.triage.inside import Inside, inside
+from fuzz.triage.reactions import Reactions
+from fuzz.triage.repeated_moves import describe_period
+from sim.episode import Episode
+from sim.runners.stopping import OutOfTime
+
+__all__ = ["RunFacts", "run_facts"]
+
+
+@dataclass(frozen=True)
+class RunFacts:
+    """What a run shows: what the robot repeats, what runs inside its controller, how it reacts.
+
+    Args:
+        repeats: What it repeats, to follow ``it``; empty if it doesn't.
+        inside: The lines that run and its state; ``None`` for a controller that isn't in Python.
+        reactions: Its turns and moves by what is around it.
+    """
+
+    repeats: str = ""
+    inside: Inside | None = None
+    reactions: Reactions = field(default_factory=Reactions)
+
+    def table(self) -> dict[str, Any]:
+        """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
+        found = self.inside
+        return {
+            "repeats": self.repeats,
+            "inside": None if found is None else found.table(),
+            "reactions": self.reactions.table(),
+        }
+
+    def text(self) -> list[str]:
+        """Return the lines for the terminal."""
+        found = [f"It {self.repeats}."] if self.repeats else []
+        found += [] if self.inside is None else self.inside.text()
+        if rows := self.reactions.rows():
+            found.append("what it does by what is around it:")
+            found += [f"  {one.text()}" for one in rows]
+        return found
+
+
+def run_facts(failure: Failure, episode: Episode, *, with_code: bool = True) -> RunFacts:
+    """Return what a failure's run shows, as far as there is time.
+
+    Args:
+        failure: The failure.
+        episode: Its run, recorded.
+        with_code: False to leave out what runs inside the controller.
+    """
+    # A run that arrives, and that of several robots, has no part that goes wrong in this sense.
+    facts = RunFacts()
+    if failure.is_breach or failure.oracle is not None or failure.world.others:
+        return facts
+    with contextlib.suppress(OutOfTime):
+        facts = replace(facts, repeats=describe_period(failure.world, episode))
+        if episode.trace is not None:
+            facts.reactions.add(failure.world, episode.trace)
+        if with_code:
+            facts = replace(facts, inside=inside(failure, episode))
+    return facts

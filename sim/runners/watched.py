@@ -1,0 +1,266 @@
+"""Run a Python controller again, and see which of its lines run and what its state does."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+from collections.abc import Callable, Iterator, Sized
+from dataclasses import dataclass, replace
+from enum import Enum
+from types import ModuleType
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from sim.controllers import CONTROLLERS, Controller
+from sim.controllers.base import Observation
+from sim.episode import Episode, prepare
+from sim.options.run import RunOptions
+from sim.runners.hidden_state import attributes
+from worldgen.errors import WorldgenError
+from worldgen.plugins.counted_code import CountedCode, counted_module
+from worldgen.plugins.registry import user_code
+from worldgen.world import World
+
+_METHODS = ("act", "act_many")
+_DECLARED = ("reset", "senses", "needs")
+
+# Different values of one attribute that are kept; if there are more, only their range is.
+_MOST_VALUES = 4
+
+# How far objects within objects are followed.
+_DEEPEST = 2
+
+# Characters of a value that is not a number.
+_LONGEST_VALUE = 40
+
+
+@dataclass
+class StateValues:
+    """The values of one attribute or number of the memory in a part of a run.
+
+    Args:
+        name: Such as ``self.side`` or ``memory[0]``.
+        since: The step in which it took its first value of the part; 0 if it had it at the start.
+        values: The different values, in the order in which they came, as text.
+        low: Smallest value; ``None`` if it is not a number.
+        high: Largest value.
+        only_rises: True if no value is below the one before it.
+        only_falls: True if no value is above the one before it.
+    """
+
+    name: str
+    since: int = 0
+    values: tuple[str, ...] = ()
+    low: float | None = None
+    high: float | None = None
+    only_rises: bool = True
+    only_falls: bool = True
+
+    def take(self, before: object, now: object) -> None:
+        """Add a value.
+
+        Args:
+            before: The value before it, or the value itself if it is the first.
+            now: The value.
+        """
+        text = _as_text(now)
+        if text not in self.values and len(self.values) <= _MOST_VALUES:
+            self.values += (text,)
+        if _is_number(now) and _is_number(before):
+            self.low = now if self.low is None else min(self.low, now)
+            self.high = now if self.high is None else max(self.high, now)
+            self.only_rises &= now >= before
+            self.only_falls &= now <= before
+        else:
+            self.only_rises = self.only_falls = False
+
+    @property
+    def is_constant(self) -> bool:
+        """True if it has one value."""
+        return len(self.values) == 1
+
+    @property
+    def has_many_values(self) -> bool:
+        """True if not all of its values were kept."""
+        return len(self.values) > _MOST_VALUES
+
+
+@dataclass(frozen=True, eq=False)
+class WatchedPart:
+    """What ran inside a controller in a part of its run.
+
+    Args:
+        code: Its file.
+        counts: By line, how often the statement that begins there ran in the part.
+        state: What its attributes and its memory did in the part.
+        senses: What the senses that it reads did; not those that are the same in every step.
+    """
+
+    code: CountedCode
+    counts: list[int]
+    state: list[StateValues]
+    senses: list[StateValues]
+
+
+def watched_part(
+    world: World, name: str, options: RunOptions, episode: Episode, first: int
+) -> WatchedPart | None:
+    """Run an episode of a Python controller again, and watch it in the last part of the run.
+
+    Args:
+        world: World of the run.
+        name: The controller's name.
+        options: Options of the run.
+        episode: The run, recorded.
+        first: The number of steps before the part.
+
+    Returns:
+        What ran in the part; ``None`` for a controller without a source in Python, and if the run
+        differs from the recorded one.
+    """
+    try:
+        controller = CONTROLLERS.get(name)
+        module = sys.modules.get(type(controller).__module__)
+        if module is None or not str(getattr(module, "__file__", "")).endswith(".py"):
+            return None
+        # Its prints have been seen when it was loaded first.
+        with contextlib.redirect_stdout(io.StringIO()), counted_module(module) as code:
+            again = _in_module(controller, module, code)
+            if again is None:
+                return None
+            watcher = _Watcher(again, code, first)
+            watched: Any = watcher
+            run = prepare(world, watched, replace(options, steps=episode.steps))
+            outcome = run.run(episode.steps, find_loop=False, record=True)
+    except WorldgenError:
+        return None
+    if outcome.trace is None or episode.trace is None:
+        return None
+    same = np.array_equal(outcome.trace.states, episode.trace.states)
+    return watcher.part(code) if same else None
+
+
+def _in_module(controller: Controller, module: ModuleType, code: CountedCode) -> Any | None:
+    """Return the same controller, made by the module that counts; ``None`` if it isn't known how."""
+    # The file may name an instance instead of a class.
+    names = [name for name, value in vars(module).items() if value is controller]
+    if names:
+        return getattr(code.module, names[0], None)
+    kind = getattr(code.module, type(controller).__qualname__, None)
+    if not isinstance(kind, type):
+        return None
+    with user_code(f"{kind.__name__}: making it without arguments"):
+        return kind()
+
+
+class _Watcher:
+    """A controller that lets another one act, and watches it."""
+
+    def __init__(self, inner: Any, code: CountedCode, first: int) -> None:
+        self._inner = inner
+        self._now = code.counts
+        self._unpacked = _unpacked(code)
+        read = frozenset[str]().union(*(one.names for one in code.functions))
+        self._senses = {f"observation.{name}": name for name in Observation._fields if name in read}
+        self._first = first
+        self._step = 0
+        self._before: list[int] = []
+        self._latest: dict[str, object] = {}
+        self._since: dict[str, int] = {}
+        self._seen: dict[str, StateValues] = {}
+        for method in _METHODS:
+            if hasattr(inner, method):
+                setattr(self, method, self._watching(getattr(inner, method)))
+        for declared in _DECLARED:
+            if hasattr(inner, declared):
+                setattr(self, declared, getattr(inner, declared))
+
+    def _watching(self, act: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+        def watched(observation: Any, memory: Any) -> Any:
+            if self._step == 0:
+                self._take_state(observation, memory)
+            if self._step == self._first:
+                self._before = list(self._now)
+            self._step += 1
+            answer = None
+            try:
+                answer = act(observation, memory)
+                return answer
+            finally:
+                self._take_state(observation, _memory_in(answer))
+
+        return watched
+
+    def _take_state(self, observation: Any, memory: Any) -> None:
+        """Compare the state with that before the step, and keep its values in the part."""
+        numbers = memory if isinstance(memory, tuple) else np.ravel(memory).tolist()
+        names = self._unpacked if len(self._unpacked) == len(numbers) else ()
+        now = dict(_named_values("self", self._inner))
+        for place, number in enumerate(numbers):
+            now[f"{names[place]} (memory)" if names else f"memory[{place}]"] = number
+        if isinstance(observation, Observation):
+            sensed = {place: getattr(observation, name) for place, name in self._senses.items()}
+            now |= {place: value for place, value in sensed.items() if _is_number(value)}
+        for name, value in now.items():
+            before = self._latest.get(name, value)
+            if before != value:
+                self._since[name] = self._step
+            if self._step > self._first:
+                if name not in self._seen:
+                    self._seen[name] = StateValues(name, self._since.get(name, 0))
+                    before = value
+                self._seen[name].take(before, value)
+        self._latest = now
+
+    def part(self, code: CountedCode) -> WatchedPart | None:
+        """Return what ran since the first step of the part; ``None`` if the run ended before it."""
+        if not self._before:
+            return None
+        counts = [now - before for now, before in zip(self._now, self._before, strict=True)]
+        senses = [one for name, one in self._seen.items() if name in self._senses]
+        state = [one for name, one in self._seen.items() if name not in self._senses]
+        return WatchedPart(code, counts, state, [one for one in senses if not one.is_constant])
+
+
+def _memory_in(answer: Any) -> Any:
+    """Return the memory in a controller's answer; none if the answer is not in the usual form."""
+    memory = answer[1] if isinstance(answer, tuple) and len(answer) == 2 else ()
+    return memory if isinstance(memory, tuple | np.ndarray) else ()
+
+
+def _unpacked(code: CountedCode) -> tuple[str, ...]:
+    """Return the names that ``act`` gives to the numbers of its memory, if it unpacks them."""
+    acts = [one for one in code.functions if one.name in _METHODS]
+    return acts[0].unpacked.get("memory", ()) if len(acts) == 1 else ()
+
+
+def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[str, object]]:
+    """Yield the values of an object's attributes that can be shown; of a collection, its length."""
+    for name, value in attributes(thing).items():
+        place = f"{owner}.{name}"
+        if isinstance(value, np.generic):
+            yield place, value.item()
+        elif value is None or isinstance(value, bool | int | float | str | Enum):
+            yield place, value
+        elif isinstance(value, tuple) and len(value) <= _MOST_VALUES:
+            yield place, _as_text(value)
+        elif isinstance(value, Sized):
+            yield f"len({place})", len(value)
+        # An object of the user's own has state too, such as a filter.
+        elif depth < _DEEPEST and type(value).__module__ == type(thing).__module__:
+            yield from _named_values(place, value, depth + 1)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _as_text(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_as_text, value))})"
+    text = str(value) if isinstance(value, Enum) else repr(value)
+    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."

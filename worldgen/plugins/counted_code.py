@@ -1,0 +1,204 @@
+"""Load a module again with a counter before each statement of its functions.
+
+Neither a trace function nor a monitor is needed, and the module that runs otherwise stays as it is.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import importlib.util
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from worldgen.errors import InvalidParameter
+from worldgen.plugins.registry import user_code
+
+# A name with two underscores at both ends is neither mangled in a class nor taken for its state.
+_COUNTS = "__worldgen_counts__"
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+# What a module needs besides its code, so that its imports work as before.
+_KEPT = ("__spec__", "__loader__", "__file__", "__package__", "__path__", "__builtins__")
+
+
+@dataclass(frozen=True)
+class CodeFunction:
+    """A function or method of a file.
+
+    Args:
+        name: Its name, without its class.
+        first: Its first line, from 1; its decorators are not part of it.
+        last: Its last line.
+        body: The first line after its docstring.
+        names: The names and attributes in it.
+        unpacked: By name of a variable, the names that it is unpacked into: ``left, side = memory``.
+    """
+
+    name: str
+    first: int
+    last: int
+    body: int
+    names: frozenset[str]
+    unpacked: Mapping[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class CountedCode:
+    """A module that counts how often its statements run.
+
+    Args:
+        module: The module.
+        file: Its file.
+        source: The lines of its file.
+        counts: By line, how often the statement that begins there has run; index 0 is unused.
+        statements: The lines of each statement, by its first line; of one that contains others,
+            only those before them.
+        functions: Its functions, in order.
+        constants: By name, the line of a value outside its functions.
+    """
+
+    module: ModuleType
+    file: Path
+    source: list[str]
+    counts: list[int]
+    statements: dict[int, range]
+    functions: list[CodeFunction]
+    constants: dict[str, int]
+
+
+@contextlib.contextmanager
+def counted_module(module: ModuleType) -> Iterator[CountedCode]:
+    """Load a module's file again, and put the result in the module's place for a while.
+
+    Args:
+        module: A module with a source file.
+
+    Raises:
+        InvalidParameter: If its source cannot be read or run.
+    """
+    # Read the file and insert the counters.
+    file = Path(module.__file__ or "")
+    try:
+        data = file.read_bytes()
+    except OSError:
+        raise InvalidParameter("no-source", "{file} cannot be read", file=str(file)) from None
+    with user_code(f"{file}: loading it to count its lines"):
+        source = importlib.util.decode_source(data).splitlines()
+        tree = ast.parse(data, str(file))
+        functions = [_described(node) for node in _functions(tree)]
+        constants = _constants(tree)
+        statements = _insert_counters(tree)
+        code = compile(tree, str(file), "exec", dont_inherit=True)
+
+    # Run it as a module of the same name.
+    again = ModuleType(module.__name__, module.__doc__)
+    vars(again).update({name: vars(module)[name] for name in _KEPT if name in vars(module)})
+    counts = [0] * (len(source) + 2)
+    vars(again)[_COUNTS] = counts
+    # Dataclasses and pickles look up a class's module by its name.
+    before = sys.modules.get(module.__name__)
+    sys.modules[module.__name__] = again
+    try:
+        with user_code(f"{file}: loading it to count its lines"):
+            exec(code, vars(again))
+        yield CountedCode(again, file, source, counts, statements, functions, constants)
+    finally:
+        if before is None:
+            del sys.modules[module.__name__]
+        else:
+            sys.modules[module.__name__] = before
+
+
+def _functions(tree: ast.AST) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
+    found = [node for node in ast.walk(tree) if isinstance(node, _FUNCTIONS)]
+    return sorted(found, key=lambda node: node.lineno)
+
+
+def _described(node: ast.FunctionDef | ast.AsyncFunctionDef) -> CodeFunction:
+    after = node.body[1:] if ast.get_docstring(node, clean=False) is not None else node.body
+    names = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+    names |= {one.attr for one in ast.walk(node) if isinstance(one, ast.Attribute)}
+    last = node.end_lineno or node.lineno
+    body = after[0].lineno if after else last
+    return CodeFunction(node.name, node.lineno, last, body, frozenset(names), _unpacked(node))
+
+
+def _unpacked(function: ast.AST) -> dict[str, tuple[str, ...]]:
+    found = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name):
+            target = node.targets[0]
+            names = target.elts if isinstance(target, ast.Tuple | ast.List) else []
+            if names and all(isinstance(one, ast.Name) for one in names):
+                found[node.value.id] = tuple(ast.unparse(one) for one in names)
+    return found
+
+
+def _constants(tree: ast.Module) -> dict[str, int]:
+    """Return the lines of the values that a module and its classes name."""
+    found = {}
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    for block in (tree.body, *(one.body for one in classes)):
+        for node in block:
+            if isinstance(node, ast.Assign) or (isinstance(node, ast.AnnAssign) and node.value):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names = [one.id for one in targets if isinstance(one, ast.Name)]
+                found.update(dict.fromkeys(names, node.lineno))
+    return found
+
+
+def _insert_counters(tree: ast.Module) -> dict[int, range]:
+    """Insert a counter before each statement in a function, in place; return their lines."""
+    statements: dict[int, range] = {}
+    for function in _functions(tree):
+        for block in _blocks(function):
+            counted: list[ast.stmt] = []
+            for node in block:
+                # A docstring must stay the first statement. Of several statements on one line, the
+                # first counts.
+                is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+                if not is_text and node.lineno not in statements:
+                    statements[node.lineno] = _own_lines(node)
+                    counted.append(_counter(node))
+                counted.append(node)
+            block[:] = counted
+    return statements
+
+
+def _blocks(function: ast.AST) -> list[list[ast.stmt]]:
+    """Return all lists of statements in a function, except those of functions within it."""
+    found = []
+    rest: list[ast.AST] = [function]
+    while rest:
+        node = rest.pop()
+        for name in ("body", "orelse", "finalbody"):
+            block = getattr(node, name, None)
+            # The body of a lambda or of a conditional expression is no list.
+            if isinstance(block, list) and block:
+                found.append(block)
+                rest += [one for one in block if not isinstance(one, _FUNCTIONS)]
+        rest += getattr(node, "handlers", [])
+        rest += getattr(node, "cases", [])
+    return found
+
+
+def _own_lines(node: ast.stmt) -> range:
+    """Return the lines of a statement before the statements that it contains."""
+    last = node.end_lineno or node.lineno
+    if isinstance(node, ast.Match):
+        last = max(node.cases[0].pattern.lineno - 1, node.lineno)
+    elif body := getattr(node, "body", None):
+        last = max(body[0].lineno - 1, node.lineno)
+    return range(node.lineno, last + 1)
+
+
+def _counter(node: ast.stmt) -> ast.stmt:
+    counter = ast.parse(f"{_COUNTS}[{node.lineno}] += 1").body[0]
+    for part in ast.walk(counter):
+        ast.copy_location(part, node)
+    return counter
