@@ -80,8 +80,8 @@ class Drawing(NamedTuple):
     """Obstacles and a target: the numbers that the search changes, cells.
 
     Args:
-        numbers: Of each obstacle left column, lowest row, width and height; of the target column
-            and row.
+        numbers: Left column, lowest row, width and height of each obstacle; column and row of the
+        target.
     """
 
     numbers: tuple[int, ...]

@@ -35,7 +35,7 @@ def describe_unreachable(world: World, *, undecided: bool, proof: str = "") -> s
     Args:
         world: The world.
         undecided: True if it is not proved either that the robots cannot all arrive.
-        proof: The proof in a word, named only for several robots; empty to leave it out.
+        proof: One word for the proof, used only for several robots; empty to omit it.
     """
     if undecided:
         return _UNDECIDED_TOGETHER if world.others else _UNDECIDED

@@ -48,7 +48,7 @@ class Scenario:
     run: RunOptions = field(default_factory=RunOptions)
 
     def __post_init__(self) -> None:
-        # Without this, two scenarios could differ in a budget that no run of theirs has.
+        # Without this, two scenarios could differ in a budget that neither of them uses.
         object.__setattr__(self, "run", replace(self.run, steps=RunOptions.steps))
 
     @property

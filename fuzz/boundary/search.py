@@ -45,7 +45,7 @@ class BoundaryRun:
 
 
 class BoundaryRuns:
-    """Runs a subject at values of an axis, once each.
+    """Runs a subject at values of an axis, each value only once.
 
     Args:
         subject: The scenario.

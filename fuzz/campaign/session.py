@@ -367,7 +367,9 @@ class CampaignSession:
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
         )
         # A run that does not arrive is a failure only once it and a path to the target are proved.
-        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {classes}{to_shrink}"
+        return (
+            f"{counted(live.worlds, 'world')}, {live.failed} did not arrive, {classes}{to_shrink}"
+        )
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Discovery):

@@ -99,7 +99,7 @@ def describe_strategies(state: CampaignState) -> str:
 def describe_units(state: CampaignState) -> str:
     """Describe the units by result.
 
-    For example ``9 whole units and 2 cut short and 1 that learned too little from those``.
+    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
     """
     cut = state.cut - state.too_early
     words = counted(state.units, "whole unit" if cut else "unit")

@@ -166,7 +166,7 @@ def _describe_changed(changed: dict[str, tuple[str, str]]) -> str:
     )
     if "class" not in changed:
         return f"note: {words}; no option keeps the cause"
-    keeps = "the class, and mostly the cause" if "cause" in changed else "it"
+    keeps = "the class, and usually the cause" if "cause" in changed else "it"
     return f"note: {words}; --keep class keeps {keeps}"
 
 

@@ -5,7 +5,7 @@ plain Python, and returns what is wrong with the simulator's claim, or an empty 
 is stored only if its check finds nothing wrong.
 
 Contents:
-    check_evidence: Finds errors in an episode's verdict, whichever it is.
+    check_evidence: Finds errors in an episode's verdict, of any kind.
     check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
     EVIDENCE_CHECKS: The checks by verdict.

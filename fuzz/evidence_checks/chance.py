@@ -107,7 +107,7 @@ def _is_lower(outcomes: Outcomes, after: int, number: int) -> bool:
 
 
 def _check_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
-    """Check that a run starts in the first state, follows successors and ends as they allow."""
+    """Check that a run starts in the first state, moves to successors, and ends where it may."""
     known: dict[bytes, set[int]] = {}
     for number, state in enumerate(outcomes.states):
         known.setdefault(state.tobytes(), set()).add(number)

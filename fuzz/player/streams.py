@@ -1,6 +1,6 @@
 """Pack columns of integers and of bits as short text, which ``page/decode.js`` unpacks.
 
-A robot drives straight most of the time, so the second differences of its poses are mostly close
+A robot drives straight most of the time, so the second differences of its poses are usually close
 to 0 and take one byte each.
 """
 

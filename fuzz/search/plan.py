@@ -48,7 +48,7 @@ _WORLD_COST = {
     BOUNDARY: 0.5,
 }  # ms per world, in addition to its steps
 _FAMILY_COST = 4.0  # ms per world of a family, in addition to its steps
-_AT_FIRST = 1000.0  # ms of work that the first estimate weighs as much as
+_AT_FIRST = 1000.0  # the first estimate has the weight of this many ms of work
 
 # The golden ratio times 2**64. Its multiples, modulo 2**64, are spread as evenly as possible over
 # any run of consecutive units.

@@ -20,7 +20,7 @@ from worldgen.world import Value
 _ANOTHER_FOLDER = "choose another folder"
 
 REMEDIES: Mapping[str, str] = {
-    "ambiguous-format": "choose it in Options of the import",
+    "ambiguous-format": "choose it in Import options",
     "another-campaign": f"select it above and resume it, or {_ANOTHER_FOLDER}",
     "campaign-is-further": f"use {{units}} units or more, or {_ANOTHER_FOLDER}",
     "first-steps-too-slow": (
@@ -36,8 +36,8 @@ REMEDIES: Mapping[str, str] = {
     "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "
     "controllers",
     "no-campaign": "start one with Begin",
-    "ambiguous-layer": "choose one in Options of the import, layer",
-    "layer-missing": "choose one in Options of the import, layer",
+    "ambiguous-layer": "choose one in Import options, layer",
+    "layer-missing": "choose one in Import options, layer",
     "no-map-found": "add the .map file to this one",
     "no-scale": "set another Cell size, under World",
     "noise-filtered": "export as thesis filters the signal again",
@@ -55,10 +55,10 @@ REMEDIES: Mapping[str, str] = {
     "step-too-long": "use a shorter time step",
     "step-too-short": "use a longer time step",
     "takes-no-number": "write {name}",
-    "too-many-digits": "set the origin to 0,0 under Options of the format",
+    "too-many-digits": "set the origin to 0,0 under Format options",
     "too-slow": "use more seconds, or smaller worlds",
-    "unknown-format": "choose one of the formats listed in Options of the import",
-    "world-changes": "set the time to 0 under Options of the format for the cells at that time, or "
+    "unknown-format": "choose one of the formats listed in Import options",
+    "world-changes": "set the time to 0 under Format options for the cells at that time, or "
     "choose another format",
     "wrong-suffix": "use the suffix .png, or write a .yaml with a .pgm by exporting as ros",
 }

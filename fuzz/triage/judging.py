@@ -152,7 +152,7 @@ def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str,
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
-    """Return True if a second run shows the same, as it must for a file to replay."""
+    """Return True if a second run has the same result, which a file needs in order to replay."""
     if not found.is_repeatable:
         return True
     # A compiled controller is deterministic by construction, but a library may keep state.

@@ -313,7 +313,7 @@ def _sides(bearings: WallBearings, touched: Ints) -> str:
 
 
 def _wall(bearings: WallBearings, step: int) -> str:
-    """Return where the wall is that the robot touches after a step."""
+    """Return where the wall that the robot touches after a step is."""
     degrees = math.degrees(bearings(np.array([step]))[0])
     side = "left" if degrees > 0.0 else "right"
     if abs(degrees) <= _AHEAD:

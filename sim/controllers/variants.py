@@ -1,4 +1,4 @@
-"""Options of a controller's own, which its name carries: ``topological+places=16``."""
+"""A controller's own options, which are part of its name: ``topological+places=16``."""
 
 from __future__ import annotations
 

@@ -179,7 +179,7 @@ class _Decision:
 
     Args:
         world: The world.
-        options: Of the run.
+        options: Options of the run.
         outcome: The core's claims.
         verdict: How it ended.
         evidence: The facts that confirm that.

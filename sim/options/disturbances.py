@@ -137,10 +137,10 @@ def delay_of(world: World, robot: RobotOptions) -> tuple[float, Fraction]:
 def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> Doubt | None:
     """Return why a disturbed robot may fail whatever its controller does, or ``None``.
 
-    A push at a time moves the robot along a clear path, so in a static world it can drive back and
-    take the witness from there. A robot that turns and changes its speed instantly, and is faster
-    than a drift, can drive the witness against it. A place that pushes is harmless if the witness
-    stays out of its cell. In all other cases arrival is uncertain.
+    A push at a given time moves the robot along a clear path, so in a static world it can drive
+    back and take the witness from there. A robot that turns and changes its speed instantly, and is
+    faster than a drift, can drive the witness against it. A place that pushes is harmless if the
+    witness stays out of its cell. In all other cases arrival is uncertain.
 
     Args:
         world: The world, with its certificate.

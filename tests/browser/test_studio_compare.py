@@ -66,7 +66,7 @@ def test_nothing_chosen_is_said_and_a_comparison_can_be_stopped(browser, gate):
         page.locator("#compare-said.bad", has_text="No world is chosen").wait_for()
         page.get_by_label("The examples").check()
         page.locator("#compare").get_by_label("turn-random").check()
-        page.get_by_label("Runs with chance").fill("1000")
+        page.get_by_label("Runs per random robot").fill("1000")
         page.locator("#run-compare").click()
         page.locator("#stop-compare").click()
         page.locator("#compare-said", has_text="Stopped.").wait_for()

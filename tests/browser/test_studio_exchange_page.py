@@ -41,7 +41,7 @@ def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like
     page.get_by_text("Import and export").click()
     page.locator("#import").set_input_files(pair)
     page.get_by_text("Row 1 of the 3 of its scenario.").wait_for()
-    page.get_by_text("Options of the import").click()
+    page.get_by_text("Import options").click()
     more = page.locator("#import-more")
     more.get_by_label("Row of the scenario").fill("4")
     more.get_by_role("button", name="Import again").click()
@@ -54,8 +54,8 @@ def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like
     page.locator("#import").set_input_files(pair[:1])
     page.get_by_text(re.compile("^Imported a.map.$")).wait_for()
     assert more.get_by_label("Cell size").input_value() == "0.1"
-    page.get_by_text("Options of the import").click()
+    page.get_by_text("Import options").click()
     page.locator("#import").set_input_files(tmp_path / "x.bin")
-    page.get_by_text("choose one of the formats listed in Options of the import").wait_for()
+    page.get_by_text("choose one of the formats listed in Import options").wait_for()
     more.get_by_label("Format").wait_for()  # it has opened
     assert page.complaints == []

@@ -37,7 +37,7 @@ class Client:
     def ask(
         self, script: str, *args: object, timeout: float = 120.0, cwd: Path | None = None
     ) -> dict:
-        """Return the output of ``scripts/SCRIPT``, one JSON object in its last line.
+        """Return the output of ``scripts/SCRIPT``, one JSON object on its last line.
 
         Args:
             script: Name of the file.

@@ -113,7 +113,7 @@ def _ran(*words: str | Path) -> bool:
 
 
 def main(names: list[str]) -> int:
-    """Install them in turn; return 1 if one is missing in the end."""
+    """Install them in turn; return 1 if one is still missing."""
     if names == ["--programs"]:
         print(*sorted(set(" ".join(PROGRAMS.values()).split())))
         return 0

@@ -1,4 +1,4 @@
-"""IR-SIM and MuJoCo drive an exported world again, fast and slow.
+"""IR-SIM and MuJoCo drive in an exported world again, fast and slow.
 
 The audit finds the same as in the stored runs.
 """

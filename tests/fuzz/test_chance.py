@@ -64,7 +64,7 @@ def _quarter(observation, memory, command):
 def _peek(observation, memory, command):
     """Drives ahead while the number is low, but never uses it up.
 
-    A number seen is the same in the next step.
+    A number that was only read is there again in the next step.
     """
     command[layout.CMD_SPEED] = (
         observation[layout.OBS_TOP_SPEED] if observation[layout.OBS_RANDOM] < 0.5 else 0.0
@@ -80,7 +80,7 @@ def _err(observation, memory, command):
 def _waver(observation, memory, command):
     """Stands still, and uses up the number unless it is low.
 
-    Its actions are the same, but not what it has seen.
+    It always acts the same, but sees different numbers.
     """
     command[layout.CMD_DRAW] = 1.0 if observation[layout.OBS_RANDOM] >= 0.5 else 0.0
 

@@ -80,7 +80,7 @@ def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
 
 
 class Tires:
-    """Drives straight on for twenty steps, and then never again."""
+    """Drives straight on for twenty steps, and then never moves again."""
 
     senses = ("bump",)
 
@@ -100,7 +100,7 @@ class Rests(Tires):
 
 
 class Shuttles(Tires):
-    """Rests in every fourth step, and turns around then."""
+    """Every fourth step, stops and turns around."""
 
     def act(self, observation, memory):
         number = int(memory[0])
@@ -140,7 +140,7 @@ def test_each_place_of_a_short_loop_is_restarted_once():
 
 
 def test_a_robot_is_restarted_only_where_it_has_the_speed_of_a_start():
-    """From other places it might arrive because a start stops it there."""
+    """Restarting it elsewhere would stop it first, and it might arrive only because of that."""
     assert [start.heading for start in restarts("Shuttles")] == [0.0, math.pi]
 
 

@@ -17,7 +17,7 @@ HERE = "tests.fuzz.test_repeated_moves"
 
 
 class Repeats:
-    """Turns by the next of some angles in each step, degrees, and drives on unless told not to."""
+    """In each step, turns by the next angle of a list, in degrees, and may also drive."""
 
     turns = (0.0,)
     share_of_speed = 0.0
@@ -72,7 +72,7 @@ class Wags(Repeats):
 
 
 class Grinds(Repeats):
-    """Stays at a wall, and turns to and fro in a thousand steps."""
+    """Stays at a wall, and turns back and forth for a thousand steps."""
 
     # Binary fractions of a whole turn are exact.
     turns = (22.5, -22.5, -45.0, 45.0) * 250

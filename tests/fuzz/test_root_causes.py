@@ -101,7 +101,7 @@ class StopsBehind(WantsRoom):
 
 
 class Wavers(Still):
-    """Turns left and right by more than 70 degrees while it drives, and so into a corner."""
+    """Turns left and right by more than 70 degrees while it drives, and ends up in a corner."""
 
     def reset(self):
         return (0.21,)

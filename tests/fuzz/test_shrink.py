@@ -184,7 +184,7 @@ def shrunk_found(controller, motion, family="features"):
 
 
 def plain_neighbours(world):
-    """Yield every world with one solid cell, row or column less, using plain NumPy."""
+    """Yield every world with one solid cell, row or column removed, using plain NumPy."""
     for iy, ix in np.argwhere(world.walls):
         walls = world.walls.copy()
         walls[iy, ix] = False

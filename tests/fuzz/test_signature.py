@@ -26,7 +26,7 @@ NOTHING = np.zeros((0, 1), np.uint64)
 def world_of(*rows, timeline=None, **changes):
     """A world of cells of 1 m, the top row first.
 
-    The start is in the middle of the cell S, the target of G.
+    Start and target are in the middle of the cells S and G.
     """
     cells = np.array([list(row) for row in rows[::-1]])
     (sy, sx), (gy, gx) = (np.argwhere(cells == mark)[0].tolist() for mark in "SG")

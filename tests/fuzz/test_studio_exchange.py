@@ -151,7 +151,7 @@ OTHERS = {
 }
 
 
-# Other options that a value needs: in centimetres, a world of 3 m becomes one of 3 cm.
+# Options that another one requires: read in centimetres, a world 3 m wide is only 3 cm wide.
 ALONG = {"unit": {"slice_height": 0.005, "cell_size": 0.001}}
 
 

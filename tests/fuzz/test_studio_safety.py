@@ -450,7 +450,7 @@ def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
         with page_of(Gate("127.0.0.1", int(port), token)) as page:
             for do in ("files", "decide", "run", "campaigns", "failures", "picture"):
                 page.send(do, folder="", **run_message(kind="svg"))
-            page.ask("nothing")  # the others are being begun
+            page.ask("nothing")  # the others are about to start
             os.killpg(server.pid, signal.SIGINT)  # as a terminal does
             _, said = server.communicate(timeout=60)
     said = said.replace(

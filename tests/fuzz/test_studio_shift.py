@@ -41,7 +41,7 @@ def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
         assert "no mirror image" in page.ask("shift", world=flat, seed="0")["error"]["problem"]
         moving = page.ask("shift", world=message_of(still), seed="7")["answer"]["world"]
         assert world_of(moving) == shifted(still, 7)
-        assert "changes already" in page.ask("shift", world=moving, seed="0")["error"]["problem"]
+        assert "already changes" in page.ask("shift", world=moving, seed="0")["error"]["problem"]
         empty = message_of(
             replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None)
         )

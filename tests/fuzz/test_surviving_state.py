@@ -25,7 +25,8 @@ PLACES = {
 }
 SURVIVES = list(PLACES)[:3]
 
-# Turns left or right in turn at its first bumps, later always left, and so loops behind a wall.
+# Turns left and right alternately at its first bumps, later always left, and so loops behind a
+# wall.
 FOLLOWER = """
 import math
 from sim import Command

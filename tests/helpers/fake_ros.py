@@ -56,7 +56,7 @@ class Node:
 def modules(commands: list[Any]) -> dict[str, ModuleType]:
     """What ``sys.modules`` needs.
 
-    A spin with a timeout receives the next command; one without time receives none.
+    A spin with a timeout receives the next command; one without a timeout receives none.
     """
     made = {
         name: ModuleType(name)

@@ -19,7 +19,7 @@ def hall(width=40, height=20):
 
 
 def fleet_world(walls, *robots, **fields):
-    """Return a world of some robots."""
+    """Return a world with the given robots."""
     first, *others = robots
     return World(
         walls,

@@ -6,7 +6,7 @@ import pytest
 
 
 def some(values: Iterable[object], count: int = 1) -> list[object]:
-    """Give values to ``parametrize``.
+    """Pass values to ``parametrize``.
 
     The first ones are unchanged, the others are marked for the gate.
     """

@@ -35,7 +35,7 @@ def main(words: list[str]) -> int:
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help="of a fault; without one all are tried"
     )
-    parser.add_argument("--copy", type=Path, help="a copy of the sources that is there already")
+    parser.add_argument("--copy", type=Path, help="an existing copy of the sources")
     parser.add_argument(
         "--expected", action="store_true", help="run only the files that the table names"
     )

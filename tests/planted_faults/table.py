@@ -1,4 +1,4 @@
-"""The faults: for each promise, a small change of the sources that breaks it."""
+"""The faults: for each promise, a small change to the sources that breaks it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fault:
-    """One change of one file that breaks one promise.
+    """One change to one file that breaks one promise.
 
     Args:
         name: Its name in the runner.

@@ -1,6 +1,6 @@
 """Seeded faults as Python classes.
 
-They run like their compiled functions, and campaigns find them just as soon.
+They run like their compiled functions, and campaigns find them just as quickly.
 """
 
 import pytest

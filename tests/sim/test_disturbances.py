@@ -1,4 +1,4 @@
-"""Pushes, drift and decoys work as documented, keep the robot out of walls and proofs sound."""
+"""Pushes, drift and decoys work as documented, drive no robot into a wall, and break no proof."""
 
 import math
 from dataclasses import replace

@@ -281,12 +281,12 @@ def test_noise_on_the_signal_stays_within_its_share():
 
 
 def falling(time, cell, state=CellState.SOLID, **changes):
-    """A hall in which a cell changes at a time."""
+    """A hall in which a cell changes at a given time."""
     return hall(timeline=Timeline.of([Event(time, *cell, state)]), **changes)
 
 
 def front(world, **switches):
-    """Return how far the front of a robot gets that drives along the row."""
+    """Return how far the front of a robot that drives along the row gets."""
     episode = simulate(world, Drive(1.0), record=True, steps=60, **switches)
     return episode, float(episode.trace.x.max()) + world.robot_radius
 

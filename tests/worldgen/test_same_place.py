@@ -11,7 +11,7 @@ from worldgen.interop import FORMATS, export_world
 
 
 def points(world, seed, *, outside):
-    """Yield a point in each cell, and in the ring around an open border, and if it is solid."""
+    """Yield points in each cell and in the ring around an open border: solid or not."""
     solid = np.pad(world.walls, 1, constant_values=True)
     ring = 0 if not outside or (solid[[1, -2]].all() and solid[:, [1, -2]].all()) else 1
     random = np.random.Generator(np.random.PCG64(seed))

@@ -150,7 +150,7 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
             time.sleep(0.002)
         process.send_signal(signal.SIGKILL)
         process.wait()
-    assert "worlds are there already; continuing" in run(*command).err
+    assert "worlds already exist; continuing" in run(*command).err
     run(*command[:-1], tmp_path / f"whole-{out}")
     assert contents(tmp_path / out) == contents(tmp_path / f"whole-{out}")
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([out, f"whole-{out}"])
@@ -200,7 +200,7 @@ def test_bytes_that_an_archive_lost_are_made_again(whole, tmp_path, monkeypatch)
     monkeypatch.undo()
     worlds = tmp_path / "set.zip.part/worlds"
     worlds.write_bytes(worlds.read_bytes()[: 3 * manifest_of(whole / "set").entries[0].size])
-    assert " worlds are there already; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    assert " worlds already exist; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
     assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
 
 
@@ -320,7 +320,7 @@ def test_what_force_began_goes_on_as_the_message_says(whole, tmp_path, monkeypat
     monkeypatch.undo()
     if place.is_file():
         place.rename(tmp_path / "moved.zip")
-    assert "3 of 6 worlds are there already" in run(*TRAPS, "--out", place).err
+    assert "3 of 6 worlds already exist" in run(*TRAPS, "--out", place).err
     assert contents(place) == contents(whole / out)
 
 

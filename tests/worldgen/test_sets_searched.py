@@ -49,7 +49,7 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(searched, tmp_pat
     lines = (part / "manifest.jsonl").read_bytes().splitlines(keepends=True)
     (part / "manifest.jsonl").write_bytes(b"".join(lines[:3]))
     (part / "trap-4.grid").unlink()
-    assert "2 of 4 worlds are there already" in run(*SEARCHED, "--count", 4, "--out", part).err
+    assert "2 of 4 worlds already exist" in run(*SEARCHED, "--count", 4, "--out", part).err
     assert contents(part) == contents(searched)
 
 
@@ -59,7 +59,7 @@ def test_a_set_that_an_older_version_began_is_continued(searched, tmp_path):
     older = first.replace(b'"constraint"', b'"wish"')
     (part / "manifest.jsonl").write_bytes(older + b"".join(lines[:2]))
     (part / "trap-4.grid").unlink()
-    assert "2 of 4 worlds are there already" in run(*SEARCHED, "--count", 4, "--out", part).err
+    assert "2 of 4 worlds already exist" in run(*SEARCHED, "--count", 4, "--out", part).err
     assert (part / "manifest.jsonl").read_bytes() == older + b"".join(lines)
 
 

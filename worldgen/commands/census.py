@@ -281,10 +281,11 @@ def _check_any(found: Census) -> None:
 
 def _leave(found: Census) -> None:
     if found.interrupted:
-        note(f"interrupted after {found.maps} maps; the table is of these", always=True)
+        note(f"interrupted after {found.maps} maps; the table covers these", always=True)
         raise click.exceptions.Exit(130)
     if found.fault:
-        note(f"worldgen: {found.fault}; the table is of the {found.maps} maps before", always=True)
+        covered = f"the table covers the {found.maps} maps before it"
+        note(f"worldgen: {found.fault}; {covered}", always=True)
         raise click.exceptions.Exit(2)
     if not all(question.proved for question in found.questions):
         raise click.exceptions.Exit(1)

@@ -115,7 +115,7 @@ def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None
             # The first call reports the worlds that were on disk; later calls only advance the bar.
             nonlocal safe
             if safe < 0 < done:
-                note(f"{out}: {done} of {count} worlds are there already; continuing")
+                note(f"{out}: {done} of {count} worlds already exist; continuing")
             safe = done
             work.count(done, count, "worlds")
 

@@ -243,7 +243,7 @@ class Piece:
         if numbers[0] + sides[0] > self.width or numbers[1] + sides[1] > self.height:
             raise InvalidParameter(
                 "outside-grid",
-                "crop of {width} x {height} cells from ({x}, {y}) on reaches beyond the "
+                "a crop of {width} x {height} cells from ({x}, {y}) reaches beyond the "
                 "piece of {piece_width} x {piece_height} cells",
                 "use a box inside",
                 width=width,

@@ -53,8 +53,8 @@ typedef struct WgMaze {
     WgMazeAlgorithm algorithm;
     int64_t columns;   // chambers in x
     int64_t rows;      // chambers in y
-    int64_t newest;    // growing tree: picks of 65536 that take the newest chamber
-    int64_t oldest;    // growing tree: picks of 65536 that take the oldest
+    int64_t newest;    // growing tree: of 65536 picks, those that take the newest chamber
+    int64_t oldest;    // growing tree: of 65536 picks, those that take the oldest
     int64_t left;      // chambers still to be joined; 0 when the maze is done
     int64_t at;        // position of the walk, or the beginning of the sidewinder's row
     // hunt: no free chamber comes before it. Wilson: where the current walk began

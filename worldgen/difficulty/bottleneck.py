@@ -168,9 +168,9 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
 
 
 def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
-    """Return solid cells next to free ones: (n, 2) padded (column, row), numbers by place, stride.
+    """Return solid cells next to free ones, a table of their numbers, its stride and the padding.
 
-    The cells are padded.
+    The cells are (n, 2), column and row in the padded grid, whose places index the table.
     """
     pad = math.isqrt(max(below - 1, 0)) + 2
     rim = np.pad(rim_cells(solid), pad - 1)

@@ -65,9 +65,9 @@ def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] |
 def _flooded(
     nodes: Nodes, places: Ints, squared: Ints, sources: list[int], begins: list[int], at_start: int
 ) -> tuple[int, list[tuple[int, int]]]:
-    """Return the squared pass of the start, or -1.
+    """Return the squared pass of the start, or -1, and the pockets that joined the target's part.
 
-    It also fills in (pass, bottom), squared, of pockets that joined the target's component.
+    Each pocket is its pass and its bottom, squared.
     """
     ffi = _core.ffi
     lib = _core.lib

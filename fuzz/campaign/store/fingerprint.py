@@ -76,7 +76,7 @@ class Fingerprint:
             before = was.get(path)
             after = is_now.get(path)
             if before != after:
-                # Of a nested name, the ends suffice: "scenario beams".
+                # For a nested name, its first and last part suffice: "scenario beams".
                 name = " ".join(dict.fromkeys((path[0], path[-1])))
                 found.append(f"{name} is {quote(before, _LONGEST)}, not {quote(after, _LONGEST)}")
         # Another configuration has other code, such as another controller's: naming it says nothing
@@ -226,7 +226,7 @@ def _digest_of_source(registry: Registry[Any], name: str) -> str:
 
 
 def _digest_of_program(command: Sequence[str]) -> str:
-    """Return the digest of a program: of the words of a command that are files here."""
+    """Return the digest of a program: of the files that its command names."""
     paths = [Path(shutil.which(word) or word) for word in command]
     return _digest_of_files(*(path for path in paths if path.is_file()))
 

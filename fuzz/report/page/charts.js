@@ -277,6 +277,6 @@ function archiveChart(archive) {
     `Archive: ${across} and ${up}`,
     note,
     archivePlot(archive, PLOT),
-    tableBehind("Table of the archive", [across, up, "quality", "verdict"], cells),
+    tableBehind("Archive table", [across, up, "quality", "verdict"], cells),
   );
 }

@@ -331,7 +331,7 @@ function selectNumbers() {
 // Makes the menu for first-time users: three worlds, and the tour.
 function startMenu(tour) {
   const close = () => (menu.open = false);
-  const take = el("button", { type: "button", id: "take-tour", onclick: () => (close(), tour.begin()) }, "Tour of a minute");
+  const take = el("button", { type: "button", id: "take-tour", onclick: () => (close(), tour.begin()) }, "One-minute tour");
   const list = el("div", { class: "menu" }, el("b", {}, "Example worlds"), exampleButtons(studio, (words) => (close(), say(words))), take);
   const menu = el("details", { class: "start-menu", id: "start-menu" }, el("summary", { class: "button" }, "Start here"), list);
   menu.addEventListener("keydown", ({ key }) => key === "Escape" && close());

@@ -31,7 +31,7 @@ class PartFacts(NamedTuple):
         name: Its name.
         trigger: When it applies, in words.
         action: What it then does, in words.
-        priority: Of the parts that apply, the one with the highest priority acts.
+        priority: The part with the highest priority acts, among those that apply.
         duration: Number of steps that it acts; infinity if it decides that itself.
         interruptible: True if a part of higher priority can take over before it is done.
     """

@@ -103,7 +103,7 @@ class Layer:
 
     Args:
         behaviour: The behaviour.
-        priority: Of the parts that apply, the one with the highest priority acts; the first wins a
+        priority: The part with the highest priority acts, among those that apply; the first wins a
             tie. In a vote it is the part's weight. ``None``: earlier parts in the list have higher
             priority.
         duration: Steps, instead of the behaviour's own.

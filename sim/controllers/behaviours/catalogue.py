@@ -36,7 +36,7 @@ class PartOptions:
     """Options that every part has.
 
     Args:
-        priority: Of the parts that apply, the one with the highest priority acts. 0: earlier parts
+        priority: The part with the highest priority acts, among those that apply. 0: earlier parts
             in the list have higher priority. In a vote it is the part's weight.
         duration: Number of steps that it acts once it has control; 0: its own duration.
         interruptible: True if a part of higher priority can take over before it is done.

@@ -22,7 +22,7 @@ static const double THERE = 0.01;
 static const double STANDS = 0.02;  // fraction of the pitch: a shorter free step cannot come nearer
 static const double ALONG = 0.9;  // minimum progress, in steps, if a wall deflected the step
 static const double PROBE = 0.2;  // fraction of the pitch: length of a step that feels for a wall
-// steps on the way back that a wall may bend before the nearest node is taken to be its own
+// after this many deflected steps on the way back, the robot takes the nearest node as its own
 static const double MOST_TRIES = 12.0;
 
 typedef struct Point {

@@ -43,8 +43,8 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
     double ahead_y = seen->neighbour_count > 0 ? wg_sin(turn) : 0.0;
     for (int64_t k = 0; k < seen->neighbour_count; k++) {
         const WgNeighbour *other = &seen->neighbours[k];
-        // Most robots are clearly not in the way: behind, or too far from the straight path. Angles
-        // decide about the others, with their own rounding.
+        // Most robots are clearly not in the way: behind, or too far from the straight path. For
+        // the others, compare angles, which are rounded differently.
         double along = other->x * ahead_x + other->y * ahead_y;
         double across = other->y * ahead_x - other->x * ahead_y;
         if (along < -ROUNDING || fabs(across) > MARGIN * (seen->radius + other->radius) + ROUNDING) {

@@ -25,7 +25,7 @@ enum {
     WG_ANSWER = 4,       // numbers of an answer before the memory
 };
 
-// Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words.
+// Constants of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words.
 static const uint64_t WG_HASH_START = 1469598103934665603u;
 static const uint64_t WG_HASH_PRIME = 1099511628211u;
 

@@ -1,12 +1,14 @@
 // Loads an SDF world into Gazebo's physics (dartsim) and obeys commands from standard input, one a line:
 //   ball NAME X Y Z RADIUS     a sphere of 0.1 kg
-//   move NAME X Y Z            a model is put somewhere, as Gazebo's set_pose service does it
-//   push NAME VX VY STEPS      steps with the model's velocity set anew before each
+//   move NAME X Y Z            moves a model, as Gazebo's set_pose service does
+//   push NAME VX VY STEPS      steps with the model's velocity set again before each one
 //   wheels LEFT RIGHT STEPS    steps with the velocities, rad/s, of the joints left_joint and right_joint of `robot`
 //   step STEPS
 //   where NAME                 prints x, y, z of the model's first link
-//   serve NAME                 is what the Gazebo server is to a player, for a world called so: obeys its services, and
-//                              prints time, model and the z that it then has for every model moved, till time runs on
+//   serve NAME                 acts as the Gazebo server for a player of the world of this name:
+//   obeys its services, and
+//                              prints time, model and new z for every model moved, until time
+//                              continues
 #include <atomic>
 #include <chrono>
 #include <cmath>

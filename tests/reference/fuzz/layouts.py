@@ -25,7 +25,7 @@ MARGIN = NEAR
 """Rows and columns of solid cells around a world, as many as the simulator's masks see."""
 
 ROWS = SMALLEST_SIDE + SPREAD_OF_SIDES - 1 + 2 * MARGIN
-"""Rows of the highest world with its margin."""
+"""Rows of the tallest world with its margin."""
 
 _WINDOW = 2 * NEAR + 1
 _ROW_OF_MASK = (1 << _WINDOW) - 1
@@ -168,8 +168,8 @@ def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
         room: (3, ROWS) to be used: rows of corners that are clear, reached, and reached last.
 
     Returns:
-        Their number, -1 if there is no such path. A corner of cell (ix, iy) is bit and row of the
-        cell above and right of it.
+        Their number, -1 if there is no such path. A corner of cell (ix, iy) has the bit and the row
+        of the cell above and to the right of it.
     """
     height = size_of(layouts, n)[1]
     start_x, start_y, target_x, target_y = places_of(layouts, n)

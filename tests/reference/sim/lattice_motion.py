@@ -59,7 +59,7 @@ def first_contact(
 
     Args:
         cells: (height, width) cell states.
-        radius: Of the disc, lattice units.
+        radius: Radius of the disc, lattice units.
         reach: The same, rounded up.
         x: Start.
         y: Start.

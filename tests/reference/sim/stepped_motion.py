@@ -59,7 +59,7 @@ def _contact(
     """What a one-pixel step hits, ``_FREE`` to ``_TOUCH_CORNER``.
 
     Only the first wall that a single-axis part touches counts. Rows outside the grid are skipped,
-    while the listing leaves its loop; inside a border of walls this is the same.
+    whereas the listing leaves its loop; inside a border of walls this is the same.
     """
     beyond = x >= cells.shape[0] * CELL - radius or y >= cells.shape[1] * CELL - radius
     centre_x, centre_y = int(x / CELL), int(y / CELL)

@@ -104,7 +104,7 @@ HASH_START = 1469598103934665603
 class Setup(NamedTuple):
     """The robot and the options of the run.
 
-    Give ints as ints and floats as floats: types select code.
+    Pass ints as ints and floats as floats: types select code.
 
     Args:
         rule: Turn after a collision: 1 heading + turn_angle, 2 heading - turn_angle, 3 random.

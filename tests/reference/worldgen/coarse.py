@@ -10,7 +10,7 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
 
     Args:
         solid: (height, width) uint8, 1 is solid.
-        side: Of the squares, cells.
+        side: Side of the squares, cells.
         source: Where to begin: (row + 1) * (width + 2) + column + 1 of a square's first cell.
         goal: The square to end at.
         state: ((height + 2) * (width + 2),) uint8 zeros, for the squares.

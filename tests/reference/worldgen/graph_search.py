@@ -122,7 +122,7 @@ def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None
     Args:
         clear: (n,) uint8, 1 where the disc is clear; none on the rim of the grid.
         middle: (n,) uint8, the same half a step right of and above each node.
-        stride: Nodes a row.
+        stride: Nodes per row.
         sources: (m,) numbers of clear nodes.
         seen: (n,) uint8 zeros; gets 1.
     """

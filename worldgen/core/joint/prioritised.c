@@ -186,7 +186,7 @@ static bool grow_table(RobotSearch *search)
     if (table == NULL) {
         return false;
     }
-    // Of each node and interval, only the earliest state is in the table.
+    // For each node and interval, only the earliest state is in the table.
     for (int64_t i = 0; i <= search->mask; i++) {
         if (search->table[i] == 0) {
             continue;

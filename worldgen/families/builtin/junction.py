@@ -70,7 +70,7 @@ def junction(
             least=least + 2,
         )
 
-    # Where the arms meet; each is long enough for a robot.
+    # Choose where the arms meet, so that each arm is long enough for a robot.
     plan = rng.child("plan")
     low = 1 + arena.narrowest
     high = size - 1 - arena.narrowest - width

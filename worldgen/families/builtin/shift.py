@@ -122,7 +122,7 @@ def shifted(
     if world.is_dynamic:
         raise InvalidParameter(
             "world-changes",
-            "the world changes already",
+            "the world already changes",
             "clear its changes, or use a world that does not change",
         )
     pace = _Pace(interval, chance, duration, speedup)

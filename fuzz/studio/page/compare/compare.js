@@ -112,7 +112,7 @@ function build(compare) {
     parts.robots,
     el("h2", {}, "Worlds"),
     parts.worlds,
-    labelled("Runs with chance", parts.seeds, { help: "For each robot that draws random numbers. Steps, seed and options are those of Play, where you add robots with options." }),
+    labelled("Runs per random robot", parts.seeds, { help: "For each robot that draws random numbers. Steps, seed and options are those of Play, where you add robots with options." }),
   );
   showRobots(compare);
   showWorlds(compare);

@@ -44,7 +44,7 @@ function morePart(parts) {
   return el(
     "details",
     { id: "export-more" },
-    el("summary", {}, "Options of the format"),
+    el("summary", {}, "Format options"),
     parts.options,
     parts.time,
     el(

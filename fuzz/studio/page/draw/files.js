@@ -15,7 +15,7 @@ import { Refused } from "#studio/shared/refusals.js";
  */
 export function makeFiles(studio) {
   const parts = {
-    list: el("ul", { class: "files", "aria-label": "Files of the folder" }),
+    list: el("ul", { class: "files", "aria-label": "Files in the folder" }),
     found: el("details", { hidden: true }, el("summary", {}), el("ul", { class: "files", "aria-label": "Found by campaigns" })),
     said: Object.fromEntries(["save", "import", "export", "open"].map((name) => [name, el("p", { role: "status" })])),
   };

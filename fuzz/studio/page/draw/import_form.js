@@ -50,7 +50,7 @@ function morePart(form, parts) {
   const more = el(
     "details",
     { id: "import-more" },
-    el("summary", {}, "Options of the import"),
+    el("summary", {}, "Import options"),
     parts.formats,
     parts.options,
     parts.rows,
@@ -153,7 +153,7 @@ async function ask(form, parts) {
   showFound(form, parts);
   parts.rows.hidden = !(answer.rows > 1);
   [parts.row.max, parts.row.value] = [answer.rows || "", answer.row || ""];
-  const more = answer.rows > 1 && !answer.row ? [`Its scenario has ${answer.rows} rows: choose one in Options of the import.`] : [];
+  const more = answer.rows > 1 && !answer.row ? [`Its scenario has ${answer.rows} rows: choose one in Import options.`] : [];
   return [`Imported ${answer.main}.`, ...(answer.notes || []), ...more].join(" ");
 }
 

@@ -35,7 +35,7 @@ function offer(settings, element) {
   settings.buttons = Object.fromEntries(headings.map((heading) => [heading, button(settings, heading)]));
   settings.groups = Object.fromEntries(headings.map((heading) => [heading, group(settings, heading)]));
   element.replaceChildren(
-    el("div", { class: "headings", role: "group", "aria-label": "Settings of these robots" }, Object.values(settings.buttons)),
+    el("div", { class: "headings", role: "group", "aria-label": "Settings of the robots" }, Object.values(settings.buttons)),
     ...Object.values(settings.groups),
   );
   show(settings);

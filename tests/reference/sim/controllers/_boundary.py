@@ -54,7 +54,7 @@ _SEARCH = 30.0 * _DEGREE  # turn towards a wall that is lost, in each step
 _WHOLE_TURN, _WHOLE_TURNS = (
     12.0,
     24.0,
-)  # steps of a search that turn it once, and after which the count starts over
+)  # steps in which a search turns once all around; then the count starts over
 _GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
 _SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
 # turns of one wall: into the path, and out of it

@@ -47,8 +47,8 @@ _ELSEWHERE = 1.5  # steps: beyond this distance from the hit point, it has left 
 _SAME_WALL = math.radians(
     100.0
 )  # rad by which the direction of the wall may differ at the same place
-# Of a step: a hit on the same wall must be this much nearer than the last leave point, or else the
-# robot goes there.
+# Fraction of a step: unless a hit on the same wall is this much nearer than the last leave point,
+# the robot goes back there.
 _NEARER = 0.1
 
 

@@ -76,8 +76,8 @@ def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: f
     """Length of an arc until a disc meets a point, m; inf if it never does.
 
     Args:
-        x: Of the point, m, ahead of the robot.
-        y: Of the point, m, to its left.
+        x: Distance of the point ahead of the robot, m.
+        y: Distance of the point to its left, m.
         speed: m/s, positive.
         turn_rate: rad/s.
         radius: Radius of the disc, m. A point inside it counts as met immediately if it is ahead.

@@ -65,7 +65,7 @@ class _Grid:
         at = WINDOW_X + axis
         before = int(self.memory[at])
         lines = range(low, before) if low < before else range(before, low)
-        # More lines than the window has are the same lines again.
+        # Beyond the window's size, the lines repeat.
         for line in list(lines)[-self.side :]:
             for k in range(self.side):
                 self.put(*((line, k) if axis == 0 else (k, line)), 0)

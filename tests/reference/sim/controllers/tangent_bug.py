@@ -41,8 +41,8 @@ Floats = npt.NDArray[np.float64]
 BEAMS = 72
 RANGE = 1.0  # m: points farther away are ignored
 _APART = 1.4  # radii: points farther apart than this from beam to beam are also ignored
-# Of the radius: a touched wall counts as no nearer than this, so that it does not block the path
-# along itself.
+# Fraction of the radius: a touched wall counts as at least this far away, so that it does not block
+# the path along itself.
 _TOUCHING = 0.97
 _JUMP = (
     0.08 / 0.07
@@ -51,12 +51,14 @@ _LONGER = 0.05  # m: how much longer the path by an end may become before the ro
 _HANGS_TOGETHER = (
     0.5  # share of its distance by which a wall may be nearer or farther in the next direction
 )
-# m: a place to leave a wall for must be nearer to the target by this than every place of the wall
+# m: a robot leaves a wall only for a place that is nearer to the target by this than all of the
+# wall
 _NEARER = 0.03
 _PATIENCE = 60.0  # steps in which the path must have become shorter
 
 # Memory after the body's: what it does; shortest path so far, and steps since; the wall's least
-# distance to the target; distance to the target before the step; the place to leave for.
+# distance to the target; distance to the target before the step; the place for which it leaves the
+# wall.
 MODE, BEST, SINCE, WALL_FAR, FAR = (body.BODY_SIZE + k for k in range(5))
 LEAVE_X = body.BODY_SIZE + 5
 LEAVE_Y = body.BODY_SIZE + 6
@@ -200,9 +202,7 @@ def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
 
 
 def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
-    """Notes a visible place to leave the wall for, if one is nearer to the target than the whole
-    wall so far.
-    """
+    """Chooses a visible place that is nearer to the target than the whole wall so far, if any."""
     _see_wall(observation, memory, 1)
     _see_wall(observation, memory, -1)
     memory[WALL_FAR] = min(memory[WALL_FAR], observation[layout.OBS_TARGET_DISTANCE])

@@ -131,7 +131,7 @@ def next_cell(
     Args:
         memory: The map.
         here: Column and row of the robot.
-        target: Of the target.
+        target: Column and row of the target.
         near: (SIDE,) zeros, workspace.
         wave: Same as above.
     """
