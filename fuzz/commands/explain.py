@@ -72,7 +72,7 @@ def explain(
             unexplained += 1
             continue
         if picture is not None and explained:
-            raise click.UsageError(f"--picture {picture} shows one failure; give explain one file")
+            raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
         failure = failure.driven_by(controller)
         try:
             with working(f"explaining {path}"):
