@@ -129,6 +129,7 @@ def _shrink(known: list[Path], folder: Path) -> None:
     from worldgen.support.progress import working
     from worldgen.support.workers import LISTEN
 
+    # Small failures shrink fastest, so begin with these.
     waiting = sorted(((Failure.read(path), path) for path in known), key=lambda one: one[0].order)
     busy: dict[Future[Shrinking], Path] = {}
     done = 0
@@ -144,6 +145,7 @@ def _shrink(known: list[Path], folder: Path) -> None:
                 while waiting and len(busy) < executor.room:
                     failure, path = waiting.pop(0)
                     busy[executor.submit(shrunk_or_same, failure, "class")] = path
+                # Write each result immediately, so that Ctrl-C loses none.
                 for future in wait(busy, LISTEN, FIRST_COMPLETED).done:
                     future.result().failure.write(busy.pop(future), force=True)
                     done += 1
