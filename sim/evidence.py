@@ -19,7 +19,7 @@ from worldgen.world import Value
 
 Cell: TypeAlias = tuple[int, int]
 Manner: TypeAlias = Literal["drifting", "confined"]
-Frame: TypeAlias = Mapping[str, Any]
+CrashFrame: TypeAlias = Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,7 +209,7 @@ class FaultEvidence:
     remedy: str | None = None
     reason: str | None = None
     message: str | None = None
-    frames: tuple[Frame, ...] | None = None
+    frames: tuple[CrashFrame, ...] | None = None
     bump: bool | None = None
     robot: int | None = None
 

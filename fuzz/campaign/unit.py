@@ -10,7 +10,7 @@ from fuzz.campaign.deadline import NO_DEADLINE, Deadline
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.search.plan import planned_strategy
 from fuzz.search.registry import strategy_of
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from fuzz.triage.triage import Triage
 from sim.runners.controller_time import Effort
 from sim.runners.renewal import as_loaded
@@ -42,7 +42,9 @@ def run_unit(
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
-            strategy_of(name)(Task(name, config, unit, known, Triage(config, result, deadline)))
+            strategy_of(name)(
+                SearchTask(name, config, unit, known, Triage(config, result, deadline))
+            )
     except OutOfTime:
         result.cut = True
     except KeyboardInterrupt:

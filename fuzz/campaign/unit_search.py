@@ -30,8 +30,8 @@ class _Interruptible(Protocol):
 
 
 T = TypeVar("T")
-Result = TypeVar("Result", bound=_Interruptible)
-Event = TypeVar("Event")
+ResultT = TypeVar("ResultT", bound=_Interruptible)
+EventT = TypeVar("EventT")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Submitted(Generic[T]):
         return self.future.done()
 
 
-class UnitSearch(ABC, Generic[Result, Event]):
+class UnitSearch(ABC, Generic[ResultT, EventT]):
     """A search by numbered units.
 
     The results are merged in order of their numbers, so that they do not depend on the workers.
@@ -85,12 +85,12 @@ class UnitSearch(ABC, Generic[Result, Event]):
         self._executor = executor
         self._schedule = schedule
         # Units that workers have, or whose results wait to be merged.
-        self._under_way: dict[int, Submitted[Result]] = {}
+        self._under_way: dict[int, Submitted[ResultT]] = {}
         # Number of the next unit to hand out, and of the next one to merge.
         self._next = 0
         self._merged = 0
 
-    def run(self) -> Generator[Event, None, None]:
+    def run(self) -> Generator[EventT, None, None]:
         """Run the search, or the rest of it.
 
         Raises:
@@ -112,7 +112,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
         """Begin one piece of work, or return False if nothing may begin now."""
 
     @abstractmethod
-    def _merge(self, unit: int, submitted: Submitted[Result]) -> Iterator[Event]:
+    def _merge(self, unit: int, submitted: Submitted[ResultT]) -> Iterator[EventT]:
         """Add a unit's result, and yield what has changed."""
 
     def _has_enough(self) -> bool:
@@ -127,18 +127,18 @@ class UnitSearch(ABC, Generic[Result, Event]):
         """Return the work in progress besides the units."""
         return ()
 
-    def _take_others(self) -> Iterator[Event]:
+    def _take_others(self) -> Iterator[EventT]:
         """Collect the results of :meth:`_others` that are finished."""
         yield from ()
 
     def _has_more_units(self) -> bool:
         return self.units is None or self._next < self.units
 
-    def _add_unit(self, submitted: Submitted[Result]) -> None:
+    def _add_unit(self, submitted: Submitted[ResultT]) -> None:
         self._under_way[self._next] = submitted
         self._next += 1
 
-    def _run(self, executor: Executor) -> Generator[Event, None, None]:
+    def _run(self, executor: Executor) -> Generator[EventT, None, None]:
         while not self._has_enough():
             self._hand_out(executor)
             if not self._under_way and not self._others():
@@ -195,7 +195,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
                 executor.listen()
         executor.listen()
 
-    def _merge_in_order(self) -> Iterator[Event]:
+    def _merge_in_order(self) -> Iterator[EventT]:
         while self._merged in self._under_way and self._under_way[self._merged].is_done:
             unit = self._merged
             submitted = self._under_way.pop(unit)
@@ -206,7 +206,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
             if self._has_enough():
                 return
 
-    def _take_what_is_done(self) -> Iterator[Event]:
+    def _take_what_is_done(self) -> Iterator[EventT]:
         """At the end, merge the units that are done, including those after an unfinished one.
 
         The unfinished one has lost its turn.

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import FormatError, InvalidParameter, OutputError
-from worldgen.files.whole import write_bytes
+from worldgen.files.whole import check_writable, write_bytes
 from worldgen.plugins.installation import origin, requirement
 
 SEED = 1
@@ -102,6 +102,7 @@ class Project:
                 "use the root of your project",
                 path=self.folder,
             )
+        check_writable(self.folder / CORPUS, self.folder)
         written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
         taken = [path for path, _ in written if path.exists()]
         if taken and not force:

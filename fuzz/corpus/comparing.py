@@ -9,7 +9,7 @@ from typing import Literal
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.merging import smallest
 
-Change = Literal["new", "gone", "smaller", "larger", "same"]
+Difference = Literal["new", "gone", "smaller", "larger", "same"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class BucketDifference:
         new: Its simplest failure in the new corpus, if there is one.
     """
 
-    change: Change
+    change: Difference
     old: CorpusEntry | None
     new: CorpusEntry | None
 

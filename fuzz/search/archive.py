@@ -20,7 +20,7 @@ from fuzz.campaign.result import Elite
 from fuzz.screening import Screening
 from fuzz.search.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.search.native import look_through, pace_of, scenes
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bytes, Floats, Ints
@@ -61,7 +61,7 @@ _MAP = (_DETOUR, _DENSITY)
 """Axes of the map of failures, and of the map that reports show."""
 
 
-def search(task: Task) -> None:
+def search(task: SearchTask) -> None:
     """Screen children of the archive's elites, and hand the smallest failures to triage."""
     elites = dict(task.memory.elites)
     brought = task.triage.result.elites

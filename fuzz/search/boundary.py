@@ -20,7 +20,7 @@ from fuzz.boundary import (
 )
 from fuzz.search.features import decode_world
 from fuzz.search.layout_bytes import LAYOUT_BYTES
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from fuzz.triage.proofs import certified
 from sim.episode import Episode
 from sim.outcome import Outcome
@@ -39,7 +39,7 @@ _SPARE = 0.05
 _DEARER = 16
 
 
-def search(task: Task) -> None:
+def search(task: SearchTask) -> None:
     """Search for boundaries, and hand their failing sides to triage."""
     stream = task.stream
     failures = [subject_of(failure) for _, failure in sorted(task.memory.failures.items())]
@@ -64,7 +64,7 @@ def search(task: Task) -> None:
         )
 
 
-def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
+def _bring(task: SearchTask, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
     """Pass the failing side of the nearest boundary to triage, or a drawn scenario without one."""
     try:
         found = nearest_boundary(looks, start)
@@ -86,7 +86,7 @@ def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> No
         _bring_whole(task, looks.seen_at(start))
 
 
-def _bring_whole(task: Task, look: BoundaryRun | None) -> None:
+def _bring_whole(task: SearchTask, look: BoundaryRun | None) -> None:
     """Hand in a run if it failed."""
     if look is not None and not look.arrives:
         subject = look.subject
@@ -94,7 +94,9 @@ def _bring_whole(task: Task, look: BoundaryRun | None) -> None:
         task.triage.enter(subject.world, subject.scenario, outcome.verdict, _cause(outcome))
 
 
-def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:
+def _subject(
+    task: SearchTask, stream: RandomStream, known: list[Subject], axis: Axis
+) -> Subject | None:
     """Return a known failure or a drawn scenario; on a fixed map only a known failure."""
     if known and (stream.below(2) or task.config.fixed_map is not None):
         subject = stream.choice(known)

@@ -26,7 +26,7 @@ from fuzz.search.features import decode_world
 from fuzz.search.fleets import fleet_worlds
 from fuzz.search.names import LAYOUT_STRATEGIES, SEALED
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from fuzz.strategies import family_worlds, layouts, scenarios_in
 from sim.episode import prepare, simulate
 from sim.options.run import COVER, RunOptions
@@ -55,7 +55,7 @@ _SETTINGS = settings(
 )
 
 
-def search(task: Task) -> None:
+def search(task: SearchTask) -> None:
     """Run worlds that Hypothesis draws, and pass those in which the robot fails to triage."""
     config = task.config
     share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.slower
@@ -69,7 +69,7 @@ def search(task: Task) -> None:
     )
 
 
-def search_again(task: Task, strategies: Iterable[str]) -> None:
+def search_again(task: SearchTask, strategies: Iterable[str]) -> None:
     """Run the examples of the campaign's Hypothesis database that failed in these strategies."""
     for strategy in strategies:
         _repeat(
@@ -109,12 +109,12 @@ def _repeat(
         raise ended[0]
 
 
-def visit_of(task: Task, strategy: str) -> Visit:
+def visit_of(task: SearchTask, strategy: str) -> Visit:
     """Return the function that runs one scenario of a strategy."""
     return partial(_visit_sealed if strategy == SEALED else _visit, task)
 
 
-def _visit(task: Task, world: World, scenario: Scenario) -> str:
+def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
     budget = _SEARCH_STEPS
     try:
         if world.certificate or scenario.run.task == COVER:
@@ -134,14 +134,14 @@ def _visit(task: Task, world: World, scenario: Scenario) -> str:
     return task.triage.look_at(world, scenario, verdict, steps)
 
 
-def _ending_of_fleet(task: Task, world: World, options: RunOptions) -> tuple[str, int]:
+def _ending_of_fleet(task: SearchTask, world: World, options: RunOptions) -> tuple[str, int]:
     """Run several robots, all with the campaign's controller; return verdict and steps."""
     episode = simulate(world, task.controller, options)
     verdict = "undecided" if episode.verdict in OUT_OF_BUDGET else episode.verdict
     return verdict, episode.steps
 
 
-def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
+def _visit_sealed(task: SearchTask, world: World, scenario: Scenario) -> str:
     """Run a world whose target is walled off; only a robot that arrives is a failure."""
     verdict = "sealed"
     options = scenario.options(world)

@@ -18,7 +18,7 @@ from fuzz.campaign.variation import applied
 from fuzz.screening import Screening, can_screen, evaluate
 from fuzz.search.features import decode_scene
 from fuzz.search.layout_bytes import SCENE_BYTES
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
@@ -99,13 +99,13 @@ def fits(config: CampaignConfig) -> bool:
     return small and config.robots == 1 and can_screen(config.scenario)
 
 
-def search(task: Task) -> None:
+def search(task: SearchTask) -> None:
     """Screen random scenes, and pass the smallest failures of each key to triage."""
     count = pace_of(task.config).at_once
     look_through(task, lambda stream: scenes(stream, count))
 
 
-def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
+def look_through(task: SearchTask, draw: Draw, seen: Seen | None = None) -> None:
     """Screen scenes until the unit's work is done; prove the smallest failures of each key.
 
     Oracles judge the runs that arrive with the longest detours.
@@ -135,7 +135,7 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
 
 
 def _look(
-    task: Task, draw: Draw, seen: Seen | None, few: Few, pace: Pace
+    task: SearchTask, draw: Draw, seen: Seen | None, few: Few, pace: Pace
 ) -> list[tuple[Screening, int]]:
     """Screen the unit's scenes and add the failures to ``few``.
 
@@ -160,7 +160,7 @@ def _look(
     return asked
 
 
-def _prove(task: Task, failed: deque[tuple[Screening, int]]) -> None:
+def _prove(task: SearchTask, failed: deque[tuple[Screening, int]]) -> None:
     """Pass failures to triage, removing each from the queue first."""
     while failed:
         looks, n = failed.popleft()
@@ -210,7 +210,7 @@ class Few:
         return chosen[: pace.proved]
 
 
-def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Screening]:
+def _looks(task: SearchTask, draw: Draw, pace: Pace) -> Iterator[Screening]:
     """Yield screened batches of scenes until the unit's work is done.
 
     The amount of work depends only on their results, not on the clock.

@@ -18,13 +18,13 @@ from fuzz.screening import can_screen
 from fuzz.search import archive, boundary, native
 from fuzz.search.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
 from fuzz.search.plan import strategies_for
-from fuzz.search.task import Task
+from fuzz.search.task import SearchTask
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.support.known_names import unknown_name
 
-Strategy = Callable[[Task], None]
+Strategy = Callable[[SearchTask], None]
 """Does the work of one unit: counts its runs and passes those that fail to the task's triage."""
 
 
@@ -32,13 +32,13 @@ Strategy = Callable[[Task], None]
 # first strategy that draws with it.
 
 
-def _search(task: Task) -> None:
+def _search(task: SearchTask) -> None:
     from fuzz.search import drawn
 
     drawn.search(task)
 
 
-def _search_again(task: Task) -> None:
+def _search_again(task: SearchTask) -> None:
     from fuzz.search import drawn
 
     strategies = [name for name in strategies_for(task.config, task.memory) if name not in _OWN]

@@ -14,7 +14,7 @@ from worldgen.random_streams import RandomStream
 
 
 @dataclass(frozen=True)
-class Task:
+class SearchTask:
     """The work of one unit.
 
     Args:

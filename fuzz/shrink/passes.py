@@ -16,10 +16,10 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import UNIT, cell_middle, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Robot, World
 
-Change = Callable[[], "Case | None"]
+Attempt = Callable[[], "Case | None"]
 """Makes one simpler case, or ``None`` if there is nothing to do."""
 
-Edit = CellEdit | Change
+Edit = CellEdit | Attempt
 
 
 class Pass(NamedTuple):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
@@ -28,7 +28,16 @@ from fuzz.studio.driving import HandDriven
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
-from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
+from fuzz.studio.messages import (
+    Request,
+    SendPart,
+    field,
+    message_of,
+    opened_message,
+    restored,
+    seed_of,
+    world_of,
+)
 from fuzz.studio.running import chart_message, check_record, check_registered, scenario_of
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
@@ -61,30 +70,27 @@ _PREVIEW_SIDE = 24  # cells per side in a preview of a family: enough to recogni
 _PREVIEW_SEED = 1
 _PICTURES = ("gif", "svg", "html")
 
-Message = Mapping[str, Any]
-Part = Callable[[dict[str, Any]], None]
-
 
 @dataclass(frozen=True)
 class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     """All answers, by the names of the protocol."""
 
-    def hello(self, message: Message, part: Part) -> dict[str, Any]:
+    def hello(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return everything that the page offers as a choice."""
         return catalogue(self.named, part)
 
-    def files(self, message: Message, part: Part) -> dict[str, Any]:
+    def files(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the files in the folder that can be opened."""
         endings = tuple({ending for known in readable_formats() for ending in known.suffixes})
         return {"folder": str(self.folder.root), "files": self.folder.files(endings)}
 
-    def open(self, message: Message, part: Part) -> dict[str, Any]:
+    def open(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world of the folder."""
         place = self.folder.place(field(message, "name", str))
         world = read_world(place)  # first, because it reports any fault in the file
         return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
 
-    def before(self, message: Message, part: Part) -> dict[str, Any]:
+    def before(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the original of a failure in the folder, before shrinking.
 
         Null if its campaign has not kept it.
@@ -121,7 +127,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             }
         }
 
-    def save(self, message: Message, part: Part) -> dict[str, Any]:
+    def save(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Write a world to the folder, with its file's proof or else a new one."""
         place = self.folder.place(field(message, "name", str))
         force = field(message, "overwrite", bool)
@@ -144,22 +150,22 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         name = place.relative_to(self.folder.root).as_posix()
         return {"name": name, "file": _digest(place), **opened_message(world)}
 
-    def decide(self, message: Message, part: Part) -> dict[str, Any]:
+    def decide(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Decide if the target can be reached, and return the witness or the cut."""
         world = restored(field(message, "world", dict))
         return _decided(world, _decision(world))
 
-    def widest(self, message: Message, part: Part) -> dict[str, Any]:
+    def widest(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the largest radius that fits through; null in a world with events."""
         world = world_of(field(message, "world", dict))
         return {"widest": None if world.is_dynamic else widest_disc(world)}
 
-    def signal(self, message: Message, part: Part) -> dict[str, Any]:
+    def signal(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the signal that the thesis's robot reads, cell by cell; -2 in walls."""
         world = replace(world_of(field(message, "world", dict)), timeline=Timeline())
         return {"signal": numbers(signal_in(world, noise=field(message, "noise", bool)).ravel())}
 
-    def generate(self, message: Message, part: Part) -> dict[str, Any]:
+    def generate(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world of a registered family.
 
         If a difficulty or a condition is given, search for a world that meets it.
@@ -186,7 +192,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         )
         return opened_message(world)
 
-    def preview(self, message: Message, part: Part) -> dict[str, Any]:
+    def preview(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a small world of a registered family, as an example of its worlds."""
         family = field(message, "family", str)
         check_registered("family", family, FAMILIES.names())
@@ -194,13 +200,13 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         small: dict[str, Value] = {"size": _PREVIEW_SIDE} if "size" in known else {}
         return {"world": drawn_world(generate(family, _PREVIEW_SEED, **small))}
 
-    def shift(self, message: Message, part: Part) -> dict[str, Any]:
+    def shift(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the world with walls that move from time to time, as in the thesis's simulator."""
         return {
             "world": message_of(shifted(world_of(field(message, "world", dict)), seed_of(message)))
         }
 
-    def measure(self, message: Message, part: Part) -> dict[str, Any]:
+    def measure(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the difficulty of a world by every applicable metric."""
         found = measure(restored(field(message, "world", dict))).as_dict()
         return {
@@ -211,7 +217,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             ]
         }
 
-    def run(self, message: Message, part: Part) -> dict[str, Any]:
+    def run(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Run controllers in a world, one after another; each result is a part."""
         world, labels, impossible = _to_run(message)
         part({"world": drawn_world(world), "impossible": impossible})
@@ -224,7 +230,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
                 part({"number": number, "name": str(label), "error": self.folder.refusal(error)})
         return {}
 
-    def drive(self, message: Message, part: Part) -> dict[str, Any]:
+    def drive(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Run a robot by the user's commands from the start; ``ended`` if the world ended the run.
 
         The page asks again with more commands, several times a second. That is simple, and the run
@@ -259,14 +265,14 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             seen |= {"verdict": "still driving", "why": ""}
         return {**seen, "motion": motion, "ended": ended}
 
-    def check(self, message: Message, part: Part) -> dict[str, Any]:
+    def check(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Check that a controller may run under this name with its options."""
         CONTROLLERS.get(
             scenario_of(field(message, "controller", str), message, self.named).controller
         )
         return {}
 
-    def picture(self, message: Message, part: Part) -> dict[str, Any]:
+    def picture(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the same runs as a file: an animation, a drawing of one, or a replay page."""
         world, labels, _ = _to_run(message)
         kind = field(message, "kind", str)
@@ -292,7 +298,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         data = _as_file(kind, title, world, drives)
         return {"data": base64.b64encode(data).decode("ascii")}
 
-    def _driven(self, world: World, label: object, message: Message) -> _Driven:
+    def _driven(self, world: World, label: object, message: Request) -> _Driven:
         scenario = scenario_of(label, message, self.named)
         steps = message.get("steps")
         budget = step_budget(world, scenario.run) if steps is None else field(message, "steps", int)
@@ -351,7 +357,7 @@ def _decision(world: World) -> Decision:
     return Decision(BLOCKED if isinstance(proof, Cut) else REACHABLE, proof, report.reason)
 
 
-def _to_run(message: Message) -> tuple[World, list[Any], str]:
+def _to_run(message: Request) -> tuple[World, list[Any], str]:
     """Return the world to run robots in, with its proof, and their names.
 
     The last is a sentence if it is impossible or undecided that all robots arrive, else empty.

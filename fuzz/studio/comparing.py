@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from fuzz.studio.folder import Opened
 from fuzz.studio.limits import MOST_COMPARED, MOST_SEEDS, MOST_STEPS, MOST_WORLDS
-from fuzz.studio.messages import field, restored, seed_of
+from fuzz.studio.messages import Request, SendPart, field, restored, seed_of
 from fuzz.studio.running import check_registered, scenario_of
-from sim.compare.comparison import Cell, Comparison, NamedWorld, Total, compare, standing
+from sim.compare.comparison import Comparison, ComparisonCell, NamedWorld, Total, compare, standing
 from sim.compare.report import describe_detail
 from sim.options.run import step_budget
 from sim.scenario import Scenario
@@ -21,15 +21,12 @@ from worldgen.generation import generate
 from worldgen.reach import decide
 from worldgen.world import World
 
-Message = Mapping[str, Any]
-Part = Callable[[dict[str, Any]], None]
-
 
 @dataclass(frozen=True)
 class CompareAnswers(Opened):
     """The answer of the comparison's page."""
 
-    def compare(self, message: Message, part: Part) -> dict[str, Any]:
+    def compare(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Run each controller in each world, row by row; each cell is a part."""
         # Check the whole message before the first run.
         scenarios = self._scenarios(message)
@@ -70,7 +67,7 @@ class CompareAnswers(Opened):
         totals = Comparison(tuple(scenarios), tuple(worlds), tuple(rows)).totals() if rows else ()
         return {"totals": [_total(total) for total in totals], "rows": len(rows)}
 
-    def _scenarios(self, message: Message) -> dict[str, Scenario]:
+    def _scenarios(self, message: Request) -> dict[str, Scenario]:
         labels = _counted(message, "controllers", MOST_COMPARED)
         return {str(label): scenario_of(label, message, self.named) for label in labels}
 
@@ -93,7 +90,7 @@ class CompareAnswers(Opened):
         return world
 
 
-def _counted(message: Message, name: str, most: int) -> Sequence[object]:
+def _counted(message: Request, name: str, most: int) -> Sequence[object]:
     """Return a list from the message; it must have 1 to ``most`` entries."""
     found: Sequence[object] = field(message, name, list)
     if not 1 <= len(found) <= most:
@@ -108,14 +105,16 @@ def _counted(message: Message, name: str, most: int) -> Sequence[object]:
     return found
 
 
-def _cell(world: NamedWorld, label: str, scenario: Scenario, seeds: int, steps: int | None) -> Cell:
+def _cell(
+    world: NamedWorld, label: str, scenario: Scenario, seeds: int, steps: int | None
+) -> ComparisonCell:
     """Return one cell, within the same budget as a run on the page Play."""
     budget = step_budget(world.world, scenario.run) if steps is None else steps
     budget = min(max(budget, 1), MOST_STEPS)
     return compare([world], {label: scenario}, seeds=seeds, steps=budget).cells[0][0]
 
 
-def _shown(cell: Cell) -> dict[str, Any]:
+def _shown(cell: ComparisonCell) -> dict[str, Any]:
     return {
         "verdict": cell.verdict,
         "detail": describe_detail(cell),

@@ -7,7 +7,7 @@ import contextlib
 import io
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -16,7 +16,15 @@ import msgspec
 
 from fuzz.studio.folder import Folder, Opened
 from fuzz.studio.limits import MOST_DROPPED
-from fuzz.studio.messages import checked, field, opened_message, restored, seed_of
+from fuzz.studio.messages import (
+    Request,
+    SendPart,
+    checked,
+    field,
+    opened_message,
+    restored,
+    seed_of,
+)
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
@@ -30,8 +38,6 @@ _MOST_FILES = 20  # files that can be dropped on the page at once
 _BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")
 # Pictures are maps only if no other file refers to them.
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")
-Message = Mapping[str, Any]
-Part = Callable[[dict[str, Any]], None]
 
 
 class _Outgoing(msgspec.Struct):
@@ -49,7 +55,7 @@ class _Outgoing(msgspec.Struct):
 class ExchangeAnswers(Opened):
     """Answers that concern files of other programs."""
 
-    def bring(self, message: Message, part: Part) -> dict[str, Any]:
+    def bring(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a foreign map from the folder or the page; choose missing places."""
         wanted = _wanted(message)
         # A map in the folder, with the scenario next to it.
@@ -71,7 +77,7 @@ class ExchangeAnswers(Opened):
                 "main": main.name
             }
 
-    def export(self, message: Message, part: Part) -> dict[str, Any]:
+    def export(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world in another program's format, for the browser or in the folder."""
         known = _format_name(message)
         if known is None:
@@ -181,7 +187,7 @@ def _main_of(places: Sequence[Path]) -> Path:
     return found[0]
 
 
-def _format_name(message: Message) -> str | None:
+def _format_name(message: Request) -> str | None:
     """Return the format in a message; it must be registered, because others are code from files."""
     name = message.get("format")
     if name is not None:
@@ -207,7 +213,7 @@ class _Wanted(msgspec.Struct):
     seed: str | None = None
 
 
-def _wanted(message: Message) -> _Wanted:
+def _wanted(message: Request) -> _Wanted:
     """Return the page's settings for reading a map."""
     wanted = checked(message, _Wanted)
     _format_name(message)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path, PurePosixPath
@@ -18,6 +17,7 @@ from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.campaigns.overviews import example_in, ranks
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Opened
+from fuzz.studio.messages import Request, SendPart
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.running import check_record, check_registered, from_anywhere
 from fuzz.triage.cause import Cause
@@ -40,9 +40,6 @@ _MOST_STEPS = 200_000  # longest run drawn in a picture; the Play page shows lon
 
 _TOLD = 500  # files between progress reports
 
-Message = Mapping[str, Any]
-Part = Callable[[dict[str, Any]], None]
-
 
 @dataclass(frozen=True)
 class WallAnswers(Opened):
@@ -53,7 +50,7 @@ class WallAnswers(Opened):
     )
     _causes: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    def failures(self, message: Message, part: Part) -> dict[str, Any]:
+    def failures(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the failures in and below a folder; unreadable ones are reported, not raised."""
         below = part_of(message, "folder", str)
         known = (
@@ -108,7 +105,7 @@ class WallAnswers(Opened):
             self._causes[key] = recorded if recorded in set(Cause) else ""
         return self._causes[key]
 
-    def look(self, message: Message, part: object) -> dict[str, Any]:
+    def look(self, message: Request, part: object) -> dict[str, Any]:
         """Return a failure's world and run, to be drawn, and a description of what happened."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
@@ -133,13 +130,13 @@ class WallAnswers(Opened):
         except WorldgenError as error:
             return answer | {"words": "", "error": self.folder.refusal(error)}
 
-    def snippet(self, message: Message, part: object) -> dict[str, Any]:
+    def snippet(self, message: Request, part: object) -> dict[str, Any]:
         """Return a failure as the source of a test."""
         failure = Failure.read(self.folder.place(part_of(message, "name", str)))
         check_registered("motion", failure.record.motion, MOTIONS.names())
         return {"text": snippet(failure)}
 
-    def know(self, message: Message, part: Part) -> dict[str, Any]:
+    def know(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Mark a failure's class as known, by a copy in the folder for known ones, or unmark it."""
         path = self.folder.place(part_of(message, "name", str))
         failure = Failure.found_in(read_world(path))
@@ -185,7 +182,9 @@ class WallAnswers(Opened):
             or options.steps < failure.options.steps,
         }
 
-    def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
+    def _entries(
+        self, below: str, faults: list[dict[str, Any]], part: SendPart
+    ) -> list[CorpusEntry]:
         """Return the failures in a folder's files, each read only once; links are ignored."""
         files = [
             file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]
@@ -207,7 +206,9 @@ class WallAnswers(Opened):
                 found.append(entry)
         return found
 
-    def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
+    def _packed(
+        self, archive: Path, faults: list[dict[str, Any]], part: SendPart
+    ) -> list[CorpusEntry]:
         """Return the failures in an archive, under its name followed by their own.
 
         Invalid names are reported.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import msgspec
 import numpy as np
@@ -23,6 +23,11 @@ from worldgen.timeline import Timeline
 from worldgen.world import Pose, Robot, Target, World
 
 T = TypeVar("T")
+
+Request: TypeAlias = Mapping[str, Any]
+"""A message from the page."""
+SendPart: TypeAlias = Callable[[dict[str, Any]], None]
+"""Sends a part of an answer to the page before the rest is known."""
 
 # A column or row, which may be outside the grid but not absurdly far.
 _Cell = Annotated[int, msgspec.Meta(ge=-(1 << 20), le=1 << 20)]

@@ -68,7 +68,7 @@ class ComparedRun:
 
 
 @dataclass(frozen=True)
-class Cell:
+class ComparisonCell:
     """The results of one controller in one world.
 
     Args:
@@ -241,7 +241,7 @@ class Comparison:
 
     labels: tuple[str, ...]
     worlds: tuple[NamedWorld, ...]
-    cells: tuple[tuple[Cell, ...], ...]
+    cells: tuple[tuple[ComparisonCell, ...], ...]
 
     @property
     def common(self) -> tuple[int, ...]:
@@ -368,7 +368,7 @@ class _Column:
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
-    ) -> list[Cell]:
+    ) -> list[ComparisonCell]:
         """Return one cell per world.
 
         A Python controller is random if it reports ``used_random`` in any world with the first
@@ -386,7 +386,9 @@ class _Column:
             evidence = None if random else first.evidence
             budget = options[row].steps
             cells.append(
-                Cell(world.name, self.label, self.scenario, budget, random, runs, evidence)
+                ComparisonCell(
+                    world.name, self.label, self.scenario, budget, random, runs, evidence
+                )
             )
             if progress is not None:
                 progress(f"{self.label}: {row + 1} of {len(worlds)} worlds")

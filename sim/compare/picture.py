@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim.compare.comparison import Cell, Comparison
+from sim.compare.comparison import Comparison, ComparisonCell
 from sim.compare.report import describe_outcome
 from sim.controllers import CONTROLLERS
 from sim.drawing.picture import trails_of
@@ -40,7 +40,7 @@ def _short(label: str) -> str:
     return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
 
 
-def _way(world: World, cell: Cell) -> Trail | list[Trail] | None:
+def _way(world: World, cell: ComparisonCell) -> Trail | list[Trail] | None:
     shown = cell.shown
     steps = shown.steps if shown.verdict in ARRIVALS else min(shown.steps, _MOST_STEPS)
     if steps < 1:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from sim.compare.comparison import Cell, Comparison, NamedWorld
+from sim.compare.comparison import Comparison, ComparisonCell, NamedWorld
 from sim.options.run import RunOptions
 from sim.scenario import Scenario, read_settings
 from sim.verdict import FAILURES, NEVER, Verdict
@@ -277,7 +277,7 @@ def agreement(comparison: Comparison, figures: Iterable[PublishedRow]) -> Agreem
     )
 
 
-_Pairs = Sequence[tuple[Cell, tuple[PublishedRow, ...]]]
+_Pairs = Sequence[tuple[ComparisonCell, tuple[PublishedRow, ...]]]
 
 
 def _rankings(
@@ -295,7 +295,7 @@ def _rankings(
     return same, total
 
 
-def _nearest(cell: Cell, figures: Sequence[PublishedRow]) -> float:
+def _nearest(cell: ComparisonCell, figures: Sequence[PublishedRow]) -> float:
     """Return the published time to rank by, s: of several, the one nearest to ours."""
     ours = cell.rank_time
     times = sorted(figure.rank_time for figure in figures)

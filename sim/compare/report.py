@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
+from sim.compare.comparison import PERCENTILES, Comparison, ComparisonCell, Total, standing
 from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
 from sim.verdict import JOINT_LOOPS, NEVER, Verdict
@@ -42,7 +42,7 @@ CSV_COLUMNS = (
 _WIDTH = 116
 
 
-def describe_outcome(cell: Cell, unit: str = "") -> str:
+def describe_outcome(cell: ComparisonCell, unit: str = "") -> str:
     """Describe a controller's result in a world, in a few words.
 
     Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
@@ -69,7 +69,7 @@ def describe_outcome(cell: Cell, unit: str = "") -> str:
     return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
 
 
-def describe_detail(cell: Cell) -> str:
+def describe_detail(cell: ComparisonCell) -> str:
     """Return what is known beyond the verdict: ``period 104``, or ``loop 3, stalled 2``."""
     if not cell.random:
         return cell.detail
@@ -116,7 +116,7 @@ def _ranks(times: Sequence[float], labels: Sequence[str]) -> list[str]:
 
 
 def _published_row(
-    cells: Sequence[Cell], known: Mapping[int, tuple[PublishedRow, ...]]
+    cells: Sequence[ComparisonCell], known: Mapping[int, tuple[PublishedRow, ...]]
 ) -> list[str]:
     return [
         "; ".join(_describe_figure(cell, figure) for figure in known.get(c, ()))
@@ -136,7 +136,7 @@ def _published_ranks(
     )
 
 
-def _describe_figure(cell: Cell, figure: PublishedRow) -> str:
+def _describe_figure(cell: ComparisonCell, figure: PublishedRow) -> str:
     if figure.time is None:
         return figure.verdict
     time = f"{figure.time:.3f}"
@@ -241,7 +241,7 @@ def as_csv(comparison: Comparison) -> str:
     return stream.getvalue()
 
 
-def _csv_row(cell: Cell) -> list[object]:
+def _csv_row(cell: ComparisonCell) -> list[object]:
     scenario = cell.scenario
     interval = cell.interval
     verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
@@ -299,7 +299,7 @@ def _json_robots(world: World) -> dict[str, int]:
     return {"robots": len(world.robots)} if world.others else {}
 
 
-def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
+def _json_cell(cell: ComparisonCell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
     scenario = cell.scenario
     return {
         "controller": cell.label,
@@ -322,7 +322,7 @@ def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
     }
 
 
-def _json_figure(cell: Cell, figure: PublishedRow) -> dict[str, Any]:
+def _json_figure(cell: ComparisonCell, figure: PublishedRow) -> dict[str, Any]:
     difference = None
     if figure.time is not None and cell.time is not None and not cell.random:
         difference = round(cell.time - figure.time, 9)

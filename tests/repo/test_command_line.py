@@ -128,3 +128,16 @@ def test_a_home_folder_of_nobody_is_code_2(controller, tmp_path):
     world = tmp_path / "w.grid"
     worldgen("trap", "--size", 14, "--seed", 1, "--out", world)
     assert worldgen("run", world, "--controller", controller).code == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["explain", "w.grid", "--budget", "3"], "No such option '--budget'\n"),
+        (["run", "w.grid", "--contoller", "bug2"], "; did you mean --controller?\n"),
+        (["fuzz", "--unit", "3"], "; did you mean --units?\n"),
+    ],
+)
+def test_an_unknown_option_gets_a_suggestion_only_if_one_is_spelt_alike(words, message):
+    result = worldgen(*words)
+    assert result.code == 2 and result.err.endswith(message)

@@ -76,6 +76,24 @@ def test_a_class_name_has_one_meaning():
     assert {name: found for name, found in places.items() if len(found) > 1} == {}
 
 
+def test_an_alias_of_a_type_has_no_class_s_name():
+    classes = {
+        node.name
+        for name, tree in _trees().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and not name.startswith(TEMPLATES)
+    }
+    aliases = {
+        f"{name}:{node.lineno}: {target.id}"
+        for name, tree in _trees().items()
+        for node in tree.body
+        if isinstance(node, ast.Assign | ast.AnnAssign)
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if isinstance(target, ast.Name) and target.id in classes and not target.id.startswith("_")
+    }
+    assert aliases == set()
+
+
 def test_a_folder_can_be_looked_over():
     # Sources in C and JavaScript count like Python's; every package has an __init__.py.
     kinds = ("*.py", "*.[ch]", "*.js")

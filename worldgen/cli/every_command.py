@@ -87,8 +87,6 @@ def _watch_parser(command: click.Command) -> None:
     """Check the arguments before click does, because click would take the last of two values."""
     make_parser = command.make_parser
 
-    known = {flag for parameter in command.params for flag in parameter.opts}
-
     # The parser is wrapped because click applies defaults before a command can see what was given.
     def strict_parser(context: click.Context) -> Any:
         parser = make_parser(context)
@@ -98,11 +96,7 @@ def _watch_parser(command: click.Command) -> None:
             try:
                 opts, rest, order = parse_args(args)
             except click.NoSuchOption as error:
-                flag = error.option_name
-                if flag not in _FOR_A_PICTURE or "--picture" not in known:
-                    raise
-                # click would suggest only a name that is spelt alike.
-                message = f"No such option {flag!r}; to draw, write --picture OUT"
+                message = _no_such_option(error.option_name, command.get_params(context))
                 raise click.UsageError(message, context) from None
             _refuse_repetition(order, context)
             if not context.resilient_parsing:
@@ -114,6 +108,20 @@ def _watch_parser(command: click.Command) -> None:
         return parser
 
     command.make_parser = strict_parser  # type: ignore[method-assign, assignment]
+
+
+def _no_such_option(flag: str, parameters: list[click.Parameter]) -> str:
+    """Return the message about an unknown option, with the one that was probably meant.
+
+    click compares names with their dashes, which makes ``--out`` look like ``--quiet``.
+    """
+    import difflib
+
+    names = [one.removeprefix("--") for part in parameters for one in part.opts if "--" in one]
+    if flag in _FOR_A_PICTURE and "picture" in names:
+        return f"No such option {flag!r}; to draw, write --picture OUT"
+    close = difflib.get_close_matches(flag.lstrip("-"), names, 1)
+    return f"No such option {flag!r}" + (f"; did you mean --{close[0]}?" if close else "")
 
 
 def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> None:

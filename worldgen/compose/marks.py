@@ -18,7 +18,7 @@ TARGET = "target"
 HALF = Fraction(1, 2)
 
 Marks: TypeAlias = Mapping[str, "Mark"]
-Place: TypeAlias = Callable[[Fraction, Fraction], tuple[Fraction, Fraction]]
+MovePoint: TypeAlias = Callable[[Fraction, Fraction], tuple[Fraction, Fraction]]
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def marks_of(world: World) -> Marks:
 
 
 def moved(
-    marks: Marks, place: Place, width: int, height: int, turn: int = 0, sign: int = 1
+    marks: Marks, place: MovePoint, width: int, height: int, turn: int = 0, sign: int = 1
 ) -> Marks:
     """Map marks into a new frame, and drop those that end up outside.
 

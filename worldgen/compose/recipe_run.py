@@ -22,7 +22,7 @@ from worldgen.random_streams import RandomStream
 MOST_WORK = 64_000_000
 MOST_TIMES = 100  # repetitions of one step
 
-Options: TypeAlias = dict[str, Any]
+OptionValues: TypeAlias = dict[str, Any]
 
 
 @dataclass
@@ -260,7 +260,7 @@ def _word(value: Any, name: str) -> str:
     return value
 
 
-def _pad(piece: Piece, value: Any, options: Options) -> Piece:
+def _pad(piece: Piece, value: Any, options: OptionValues) -> Piece:
     sides = (
         _numbers(value, 4, "pad")
         if isinstance(value, list)
@@ -269,12 +269,12 @@ def _pad(piece: Piece, value: Any, options: Options) -> Piece:
     return piece.pad(*sides, fill=options.get("with", "nothing"))
 
 
-def _keep(piece: Piece, value: Any, options: Options) -> Piece:
+def _keep(piece: Piece, value: Any, options: OptionValues) -> Piece:
     check_choice("keep", value, ("walls", "floor"))
     return piece.walls() if value == "walls" else piece.floor()
 
 
-def _dig(piece: Piece, value: Any, options: Options) -> Piece:
+def _dig(piece: Piece, value: Any, options: OptionValues) -> Piece:
     if "to" not in options:
         raise InvalidParameter(
             "missing-key",
@@ -285,7 +285,7 @@ def _dig(piece: Piece, value: Any, options: Options) -> Piece:
     return piece.dig(ends[0], ends[1], width=options.get("width", 2))
 
 
-def _mark(piece: Piece, value: Any, options: Options) -> Piece:
+def _mark(piece: Piece, value: Any, options: OptionValues) -> Piece:
     if "at" not in options:
         raise InvalidParameter("missing-key", "a mark is somewhere", "write at = [x, y]")
     return piece.with_mark(
@@ -293,7 +293,7 @@ def _mark(piece: Piece, value: Any, options: Options) -> Piece:
     )
 
 
-def _trim(piece: Piece, value: Any, options: Options) -> Piece:
+def _trim(piece: Piece, value: Any, options: OptionValues) -> Piece:
     if value is not True:
         raise InvalidParameter(
             "no-effect", "trim={value!r} says nothing", "write trim = true, or omit it", value=value
@@ -301,17 +301,17 @@ def _trim(piece: Piece, value: Any, options: Options) -> Piece:
     return piece.trim()
 
 
-def _tile(piece: Piece, value: Any, options: Options) -> Piece:
+def _tile(piece: Piece, value: Any, options: OptionValues) -> Piece:
     columns, rows = _numbers(value, 2, "tile")
     return piece.tile(columns, rows)
 
 
-def _crop(piece: Piece, value: Any, options: Options) -> Piece:
+def _crop(piece: Piece, value: Any, options: OptionValues) -> Piece:
     x, y, width, height = _numbers(value, 4, "crop")
     return piece.crop(x, y, width, height)
 
 
-def _forget(piece: Piece, value: Any, options: Options) -> Piece:
+def _forget(piece: Piece, value: Any, options: OptionValues) -> Piece:
     names = value if isinstance(value, list) else [value]
     for name in names:
         if _word(name, "forget") not in piece.marks:
@@ -325,7 +325,7 @@ def _forget(piece: Piece, value: Any, options: Options) -> Piece:
     return piece.without_marks(*names)
 
 
-_STEPS: dict[str, Callable[[Piece, Any, Options], Piece]] = {
+_STEPS: dict[str, Callable[[Piece, Any, OptionValues], Piece]] = {
     "mirror": lambda piece, value, options: piece.mirror(value),
     "rotate": lambda piece, value, options: piece.rotate(value),
     "turn": lambda piece, value, options: piece.turn(value),

@@ -14,7 +14,7 @@ from worldgen.support.arrays import Bools
 from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
 
-Robot = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
+RobotNumbers = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
 
 
 def usual(value: float | None, otherwise: float) -> float:
@@ -22,7 +22,9 @@ def usual(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def world_of(walls: Bools, marks: Marks, timeline: Timeline, robot: Robot, seed: int) -> World:
+def world_of(
+    walls: Bools, marks: Marks, timeline: Timeline, robot: RobotNumbers, seed: int
+) -> World:
     """Build a world without proving it.
 
     A start or a target that is not marked is placed far from the other one.

@@ -6,6 +6,7 @@ A written file is complete, or does not exist.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
@@ -21,7 +22,8 @@ def check_output(path: Path, force: bool) -> None:
     """Reject, before the work, output that could not be written after it.
 
     Raises:
-        OutputError: If the file exists and ``force`` is not set, or its folder is missing.
+        OutputError: If the file exists and ``force`` is not set, or its folder is missing or not
+            writable.
     """
     if path.is_dir():
         raise OutputError("is-a-folder", "{path} is a folder", "choose a file in it", path=path)
@@ -41,6 +43,25 @@ def check_output(path: Path, force: bool) -> None:
             "make it first",
             path=path,
             folder=path.parent,
+        )
+    # A file is replaced, which needs its folder; a device or a pipe is written itself.
+    if path.is_file() or not path.exists():
+        check_writable(path, Path(os.path.realpath(path)).parent)
+
+
+def check_writable(path: Path, folder: Path) -> None:
+    """Reject a path in a folder where this user may not write.
+
+    Raises:
+        OutputError: If the user may not.
+    """
+    if not os.access(folder, os.W_OK):
+        raise OutputError(
+            "unwritable",
+            "{path}: cannot be written: {reason}",
+            "choose another place",
+            path=path,
+            reason=os.strerror(errno.EACCES),
         )
 
 

@@ -36,10 +36,10 @@ def check_render_mode(mode: object) -> str | None:
     )
 
 
-Places = Sequence[tuple[float, float]]
+Points = Sequence[tuple[float, float]]
 
 
-def frame_of(world: World, places: Sequence[Places], mode: str) -> Any:
+def frame_of(world: World, places: Sequence[Points], mode: str) -> Any:
     """Return a frame: (height, width, 3) uint8 for ``rgb_array``, text for ``ansi``.
 
     Args:
@@ -65,6 +65,6 @@ def frame_of(world: World, places: Sequence[Places], mode: str) -> Any:
     return np.array(draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)))
 
 
-def _trail(places: Places) -> Trail:
+def _trail(places: Points) -> Trail:
     x, y = np.array(places, np.float64).T
     return Trail(x, y, None, [EventMark(float(x[-1]), float(y[-1]), "end")])

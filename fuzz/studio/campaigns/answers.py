@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -41,8 +41,8 @@ from fuzz.studio.campaigns.state import (
     running_process,
 )
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder, Opened
+from fuzz.studio.messages import Request, SendPart, opened_message, restored
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.messages import opened_message, restored
 from fuzz.studio.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -53,9 +53,6 @@ _BEGINS = 300.0
 _ENDS = 2.0  # s to wait for a campaign that was stopped before it had begun
 _LOOK = 0.05  # s between checks
 
-Message = Mapping[str, Any]
-Part = Callable[[dict[str, Any]], None]
-
 
 @dataclass(frozen=True)
 class CampaignAnswers(Opened):
@@ -65,7 +62,7 @@ class CampaignAnswers(Opened):
         default_factory=list, init=False, repr=False, compare=False
     )
 
-    def campaigns(self, message: Message, part: object) -> dict[str, Any]:
+    def campaigns(self, message: Request, part: object) -> dict[str, Any]:
         """Return the folder's campaigns, running ones first, and folders that hold worlds."""
         self._reap()
         folders = _folders(self.folder)
@@ -87,7 +84,7 @@ class CampaignAnswers(Opened):
             "archives": self.folder.archives(),
         }
 
-    def begin(self, message: Message, part: Part) -> dict[str, Any]:
+    def begin(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Begin a campaign in a folder, or resume the existing one.
 
         A part announces that it can be stopped.
@@ -105,17 +102,17 @@ class CampaignAnswers(Opened):
             self._start(out, words, lambda: part({"begins": name}))
         return {"state": self._state(out, name)}
 
-    def command(self, message: Message, part: object) -> dict[str, Any]:
+    def command(self, message: Request, part: object) -> dict[str, Any]:
         """Return the command that begins the same campaign at a terminal."""
         out = self._own(part_of(message, "folder", str))
         return {"command": command_line(self._words(message), message, out, self.folder)}
 
-    def _words(self, message: Message) -> list[str]:
+    def _words(self, message: Request) -> list[str]:
         """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
         ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
         return [*begun(message, self.named, self.folder), *ours]
 
-    def resume(self, message: Message, part: Part) -> dict[str, Any]:
+    def resume(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Resume the campaign in a folder; a part announces that it can be stopped."""
         self._reap()
         name = part_of(message, "folder", str)
@@ -125,7 +122,7 @@ class CampaignAnswers(Opened):
         self._start(out, [f"--resume={out}", *ours], lambda: part({"begins": name}))
         return {"state": self._state(out, name)}
 
-    def elite(self, message: Message, part: object) -> dict[str, Any]:
+    def elite(self, message: Request, part: object) -> dict[str, Any]:
         """Return the simplest world in a cell of a campaign's archive, and its controller."""
         out = self._own(part_of(message, "folder", str))
         world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))

@@ -7,7 +7,7 @@ appears in them only if it was named when the studio was started.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,8 @@ from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
+from fuzz.studio.messages import Request, seed_of
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.messages import seed_of
 from fuzz.studio.running import check_named, check_registered, from_anywhere
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
@@ -30,10 +30,8 @@ from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
 from worldgen.parameters import Parameter
 
-Message = Mapping[str, Any]
 
-
-def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
+def begun(message: Request, named: Sequence[str], folder: Folder) -> list[str]:
     """Return the arguments that define a campaign, without fixed map, folder and budget.
 
     Args:
@@ -79,7 +77,7 @@ def _words(option: Parameter, value: Any) -> list[str]:
     return [f"{option.flag}={value}"]
 
 
-def budget(message: Message, *, needed: bool) -> list[str]:
+def budget(message: Request, *, needed: bool) -> list[str]:
     """Return the budget's argument; none if it is neither given nor needed."""
     if message.get("units") is not None:
         return [f"--units={_whole(message, 'units', MOST_UNITS)}"]
@@ -97,7 +95,7 @@ def budget(message: Message, *, needed: bool) -> list[str]:
     return [f"--budget={f'{seconds:f}'.rstrip('0').rstrip('.')}s"]
 
 
-def workers(message: Message) -> list[str]:
+def workers(message: Request) -> list[str]:
     """Return the argument for the number of worker processes."""
     return (
         []
@@ -106,7 +104,7 @@ def workers(message: Message) -> list[str]:
     )
 
 
-def baseline(message: Message, folder: Folder) -> list[str]:
+def baseline(message: Request, folder: Folder) -> list[str]:
     """Return the arguments for known failures: the folder for them if requested, and others."""
     known = folder.place(KNOWN)
     wanted = message.get("known") is True and known.is_dir() and bool(files_in(known))
@@ -146,7 +144,7 @@ def _check_baseline(place: Path, name: str) -> None:
             check_oracles([oracle])
 
 
-def command_line(words: Sequence[str], message: Message, out: Path, folder: Folder) -> str:
+def command_line(words: Sequence[str], message: Request, out: Path, folder: Folder) -> str:
     """Return the command that does the same at a terminal.
 
     Args:
@@ -224,19 +222,19 @@ def check_oracles(texts: object) -> list[str]:
     return oracles
 
 
-def _controller(message: Message, named: Sequence[str]) -> str:
+def _controller(message: Request, named: Sequence[str]) -> str:
     label: str = part_of(message, "controller", str)
     check_named(label, named)
     return label
 
 
-def _one_of(message: Message, name: str, offered: Iterable[str]) -> str:
+def _one_of(message: Request, name: str, offered: Iterable[str]) -> str:
     value = part_of(message, name, str)
     check_registered(name, value, offered)
     return str(value)
 
 
-def _texts(message: Message, name: str) -> list[str]:
+def _texts(message: Request, name: str) -> list[str]:
     return (
         [part_of({name: one}, name, str) for one in part_of(message, name, list)]
         if name in message
@@ -244,7 +242,7 @@ def _texts(message: Message, name: str) -> list[str]:
     )
 
 
-def _whole(message: Message, name: str, most: int) -> int:
+def _whole(message: Request, name: str, most: int) -> int:
     value: int = part_of(message, name, int)
     if not 1 <= value <= most:
         raise InvalidParameter(

@@ -38,7 +38,7 @@ _STYLE = (
 )
 
 
-class Shape(NamedTuple):
+class ChartShape(NamedTuple):
     """An element of the chart.
 
     Args:
@@ -65,7 +65,7 @@ class Chart:
         height: px; the width is always :attr:`width`.
     """
 
-    shapes: list[Shape] = field(default_factory=list)
+    shapes: list[ChartShape] = field(default_factory=list)
     height: float = float(_PAD)
     width: float = _WIDTH
     tail: float = 0.0  # where the next arrow begins
@@ -76,7 +76,7 @@ class Chart:
             name.replace("_", "-"): value if isinstance(value, str) else f"{value:g}"
             for name, value in attributes.items()
         }
-        self.shapes.append(Shape(tag, {"class": kind, **written}, text))
+        self.shapes.append(ChartShape(tag, {"class": kind, **written}, text))
 
     def lines(self, x: float, top: float, lines: Lines) -> None:
         """Write lines of text, each with its kind, below each other."""

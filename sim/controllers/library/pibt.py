@@ -39,14 +39,14 @@ from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
 Node = tuple[int, int]
-Move = tuple[int, int]
+NodeStep = tuple[int, int]
 
 # Nodes per cell side. The families' starts and targets are in the middle of cells or on their
 # corners, so both are nodes.
 _PER_CELL = 2
 # Moves in the order in which equally good ones are preferred.
-_STAY: Move = (0, 0)
-_MOVES: tuple[Move, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), _STAY)
+_STAY: NodeStep = (0, 0)
+_MOVES: tuple[NodeStep, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), _STAY)
 # Distance, in edges, within which a robot counts as standing on a node.
 _NEAR = 0.02
 # Numbers in a message.
@@ -93,7 +93,7 @@ class _Agent(NamedTuple):
     radius: float
     target: _Target
 
-    def after(self, move: Move) -> Node:
+    def after(self, move: NodeStep) -> Node:
         """Return the node to which a move leads."""
         return self.node[0] + move[0], self.node[1] + move[1]
 
@@ -239,7 +239,7 @@ def _seen(other: Neighbour, observation: Observation, memory: Memory) -> _Agent 
 @functools.lru_cache(maxsize=256)
 def _plan(
     grid: _Map, agents: tuple[_Agent, ...], obstacles: tuple[_Bystander, ...]
-) -> dict[_Agent, Move]:
+) -> dict[_Agent, NodeStep]:
     """Return the agents' moves. Robots that see the same share the work.
 
     Args:
@@ -269,7 +269,7 @@ class _JointMove:
         self._parked = tuple(one for one in obstacles if one.has_arrived)
         self._agents = agents
         self._obstacles = obstacles
-        self.decided: dict[_Agent, Move] = {}
+        self.decided: dict[_Agent, NodeStep] = {}
         # Agents that could not leave in time, and the node that another one wanted.
         self._late: dict[_Agent, Node] = {}
 
@@ -322,7 +322,7 @@ class _JointMove:
                 del self.decided[agent]
                 self.choose(agent, giving_way=node)
 
-    def _push(self, agent: _Agent, move: Move) -> _Agent | None:
+    def _push(self, agent: _Agent, move: NodeStep) -> _Agent | None:
         """Let those in an agent's way choose; return the first that fails."""
         for other in self._agents:
             is_in_the_way = other not in self.decided and _touch(agent, move, other, _STAY)
@@ -330,7 +330,7 @@ class _JointMove:
                 return other
         return None
 
-    def _is_free(self, agent: _Agent, move: Move) -> bool:
+    def _is_free(self, agent: _Agent, move: NodeStep) -> bool:
         """Return True if a move touches neither an obstacle nor a decided move."""
         for one in self._obstacles:
             x = one.x - agent.node[0]
@@ -340,7 +340,7 @@ class _JointMove:
         return not any(_touch(agent, move, one, other) for one, other in self.decided.items())
 
 
-def _touch(one: _Agent, move: Move, other: _Agent, other_move: Move) -> bool:
+def _touch(one: _Agent, move: NodeStep, other: _Agent, other_move: NodeStep) -> bool:
     """Return True if two agents that move at the same time come nearer than their radii."""
     return _touch_at(
         other.node[0] - one.node[0],

@@ -24,7 +24,7 @@ from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, re
 from worldgen.interop.format import HELD, Destination, Exported, Format
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
-    Part,
+    TiledPart,
     all_layers,
     checked_number,
     first_object,
@@ -115,7 +115,7 @@ def _above_0(said: Mapping[str, float], name: str) -> float | None:
     return value if value is not None and value > 0.0 else None
 
 
-def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+def _start(part: TiledPart, scale: Fraction, top: Fraction) -> tuple[float, ...]:
     """Return the pose in the object's properties, unless it has been moved since."""
     shape = numbers_of(part, "x", "y", "width", "height", "rotation")
     said = numbers_of(part)
@@ -126,7 +126,7 @@ def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
     return (*_point(shape, said, scale, top), heading)
 
 
-def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+def _target(part: TiledPart, scale: Fraction, top: Fraction) -> tuple[float, ...]:
     """Return the place and the radius in the same way; a point has no radius."""
     shape = numbers_of(part, "x", "y", "width", "height")
     said = numbers_of(part)

@@ -21,7 +21,7 @@ from worldgen.errors import FormatError
 from worldgen.support.arrays import Ints
 from worldgen.support.plain_text import quote
 
-Part: TypeAlias = dict[str, Any]
+TiledPart: TypeAlias = dict[str, Any]
 # The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
@@ -30,7 +30,7 @@ _WINDOW = 47
 _COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
 
 
-def parse_tiled(data: bytes) -> Part:
+def parse_tiled(data: bytes) -> TiledPart:
     """Return the map after checking its kind.
 
     Raises:
@@ -84,7 +84,7 @@ def parse_tiled(data: bytes) -> Part:
     return parsed
 
 
-def checked_number(part: Part, key: str) -> int:
+def checked_number(part: TiledPart, key: str) -> int:
     """Return a whole number from 0 to a million.
 
     Raises:
@@ -102,14 +102,14 @@ def checked_number(part: Part, key: str) -> int:
     return value
 
 
-def all_layers(parsed: Part) -> list[Part]:
+def all_layers(parsed: TiledPart) -> list[TiledPart]:
     """Return layers in drawing order, those in groups too.
 
     Raises:
         FormatError: If there are too many, or one isn't a layer.
     """
     waiting: list[Any] = list(reversed(parsed["layers"]))
-    found: list[Part] = []
+    found: list[TiledPart] = []
     while waiting:
         layer = waiting.pop()
         if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
@@ -126,7 +126,7 @@ def all_layers(parsed: Part) -> list[Part]:
     return found
 
 
-def tile_layer(layers: list[Part], name: str) -> Part:
+def tile_layer(layers: list[TiledPart], name: str) -> TiledPart:
     """Return the layer of walls: the named one, otherwise one called walls, or the only one.
 
     Raises:
@@ -153,7 +153,7 @@ def tile_layer(layers: list[Part], name: str) -> Part:
     return found[0]
 
 
-def tile_numbers(layer: Part, width: int, height: int) -> npt.NDArray[np.uint32]:
+def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.uint32]:
     """Return the numbers of tiles, (height, width), top row first, 0 where there is none.
 
     Flips are ignored.
@@ -213,7 +213,7 @@ def _listed(data: object, name: str) -> Ints:
     return numbers.astype(np.int64)
 
 
-def _unpacked(layer: Part, text: str, size: int, name: str) -> bytes:
+def _unpacked(layer: TiledPart, text: str, size: int, name: str) -> bytes:
     if layer.get("encoding", "base64") != "base64":
         raise FormatError(
             "unsupported",
@@ -256,7 +256,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str) -> bytes:
     return data[: len(data) // 4 * 4]
 
 
-def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
+def first_object(layers: list[TiledPart], names: Collection[str]) -> TiledPart | None:
     """Return the first object with one of these names, classes or types, ignoring case."""
     for part in _objects(layers):
         if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
@@ -264,14 +264,14 @@ def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
     return None
 
 
-def _objects(layers: list[Part]) -> Iterator[Part]:
+def _objects(layers: list[TiledPart]) -> Iterator[TiledPart]:
     for layer in layers:
         objects = layer.get("objects")
         if layer.get("type") == "objectgroup" and isinstance(objects, list):
             yield from (part for part in objects if isinstance(part, dict))
 
 
-def numbers_of(part: Part, *keys: str) -> dict[str, float]:
+def numbers_of(part: TiledPart, *keys: str) -> dict[str, float]:
     """Return finite numbers of a part by those keys.
 
     If it has none of them, use its custom properties of these names.

@@ -30,7 +30,7 @@ _CERTAIN = 80
 # Limit on the points to examine.
 _MOST = 4_000_000
 
-Place: TypeAlias = tuple[Decimal, Decimal]
+ExactPoint: TypeAlias = tuple[Decimal, Decimal]
 Cell: TypeAlias = tuple[int, int]
 
 
@@ -61,7 +61,7 @@ def poses_to_part(
         width = _decimal(reach)
         cells = _cells_near(blocked, float(radius) + float(reach) + 0.01, centre)
         there = set(cells)
-        kept: dict[Place, None] = {}
+        kept: dict[ExactPoint, None] = {}
         for looked, place in enumerate(_places(cells, middle, size, doubt)):
             if looked > _MOST:
                 raise TooMuch
@@ -89,7 +89,9 @@ def _cells_near(blocked: Bools, far: float, centre: tuple[Fraction, Fraction]) -
     ]
 
 
-def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -> Iterator[Place]:
+def _places(
+    cells: list[Cell], middle: ExactPoint, radius: Decimal, doubt: Decimal
+) -> Iterator[ExactPoint]:
     """Yield the points that may be decisive."""
     x, y = middle
     rows = sorted(
@@ -124,7 +126,9 @@ def _half_chord(radius: Decimal, height: Decimal, doubt: Decimal) -> Decimal | N
     return None if square < -doubt else max(square, Decimal(0)).sqrt()
 
 
-def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) -> Iterator[Place]:
+def _where_circles_meet(
+    corners: list[Cell], radius: Decimal, doubt: Decimal
+) -> Iterator[ExactPoint]:
     by_column: dict[int, list[int]] = {}
     for cx, cy in corners:
         by_column.setdefault(cx, []).append(cy)
@@ -145,7 +149,7 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
                     )
 
 
-def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
+def _is_clear(cells: set[Cell], place: ExactPoint, radius: Decimal, doubt: Decimal) -> bool:
     """Return True unless a place is certainly closer to some cell than the radius."""
     x, y = place
     reach = math.ceil(radius) + 1
