@@ -15,7 +15,7 @@ import numpy as np
 from fuzz.triage.contacts import nearest_walls
 from fuzz.triage.repeated_moves import reacts_at_once
 from sim.trace import Trace
-from worldgen.support.arrays import Bools, Floats
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.plain_text import counted
 from worldgen.world import World
 
@@ -36,7 +36,12 @@ _STRAIGHT = 0.02
 _STANDS = 0.02
 
 # Steps of one run that are looked at, evenly spread.
-_MOST_STEPS = 5_000
+_MOST_STEPS = 20_000
+
+# Poses that are this close count once in a run, so that a robot that circles forever does not
+# outnumber all others: a share of the radius, and degrees.
+_SAME_PLACE = 0.2
+_SAME_HEADING = 10.0
 
 # Smallest share of a row's steps that is worth a word.
 _LEAST_SHARE = 0.03
@@ -54,7 +59,7 @@ class Reaction:
 
     Args:
         situation: Such as ``near a wall on its left``.
-        steps: Number of steps.
+        steps: Number of steps, of which those at nearly the same pose in one run count once.
         turns: How it turns in a step, in words.
         moves: How it moves then, in words.
     """
@@ -98,6 +103,7 @@ class Reactions:
         if last < 1:
             return
         steps = np.unique(np.linspace(1, last, min(last, _MOST_STEPS)).astype(np.int64))
+        steps = _different(world, trace, steps, late)
         sensed = trace.heading[steps - 1 + late]
         after = steps + late
         turn = np.degrees(_wrapped(trace.heading[after] - trace.heading[after - 1]))
@@ -140,6 +146,15 @@ class Reactions:
                     moves = _moves(taken[:, 1])
                     rows.append(Reaction(f"{situation} {side}", len(taken), turns, moves))
         return rows
+
+
+def _different(world: World, trace: Trace, steps: Ints, late: int) -> Ints:
+    """Return those of some steps at which the robot's pose is unlike that at an earlier one."""
+    side = _SAME_PLACE * world.robot_radius
+    heading = np.degrees(_wrapped(trace.heading[steps - 1 + late]))
+    poses = (trace.x[steps] / side, trace.y[steps] / side, heading / _SAME_HEADING)
+    rows = np.column_stack((*map(np.rint, poses), trace.bump[steps]))
+    return steps[np.sort(np.unique(rows, axis=0, return_index=True)[1])]
 
 
 def _wrapped(angles: Floats) -> Floats:

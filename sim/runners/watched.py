@@ -233,7 +233,7 @@ def _memory_in(answer: Any) -> Any:
 def _unpacked(code: CountedCode) -> tuple[str, ...]:
     """Return the names that ``act`` gives to the numbers of its memory, if it unpacks them."""
     acts = [one for one in code.functions if one.name in _METHODS]
-    return acts[0].unpacked.get("memory", ()) if len(acts) == 1 else ()
+    return acts[0].unpacked if len(acts) == 1 else ()
 
 
 def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[str, object]]:

@@ -9,7 +9,7 @@ import ast
 import contextlib
 import importlib.util
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -36,7 +36,8 @@ class CodeFunction:
         last: Its last line.
         body: The first line after its docstring.
         names: The names and attributes in it.
-        unpacked: By name of a variable, the names that it is unpacked into: ``left, side = memory``.
+        unpacked: The names that its last parameter is unpacked into, as by ``left, side = memory``;
+            empty if it isn't.
     """
 
     name: str
@@ -44,7 +45,7 @@ class CodeFunction:
     last: int
     body: int
     names: frozenset[str]
-    unpacked: Mapping[str, tuple[str, ...]]
+    unpacked: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,15 +129,15 @@ def _described(node: ast.FunctionDef | ast.AsyncFunctionDef) -> CodeFunction:
     return CodeFunction(node.name, node.lineno, last, body, frozenset(names), _unpacked(node))
 
 
-def _unpacked(function: ast.AST) -> dict[str, tuple[str, ...]]:
-    found = {}
+def _unpacked(function: ast.FunctionDef | ast.AsyncFunctionDef) -> tuple[str, ...]:
+    parameters = [one.arg for one in function.args.args]
     for node in ast.walk(function):
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name):
             target = node.targets[0]
             names = target.elts if isinstance(target, ast.Tuple | ast.List) else []
-            if names and all(isinstance(one, ast.Name) for one in names):
-                found[node.value.id] = tuple(ast.unparse(one) for one in names)
-    return found
+            if names and node.value.id in parameters[-1:]:
+                return tuple(ast.unparse(one) for one in names)
+    return ()
 
 
 def _constants(tree: ast.Module) -> dict[str, int]:
