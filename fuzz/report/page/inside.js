@@ -19,7 +19,7 @@ export function insidePart(inside) {
   return el(
     "div",
     { class: "part" },
-    el("h3", {}, `Lines of ${inside.file} in ${inside.part}`),
+    el("h3", {}, `Lines of ${inside.file}, and how often each runs in ${inside.part}`),
     el("div", { class: "scroll" }, el("table", { class: "code" }, el("tbody", {}, inside.lines.map(row)))),
     inside.unused.length ? el("p", { class: "quiet" }, `Never runs there: ${inside.unused.join(", ")}.`) : null,
     inside.state.length ? statePart(inside.state) : null,
