@@ -23,6 +23,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world, write_world
 from worldgen.render import draw_terminal
+from worldgen.support.bounds import check_choice
 from worldgen.support.plain_text import shown_lines
 from worldgen.world import World
 
@@ -64,15 +65,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
     world = read_world(path)
     if expect == CONFIRMED:
         return _confirmed(path, Failure.of(world), controller)
-    if expect != FIXED:
-        raise InvalidParameter(
-            "unknown-name",
-            "expect={expect!r} is neither {fixed} nor {confirmed}",
-            "use only one of them",
-            expect=expect,
-            fixed=FIXED,
-            confirmed=CONFIRMED,
-        )
+    check_choice("expect", expect, (FIXED, CONFIRMED))
     return fixed(world, controller)
 
 

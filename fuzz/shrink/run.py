@@ -23,6 +23,7 @@ from sim.options.run import MAX_STEPS
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
+from worldgen.support.bounds import check_choice
 from worldgen.world import Value, World
 
 KEEP = ("verdict", "class")
@@ -96,14 +97,7 @@ def shrink(
     Raises:
         InvalidParameter: If it does not fail, or no longer fails, or ``keep`` is unknown.
     """
-    if keep not in KEEP:
-        raise InvalidParameter(
-            "unknown-name",
-            "keep={keep!r} is not one of {known!l}",
-            "use only one of them",
-            keep=keep,
-            known=list(KEEP),
-        )
+    check_choice("keep", keep, tuple(KEEP))
     reducer = _Reducer(
         failure, keep, None if seconds is None else time.monotonic() + seconds, progress
     )

@@ -25,6 +25,7 @@ from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.support.bounds import check_between
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
 
@@ -323,10 +324,7 @@ def compare(
         raise InvalidParameter(
             "nothing-given", "nothing to compare", "use at least one world and one controller"
         )
-    if not 1 <= seeds <= MAX_SEEDS:
-        raise InvalidParameter(
-            "out-of-range", "seeds={seeds} is outside 1 to {most}", seeds=seeds, most=MAX_SEEDS
-        )
+    check_between("seeds", seeds, 1, MAX_SEEDS)
     columns = [
         _Column(label, scenario, CONTROLLERS.get(scenario.controller))
         for label, scenario in scenarios.items()

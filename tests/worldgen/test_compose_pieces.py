@@ -288,7 +288,7 @@ def test_a_foreign_map_becomes_a_piece_without_start():
 
 
 WRONG = {
-    "axis": (lambda p: p.mirror("z"), {"code": "unknown-name", "axis": "z"}),
+    "axis": (lambda p: p.mirror("z"), {"code": "unknown-name", "name": "mirror", "value": "z"}),
     "quarters": (lambda p: p.rotate(0.5), {"code": "not-a-number", "name": "rotate", "value": 0.5}),
     "crop": (
         lambda p: p.crop(2, 2, 4, 1),
@@ -299,7 +299,10 @@ WRONG = {
         lambda p: p.pad(1, -1, 0, 0),
         {"code": "not-a-number", "name": "pad right", "value": -1},
     ),
-    "fill": (lambda p: p.pad(1, 1, 0, 0, fill="wall"), {"code": "unknown-name", "fill": "wall"}),
+    "fill": (
+        lambda p: p.pad(1, 1, 0, 0, fill="wall"),
+        {"code": "unknown-name", "name": "fill", "value": "wall"},
+    ),
     "tile": (lambda p: p.tile(0, 1), {"code": "not-a-number", "name": "tile columns"}),
     "huge": (
         lambda p: p.scale(5000),

@@ -141,18 +141,12 @@ class Piece:
         """
         width = self.width
         height = self.height
+        check_choice("mirror", axis, ("x", "y"))
         if axis == "x":
             marks = moved(self.marks, lambda x, y: (width - x, y), width, height, TURN // 2, -1)
             return self._taken(self._numbers()[:, ::-1], marks)
-        if axis == "y":
-            marks = moved(self.marks, lambda x, y: (x, height - y), width, height, 0, -1)
-            return self._taken(self._numbers()[::-1], marks)
-        raise InvalidParameter(
-            "unknown-name",
-            "mirror={axis!r} is neither 'x' (left and right) nor 'y' (up and down)",
-            "use one",
-            axis=axis,
-        )
+        marks = moved(self.marks, lambda x, y: (x, height - y), width, height, 0, -1)
+        return self._taken(self._numbers()[::-1], marks)
 
     def rotate(self, quarters: int) -> Piece:
         """Turn the piece counter-clockwise by quarter turns, without loss."""
@@ -286,13 +280,7 @@ class Piece:
         """
         for name, value in (("left", left), ("right", right), ("bottom", bottom), ("top", top)):
             whole(f"pad {name}", value, 0, MAX_SIDE)
-        if fill not in ("solid", "free", "nothing"):
-            raise InvalidParameter(
-                "unknown-name",
-                "fill={fill!r} is not one of solid, free, nothing",
-                "use one of these",
-                fill=fill,
-            )
+        check_choice("fill", fill, ("solid", "free", "nothing"))
         width = self.width + left + right
         height = self.height + bottom + top
         check_size("pad", width, height)
@@ -364,13 +352,7 @@ class Piece:
 
     def filled(self, fill: str) -> Piece:
         """Define the undefined cells as ``solid`` or ``free``."""
-        if fill not in ("solid", "free"):
-            raise InvalidParameter(
-                "unknown-name",
-                "fill={fill!r} is neither solid nor free",
-                "use one of these",
-                fill=fill,
-            )
+        check_choice("fill", fill, ("solid", "free"))
         return replace(
             self, solid=self.solid | (~self.mask & (fill == "solid")), mask=np.ones_like(self.mask)
         )

@@ -24,6 +24,7 @@ from worldgen.family import FAMILIES, Family
 from worldgen.files.grid import world_digest
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
+from worldgen.support.bounds import check_between
 from worldgen.world import Value, World
 
 # Worlds made before a search gives up.
@@ -69,13 +70,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
     """
     parts = []
     if difficulty is not None:
-        if not 0.0 <= difficulty <= 1.0:
-            raise InvalidParameter(
-                "out-of-range",
-                "difficulty={difficulty:g} is outside 0 to 1",
-                "use one between",
-                difficulty=difficulty,
-            )
+        check_between("difficulty", difficulty, 0, 1)
         parts.append(
             f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}"
         )

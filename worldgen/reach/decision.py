@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
 from worldgen.reach.confinement import Confinement
+from worldgen.support.bounds import check_between
 from worldgen.world import Certificate
 
 REACHABLE = "reachable"
@@ -71,14 +72,7 @@ def check_margin(margin: float) -> None:
     Raises:
         InvalidParameter: If it is below 0, or above `worldgen.domain.LATEST`.
     """
-    if not 0.0 <= margin <= LATEST:
-        raise InvalidParameter(
-            "out-of-range",
-            "{name}={margin} s: must be 0 to {high:g} s",
-            name="margin",
-            margin=margin,
-            high=LATEST,
-        )
+    check_between("margin", margin, 0.0, LATEST, "s")
 
 
 def check_deadline(deadline: float | None) -> None:

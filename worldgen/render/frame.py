@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats
+from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 DEFAULT_PIXELS = 900
@@ -61,14 +61,7 @@ class Frame:
         Raises:
             InvalidParameter: If ``pixels`` is out of range.
         """
-        if not MIN_PIXELS <= pixels <= MAX_PIXELS:
-            raise InvalidParameter(
-                "out-of-range",
-                "pixels={pixels} is outside {low} to {high}",
-                pixels=pixels,
-                low=MIN_PIXELS,
-                high=MAX_PIXELS,
-            )
+        check_between("pixels", pixels, MIN_PIXELS, MAX_PIXELS)
         longest = max(world.width, world.height)
         cell = pixels / longest
         # Whole pixels per cell keep the edges sharp; below a few pixels the map would shrink too

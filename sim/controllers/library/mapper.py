@@ -28,6 +28,7 @@ from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats
+from worldgen.support.bounds import check_between
 
 AT = fields_of("WgMapperMemory")
 
@@ -158,15 +159,7 @@ def mapping(
         InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the
             fraction is outside 0 to 10.
     """
-    if not LEAST_SIDE <= side <= MOST_SIDE:
-        raise InvalidParameter(
-            "out-of-range",
-            "side={side} is outside {least_side} to {most_side} nodes",
-            "use a number in that range",
-            side=side,
-            least_side=LEAST_SIDE,
-            most_side=MOST_SIDE,
-        )
+    check_between("side", side, LEAST_SIDE, MOST_SIDE, "nodes")
     if not (math.isfinite(pitch) and pitch > 0.0):
         raise InvalidParameter(
             "out-of-range",
@@ -174,13 +167,7 @@ def mapping(
             "use the distance between two nodes of the map",
             pitch=pitch,
         )
-    if not 0.0 <= no_room <= 10.0:
-        raise InvalidParameter(
-            "out-of-range",
-            "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
-            "use a fraction near 1",
-            no_room=no_room,
-        )
+    check_between("no_room", no_room, 0, 10, "times the robot's radius")
     size = memory_size(side)
     return CompiledController(
         name,

@@ -38,6 +38,7 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_headed, split_options
 from worldgen.support.arrays import Floats, Ints
+from worldgen.support.bounds import check_between
 
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
@@ -93,14 +94,7 @@ class ProcessController:
                 command=command,
             )
         for name, seconds in (("deadline", deadline), ("start_deadline", start_deadline)):
-            if not 0.001 <= seconds <= _LONGEST_DEADLINE:
-                raise InvalidParameter(
-                    "out-of-range",
-                    "{name}={value} s is outside 0.001 to {most:g} s",
-                    name=name,
-                    value=seconds,
-                    most=_LONGEST_DEADLINE,
-                )
+            check_between(name, seconds, 0.001, _LONGEST_DEADLINE, "s")
         if memory_limit is not None and not _LEAST_MEMORY <= memory_limit <= _MOST_MEMORY:
             raise InvalidParameter(
                 "out-of-range",
