@@ -13,6 +13,7 @@ import numpy as np
 
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
+from worldgen.files.whole import read_stream, read_text
 from worldgen.support.arrays import Floats, Ints
 
 COLUMNS = ("t", "x", "y")
@@ -41,37 +42,11 @@ def read_trajectories(
     Raises:
         FormatError: If it cannot be read, or is not a trajectory.
     """
-    name = "stdin" if str(path) == "-" else str(path)
-    try:
-        if name == "stdin":
-            data = sys.stdin.buffer.read(_MOST_BYTES + 1)
-        else:
-            with path.open("rb") as stream:
-                data = stream.read(_MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=reason, source=name
-        ) from error
-    if len(data) > _MOST_BYTES:
-        raise FormatError(
-            "too-large",
-            "is larger than {most} MiB",
-            "split it into parts",
-            most=_MOST_BYTES >> 20,
-            source=name,
+    if str(path) == "-":
+        return parse_trajectories(
+            read_stream(sys.stdin.buffer, "stdin", _MOST_BYTES), "stdin", robots, only
         )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FormatError(
-            "not-utf8",
-            "is not UTF-8 text: byte {start}",
-            "save it as UTF-8",
-            start=error.start,
-            source=name,
-        ) from error
-    return parse_trajectories(text, name, robots, only)
+    return parse_trajectories(read_text(path, _MOST_BYTES), str(path), robots, only)
 
 
 def parse_trajectories(

@@ -10,6 +10,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
 
@@ -51,24 +52,37 @@ def expanded(path: str | Path) -> Path:
         return Path(path)
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, most: int = _MOST_BYTES) -> str:
     """Return the text of a small file.
 
+    Args:
+        path: The file.
+        most: The largest size, bytes.
+
     Raises:
-        FormatError: If it cannot be read, is larger than 64 MiB, or isn't UTF-8.
+        FormatError: If it cannot be read, is larger, or isn't UTF-8.
     """
     try:
+        stream = path.open("rb")
+    # ValueError means that the name contains a NUL.
+    except (OSError, ValueError) as error:
+        raise _unreadable(str(path), error) from error
+    with stream:
+        return read_stream(stream, str(path), most)
+
+
+def read_stream(stream: IO[bytes], source: str, most: int) -> str:
+    """Return the text in an open file, as :func:`read_text` does; ``source`` is its name."""
+    try:
         # Read one byte more than allowed, to notice a file that is too large.
-        with path.open("rb") as stream:
-            data = stream.read(_MOST_BYTES + 1)
-        if len(data) > _MOST_BYTES:
-            raise FormatError(
-                "too-large",
-                "is larger than {most} MiB",
-                "use a smaller file",
-                most=_MOST_BYTES >> 20,
-                source=str(path),
-            )
+        data = stream.read(most + 1)
+    except (OSError, ValueError) as error:
+        raise _unreadable(source, error) from error
+    if len(data) > most:
+        raise FormatError(
+            "too-large", "is larger than {most} MiB", "split it", most=most >> 20, source=source
+        )
+    try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FormatError(
@@ -76,15 +90,13 @@ def read_text(path: Path) -> str:
             "is not UTF-8 text: byte {byte}",
             "save it as UTF-8",
             byte=error.start,
-            source=str(path),
+            source=source,
         ) from error
-    except FormatError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=reason, source=str(path)
-        ) from error
+
+
+def _unreadable(source: str, error: OSError | ValueError) -> FormatError:
+    reason = getattr(error, "strerror", None) or error
+    return FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=source)
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
