@@ -17,15 +17,14 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import subprocess
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
+from benchmarks.peer_scripts import add_peer_options, run_peer
 from sim._core import lib
 from sim.controllers import CONTROLLERS
 from sim.fleet import FleetRun
@@ -130,16 +129,10 @@ def _hall(count: int) -> dict[str, Any]:
 
 def _peer(name: str, python: str) -> dict[str, dict[int, float]]:
     """Return a peer's rates by case and number of robots; none if it is not installed."""
-    script = Path(__file__).parent / "peers" / "crowds.py"
     halls = "\n".join(json.dumps(_hall(count)) for count in COUNTS)
-    done = subprocess.run(
-        [python, str(script), name], check=False, capture_output=True, text=True, input=halls
-    )
-    if done.returncode != 0:
-        if f"No module named '{name}" in done.stderr:
-            return {}
-        raise RuntimeError(f"{name} failed in {python}:\n{done.stderr[-2000:]}")
-    found = json.loads(done.stdout.splitlines()[-1])
+    found = run_peer("crowds.py", name, python, halls)
+    if found is None:
+        return {}
     return {
         f"{name} {found['version']}: {case}": dict(zip(COUNTS, rates, strict=True))
         for case, rates in found["rates"].items()
@@ -183,13 +176,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fleets", description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--rounds", type=int, default=5)
-    for peer in PEERS:
-        parser.add_argument(
-            f"--{peer}",
-            default=sys.executable,
-            metavar="PYTHON",
-            help=f"interpreter that has {peer}",
-        )
+    add_peer_options(parser, PEERS)
     given = parser.parse_args()
     found = measure(given.rounds, {peer: getattr(given, peer) for peer in PEERS})
     if given.json:

@@ -30,7 +30,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
@@ -38,6 +37,7 @@ import gymnasium
 import numpy as np
 
 import worldgen.gym
+from benchmarks.peer_scripts import add_peer_options, run_peer
 
 # Seconds of a measurement.
 SECONDS = 1.5
@@ -131,18 +131,6 @@ def _case(name: str) -> float:
     return float(done.stdout)
 
 
-def _peer(name: str, python: str) -> dict[str, Any] | None:
-    """Return a peer's version and rates, ``None`` if it is not installed."""
-    script = Path(__file__).parent / "peers" / "environments.py"
-    done = subprocess.run([python, str(script), name], check=False, capture_output=True, text=True)
-    if done.returncode != 0:
-        if "ModuleNotFoundError" in done.stderr:
-            return None
-        raise RuntimeError(f"{name} failed in {python}:\n{done.stderr[-2000:]}")
-    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return found
-
-
 def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
     """Return the best rates of all rounds, steps per second, and the load meanwhile."""
     ours = dict.fromkeys(CASES, 0.0)
@@ -155,7 +143,7 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
         for name in CASES:
             ours[name] = max(ours[name], _case(name))
         for peer in PEERS:
-            found = _peer(peer, pythons[peer])
+            found = run_peer("environments.py", peer, pythons[peer])
             if found is not None:
                 versions[peer] = found["version"]
                 for name, rate in found["rates"].items():
@@ -183,13 +171,7 @@ def main() -> None:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--rounds", type=int, default=3, help="rounds; the best counts (default 3)")
-    for peer in PEERS:
-        parser.add_argument(
-            f"--{peer}",
-            default=sys.executable,
-            metavar="PYTHON",
-            help=f"interpreter that has {peer}",
-        )
+    add_peer_options(parser, PEERS)
     arguments = parser.parse_args()
     result = measure(arguments.rounds, {peer: getattr(arguments, peer) for peer in PEERS})
     if arguments.json:
