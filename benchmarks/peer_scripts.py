@@ -36,7 +36,7 @@ def run_peer(script: str, name: str, python: str, given: str | None = None) -> A
         [python, str(path), name], check=False, capture_output=True, text=True, input=given
     )
     if done.returncode != 0:
-        if "ModuleNotFoundError" in done.stderr:
+        if any(error in done.stderr for error in ("ModuleNotFoundError", "PackageNotFoundError")):
             return None
         raise RuntimeError(f"{name} failed in {python}:\n{done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])
