@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fuzz.report import write_report
-from tests.helpers.accessibility import nameless
+from tests.helpers.accessibility import badly_structured, nameless
 from tests.helpers.browser import page_in
 from tests.helpers.campaign_folder import (
     CORPUS,
@@ -316,10 +316,11 @@ def test_the_campaign_has_its_charts_and_their_tables(page, address):
     assert page.locator("svg.plot").count() == page.locator("svg.plot[aria-label]").count() > 0
 
 
-def test_every_control_has_a_name(page, address):
+def test_every_control_has_a_name_and_headings_and_tables_make_sense(page, address):
     for place in PLACES:
         open_place(page, address, place)
         assert nameless(page) == [], place
+        assert badly_structured(page) == [], place
 
 
 def test_a_narrow_window_needs_no_scrolling_sideways(browser, address):

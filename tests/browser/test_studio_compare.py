@@ -72,3 +72,11 @@ def test_nothing_chosen_is_said_and_a_comparison_can_be_stopped(browser, gate):
         page.locator("#compare-said", has_text="Stopped.").wait_for()
         assert page.locator("#stop-compare").is_hidden()
         assert page.complaints == []
+
+
+@pytest.mark.gate
+def test_on_a_phone_table_and_form_have_the_whole_width(browser, gate):
+    with opened(browser, gate, viewport={"width": 390, "height": 844}) as page:
+        page.locator("#tabs").get_by_role("link", name="Compare").click()
+        for part in ("#compare .side", ".comparison-scroll"):
+            assert page.locator(part).bounding_box()["width"] > 350

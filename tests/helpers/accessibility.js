@@ -117,5 +117,14 @@
     return [...wide, ...cut.map(name)];
   }
 
-  globalThis.accessibility = { text, edges, targets, twice, stops, focus, overflow, name };
+  // Headings that skip a level, header cells without words, and landmarks inside others.
+  function structure() {
+    const shown = (selector) => [...document.querySelectorAll(selector)].filter((one) => one.checkVisibility());
+    const levels = shown("h1, h2, h3, h4, h5, h6");
+    const skipped = levels.filter((one, k) => k > 0 && Number(one.tagName[1]) > Number(levels[k - 1].tagName[1]) + 1);
+    const silent = shown("th").filter((one) => !(one.textContent || "").trim());
+    return [...skipped, ...silent, ...shown("main aside")].map(name);
+  }
+
+  globalThis.accessibility = { structure, text, edges, targets, twice, stops, focus, overflow, name };
 })();

@@ -16,10 +16,17 @@ def complaints(page, *, least=FINE):
     said = page.evaluate(
         "least => ({twice: accessibility.twice(), text: accessibility.text(), edges: "
         "accessibility.edges(),"
-        " targets: accessibility.targets(least), overflow: accessibility.overflow()})",
+        " targets: accessibility.targets(least), overflow: accessibility.overflow(), structure:"
+        " accessibility.structure()})",
         least,
     )
     return [f"{kind}: {what}" for kind, found in said.items() for what in found] + nameless(page)
+
+
+def badly_structured(page):
+    """Return visible headings, header cells and landmarks that a screen reader would misread."""
+    page.evaluate(SCRIPT)
+    return page.evaluate("accessibility.structure()")
 
 
 def nameless(page):

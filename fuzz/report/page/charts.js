@@ -40,7 +40,7 @@ function campaignPart(campaign, links, several) {
   return el(
     "div",
     { class: "part" },
-    several ? el("h2", {}, `${campaign.controller} under ${campaign.motion}, ${campaign.folder}`) : null,
+    el("h2", several ? {} : { class: "away" }, `${campaign.controller} under ${campaign.motion}, ${campaign.folder}`),
     el(
       "div",
       { class: "charts" },
@@ -241,7 +241,7 @@ function table(heads, rows) {
   const head = el(
     "tr",
     {},
-    heads.map((words) => el("th", { scope: "col" }, words)),
+    heads.map((words) => (words ? el("th", { scope: "col" }, words) : el("td"))),
   );
   const cell = (content, k) => {
     if (k === 0) return el("th", { scope: "row" }, content);

@@ -87,7 +87,7 @@ function sidePart(campaign) {
   parts.panels = Object.entries(bodies).map(([name, body]) =>
     el("div", { class: "panel", role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}` }, body),
   );
-  return el("aside", { class: "side" }, el("div", { class: "panel-tabs", role: "tablist", "aria-label": "Panels" }, parts.tabs), parts.panels);
+  return el("div", { class: "side" }, el("div", { class: "panel-tabs", role: "tablist", "aria-label": "Panels" }, parts.tabs), parts.panels);
 }
 
 function openPanel({ parts, form }, name) {

@@ -33,7 +33,7 @@ export function makeCompare(section, studio) {
   Object.assign(compare, { parts, table });
   section.replaceChildren(
     el("div", { class: "middle" }, el("div", { class: "line" }, parts.said, parts.stop), table.element),
-    el("aside", { class: "side" }, parts.form),
+    el("div", { class: "side" }, parts.form),
   );
   return {
     begin: () => begin(compare),

@@ -272,7 +272,7 @@ function panels(draw, parts) {
     ),
   );
   const tabs = el("div", { class: "panel-tabs", role: "tablist", "aria-label": "Panels" }, parts.tabs);
-  return el("aside", { class: "side" }, tabs, parts.panels);
+  return el("div", { class: "side" }, tabs, parts.panels);
 }
 
 function openPanel(draw, parts, name) {

@@ -52,7 +52,7 @@ export function makePlay(section, studio) {
   play.robots = makeRobots(studio, () => run(play, true), play.driving.button, play.code.setting);
   section.replaceChildren(
     el("div", { class: "middle" }, el("div", { class: "sight" }, parts.stage, play.arbitration.element), el("div", { class: "told" }, parts.instruments, play.arbitration.button), parts.under),
-    el("aside", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
+    el("div", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
   dragToMove(parts.stage, play);
   parts.stage.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
