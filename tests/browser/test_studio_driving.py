@@ -58,6 +58,7 @@ def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
         page.keyboard.up("s")
         page.keyboard.press("Escape")
         page.locator("#drive", has_text="Drive").wait_for()
+        page.locator(".result[data-controller=you]", has_text="stopped by you").wait_for()
         page.locator("#run").click()
         page.locator(".result[data-controller=you]").wait_for(state="detached")
 

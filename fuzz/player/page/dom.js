@@ -156,6 +156,7 @@ const SIGNS = {
   "reached": "✓",
   "covered": "✓",
   "still driving": "…",
+  "stopped by you": "■",
   "loop": "↻",
   "livelock": "↻",
   "deadlock": "‖",

@@ -21,6 +21,7 @@ export function drawManyCells(pen, world, cells) {
   const { context } = pen;
   context.save();
   context.imageSmoothingEnabled = scale < 1;
+  context.imageSmoothingQuality = "high"; // otherwise a browser skips pixels, and a maze gets a pattern
   const picture = halved(pictureOf(pen, world, cells), scale * ratioOf(context));
   context.drawImage(picture, px(0), py(world.height), world.width * scale, world.height * scale);
   context.restore();

@@ -20,14 +20,14 @@ const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. 
  * @param {(words: string, isBad?: boolean) => void} uses.tell
  */
 export function makeDriving(uses) {
-  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keyboard", onclick: () => (state.drive ? end() : begin()) }, "Drive");
+  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keyboard", onclick: () => (state.drive ? stop() : begin()) }, "Drive");
   /** @type {{drive: any}} */
   const state = { drive: null };
 
   async function begin() {
     const message = await uses.begin();
     if (!message || state.drive) return;
-    const drive = { message, commands: [], held: new Set(), due: 0, isAsking: false, timer: 0 };
+    const drive = { message, commands: [], held: new Set(), due: 0, isAsking: false, timer: 0, robot: null };
     state.drive = drive;
     button.textContent = "Stop";
     uses.tell(HELP);
@@ -49,6 +49,13 @@ export function makeDriving(uses) {
     uses.tell(words);
   }
 
+  // Ends the drive at the user's wish; the run so far stays.
+  function stop() {
+    const robot = state.drive?.robot;
+    end();
+    if (robot) uses.show({ ...robot, verdict: "stopped by you" });
+  }
+
   // While the user drives, the page's shortcuts and its fields ignore the keys.
   function press(event) {
     const direction = directionOf(event.key);
@@ -56,7 +63,7 @@ export function makeDriving(uses) {
     event.preventDefault();
     event.stopImmediatePropagation();
     if (direction) state.drive.held.add(event.key);
-    else end();
+    else stop();
   }
 
   function release(event) {
@@ -86,6 +93,7 @@ export function makeDriving(uses) {
     try {
       const robot = await uses.ask({ ...drive.message, commands: drive.commands.map((one) => [...one]) });
       if (state.drive !== drive) return;
+      drive.robot = robot;
       uses.show(robot);
       if (robot.ended) end(`You drove ${robot.time.toFixed(2)} s under ${robot.motion}: ${[robot.verdict, robot.why].filter(Boolean).join(" ")}.`);
     } catch (error) {
