@@ -103,8 +103,7 @@ def _confirmed(path: Path, failure: Failure, controller: str | None) -> Checked:
     if now.state is State.SAME:
         return Checked("", seen)
     hint = "; the test should now expect it to be fixed" if now.state is State.ARRIVES else ""
-    name = driven.record.controller
-    return Checked(f"{name} under {failure.record.motion}: not confirmed: {now.words}{hint}", seen)
+    return Checked(f"{driven.who}: not confirmed: {now.words}{hint}", seen)
 
 
 def run(world: World, controller: str, seed: int = 0) -> tuple[RegressionRun, Episode]:

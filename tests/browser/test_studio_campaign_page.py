@@ -49,7 +49,7 @@ def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser,
         opened(browser, gate, until=None) as page,
     ):
         page.keyboard.press("3")
-        page.locator(".wall .empty", has_text="Begin a campaign on the right").wait_for()
+        page.locator(".wall .empty", has_text="Start a campaign on the right").wait_for()
         assert page.locator("#name").inner_text() == "no failures yet"
         page.locator("#begin").press("Enter")
         page.locator("#stop-beginning").wait_for()
@@ -57,7 +57,7 @@ def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser,
         page.keyboard.press("Tab")
         assert page.evaluate("document.activeElement.id") == "stop-beginning"
         page.keyboard.press("Enter")
-        page.locator("#form-said", has_text="stopped before it had begun").wait_for()
+        page.locator("#form-said", has_text="stopped before it began").wait_for()
         assert page.locator("#stop-beginning").is_hidden()
         page.wait_for_function("() => document.activeElement.id === 'begin'")
         page.locator("#campaign-controller").select_option("turn-right")
