@@ -73,7 +73,7 @@ def explain(
             unexplained += 1
             continue
         if picture is not None and explained:
-            raise click.UsageError(f"--picture {picture} shows one failure; give explain one file")
+            raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
         failure = failure.driven_by(controller)
         found = problem = None
         facts = RunFacts()

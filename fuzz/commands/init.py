@@ -58,7 +58,7 @@ def init(
     It runs the search that pull requests will run and stores the findings as known failures; writes
     a CI job that fails when a pull request adds another one; and adds your controller to
     pyproject.toml, so that `worldgen fuzz --out failures/` needs no more options. Then it shrinks
-    the known failures, which takes longer; you can work on meanwhile, or press Ctrl-C.
+    the known failures, which takes longer; you can keep working in the meantime, or press Ctrl-C.
     """
     import contextlib
     import os
@@ -112,7 +112,7 @@ def init(
 
 
 def _shrink(known: list[Path], folder: Path) -> None:
-    """Shrink the known failures in place, the smallest first, until all are shrunk or Ctrl-C comes.
+    """Shrink the known failures in place, the smallest first; Ctrl-C stops early.
 
     Args:
         known: Their files.

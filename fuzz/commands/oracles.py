@@ -19,7 +19,7 @@ EXAMPLES = (
 def oracles(as_json: bool) -> None:
     """List the oracles that fuzz --oracle adds to the verdict.
 
-    docs/reference/verdicts.md says what each of them objects to, and how to write your own.
+    docs/reference/verdicts.md explains what each one objects to, and how to write your own.
     """
     from fuzz.oracles import ORACLES
 

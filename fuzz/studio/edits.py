@@ -48,7 +48,7 @@ def digest_of_file(path: str) -> str:
         digest = digest_of_source(Path(path).read_bytes())
     except (OSError, ValueError):  # ValueError: a NUL in the name
         return ""
-    # A file that has just been written can be written again without a new time.
+    # A file that has just been written can be written again with the same time stamp.
     if time.time() - max(facts.st_mtime, facts.st_ctime) > _FILE_TIMES:
         _read[path] = (seen, digest)
     return digest

@@ -28,7 +28,7 @@ _WORDS = {
     "clock": ("time",),
     "chance": ("random",),
 }
-"""Senses in words, and the fields of an observation that they are."""
+"""Senses in words, with the fields of an observation that belong to each."""
 
 
 @click.command(epilog=EXAMPLES)

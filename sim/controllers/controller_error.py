@@ -1,4 +1,4 @@
-"""The error of a controller that fails in a run, with the facts that are known about it."""
+"""The error of a controller that fails in a run, with all known facts."""
 
 from __future__ import annotations
 

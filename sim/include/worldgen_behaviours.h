@@ -49,7 +49,7 @@ typedef struct WgSituation {
     const WgObservation *seen;
     const double *options;  // the part's options
     WgShared *shared;
-    double *state;       // numbers of the part's own; all zero at reset
+    double *state;       // the part's own numbers; all zero at reset
     WgCommand *command;  // all zero before the action
 } WgSituation;
 

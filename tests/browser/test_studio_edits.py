@@ -42,7 +42,7 @@ def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(brow
         page.locator("#gone").wait_for(state="hidden")
 
         # If the box is not ticked, the page only reports the edit.
-        page.get_by_label("Run again when a file of its code is edited").uncheck()
+        page.get_by_label("Run again when its code is edited").uncheck()
         robot.write_text(TURNS)
         page.locator("#code-note", has_text="run again.").wait_for()
         assert page.locator(".stage.stale").count() == 1

@@ -43,7 +43,7 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
     ),
 )
 
-# What people write for --picture.
+# Other spellings of --picture that people try.
 _FOR_A_PICTURE = ("--html", "--image", "--out", "--plot", "--png", "--svg")
 _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 

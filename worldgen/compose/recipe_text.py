@@ -438,7 +438,7 @@ def _read_part(
             raise InvalidParameter(
                 "wrong-count",
                 "is made of {made_of}",
-                "give just one of {known!l}",
+                "use only one of {known!l}",
                 made_of=" and ".join(sources) or "nothing",
                 known=list(SOURCES),
             )

@@ -38,7 +38,7 @@ class Nodes:
     clearance_sq: Ints
 
     def beside(self, point: ExactPoint) -> list[int]:
-        """Return flat indices of clear nodes near a point that the robot reaches straight from it.
+        """Return flat indices of nearby clear nodes to which the robot can drive straight.
 
         The point is in 1/1024 cell.
         """

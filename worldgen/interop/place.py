@@ -184,7 +184,7 @@ class _ClearPoints:
                 "no-room",
                 "there is no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m, so the "
                 "other end cannot be placed",
-                "give both start and target, or a smaller radius",
+                "choose both start and target, or a smaller radius",
                 radius=self._radius,
                 x=point[0],
                 y=point[1],

@@ -148,7 +148,7 @@ def check_scenario(
         yield ScenarioReport(str(scenario), "", fault=without_file(error))
         return
     if not maps:
-        fault = f"no map {problems.map_name} is in the named files; name its folder too"
+        fault = f"the maps do not include {problems.map_name}; add its folder to the command"
         yield ScenarioReport(
             str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault
         )

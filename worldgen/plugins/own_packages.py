@@ -16,7 +16,7 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
-# A user's folder may be named worldgen, so that the package itself is not the way to this file.
+# A user's folder may be named worldgen, so do not look this file up through the package.
 _ROOT = Path(__file__).resolve().parents[2]
 
 

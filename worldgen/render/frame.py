@@ -22,7 +22,7 @@ CRISP_CELL = 8
 BAND = 7.0
 # Width of the white paper around the band, units.
 MARGIN = 12.0
-# More paper for the numbers of columns and rows, units.
+# Additional margin for the numbers of columns and rows, units.
 NUMBERS = 14.0
 # Minimum width of a picture, units, to fit the caption.
 NARROWEST = 380.0

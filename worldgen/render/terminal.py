@@ -78,7 +78,7 @@ SIGNS = {
     NAMED_CELL: Sign("?", NAMED, "cell named in the text"),
 }
 
-# The order of the key.
+# Order of the entries in the key.
 _IN_KEY = (
     START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, NAMED_CELL, PARTLY, CLOSES, OPENS, BURNS,
 )  # fmt: skip

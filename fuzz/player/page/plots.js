@@ -34,7 +34,7 @@ export function makePlots(player, jump) {
   const whole = () => zoom(0);
   const buttons = el(
     "span",
-    { class: "view", role: "group", "aria-label": "Zoom of the plots" },
+    { class: "view", role: "group", "aria-label": "Plot zoom" },
     keyButton("−", "Show more of the run", "<", () => zoom(1 / 2)),
     keyButton("+", "Show less of the run", ">", () => zoom(2)),
     keyButton("Whole run", "Show the whole run", "|", whole),

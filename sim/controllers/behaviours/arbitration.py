@@ -63,7 +63,7 @@ class PartFacts(NamedTuple):
 
 @dataclass(frozen=True)
 class Arbitration:
-    """How a controller arbitrates, for traces, charts and pages; a run never asks for it.
+    """How a controller arbitrates, for traces, charts and pages; runs do not use it.
 
     Args:
         parts: The parts in the order in which the memory counts them.

@@ -44,7 +44,7 @@ bug2 = CompiledController(
     "bug2",
     CoreAct("bug2"),
     memory_at_reset(size_of("WgBug2Memory"), {HAND: 1.0, AT.hit_far: math.inf}),
-    about="Follow an obstacle until it crosses the line to the target, nearer to it.",
+    about="Follow an obstacle until back on the line to the target, but nearer to it.",
     senses=BY_TOUCH,
     memory_fields=(
         MemoryField(

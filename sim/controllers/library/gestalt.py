@@ -76,7 +76,7 @@ def gestalt_robot(options: GestaltOptions, name: str = "gestalt") -> CompiledCon
         name,
         CoreAct("gestalt"),
         memory_at_reset(size, {AT.side: float(options.side)}),
-        about="Score arcs by a small grid of how well the ground can be driven on.",
+        about="Score arcs on a small grid that rates how easy the ground is to drive on.",
         senses=(*BY_TOUCH, "beams"),
         needs=RobotOptions(beams=72, beam_range=1.0),
         memory_fields=(MemoryField("metres of the arc left", AT.left),),

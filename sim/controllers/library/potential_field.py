@@ -53,7 +53,7 @@ def potential_field_robot(
 potential_field = CompiledController(
     "potential-field",
     CoreAct("potential-field"),
-    about="Be drawn by the target and repelled by walls.",
+    about="Drive as if the target attracted the robot and walls repelled it.",
     senses=(*TO_TARGET, "beams"),
     needs=RobotOptions(beams=36, beam_range=2.0),
 )

@@ -35,7 +35,7 @@ orca = CompiledController(
     "orca",
     CoreAct("orca"),
     (0.0,),
-    about="Avoid collisions with other robots by reciprocal velocities.",
+    about="Avoid collisions with other robots by choosing reciprocal velocities.",
     senses=(*_SENSES, "neighbours"),
     needs=_SENSING,
     memory_fields=(MemoryField("speed", place("WgOrcaMemory", "speed")),),

@@ -28,7 +28,7 @@ def _controller(name: str, hand: float, side: str) -> CompiledController:
         memory,
         senses=BY_TOUCH,
         memory_fields=(doing,),
-        about=f"Drive to the target; from the first wall on, follow walls with the {side} hand.",
+        about=f"Drive to the target; once a wall is touched, keep the {side} hand on it.",
     )
 
 

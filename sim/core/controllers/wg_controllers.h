@@ -94,8 +94,8 @@ enum {
 // How an arbiter composes its parts: WgComposition.arbiter.
 enum { WG_BY_PRIORITY = 0, WG_BY_VOTE = 1, WG_BY_LEARNING = 2 };
 
-// Conditions that a learning arbiter distinguishes: if the robot touches a wall now,
-// and if it has recently.
+// Conditions that a learning arbiter distinguishes: whether the robot touches a wall now, and
+// whether it did recently.
 enum { WG_CONDITIONS = 4 };
 
 // How often something has recently happened in a condition, for a learning arbiter. All are

@@ -44,7 +44,7 @@ static inline int64_t wg_high_word(double value)
     return (wg_float_bits(value) >> 32) & 0x7FFFFFFF;
 }
 
-// The double of which these are the upper half of the bits, the lower half zero.
+// The double whose upper 32 bits are these; the lower ones are 0.
 static inline double wg_from_high_word(int64_t high)
 {
     int64_t bits = (int64_t)((uint64_t)high << 32);

@@ -87,7 +87,7 @@ static bool along_narrow_row(const int32_t *beside, int64_t count, int64_t most,
         worst = middle[u] > worst ? middle[u] : worst;
     }
 
-    // No step whose own square is as large as the largest distance can make that smaller.
+    // A step whose square is at least the largest distance cannot reduce any distance.
     for (int32_t step = 1; step * step < worst && step * step <= most; step++) {
         if (step > NARROW) {
             return false;

@@ -35,7 +35,7 @@ def junction(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build narrow corridors that meet in one place, in which robots have to pass each other.
+    """Build narrow corridors that meet at one place, where robots have to pass each other.
 
     Two robots cannot pass in an arm. One of them has to enter an arm that is not on its path, and
     let the other pass.

@@ -41,7 +41,7 @@ def shift(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build a world of another family whose cells change places.
+    """Build a world of another family in which cells change places over time.
 
     This follows the thesis's world shifter. Repeatedly, with some probability, a random cell of the
     whole square is swapped with its mirror image in the diagonal from the upper left to the lower
@@ -96,7 +96,7 @@ def shifted(
     duration: float = 600.0,
     speedup: float = 1.0,
 ) -> World:
-    """Build a world whose cells change places over time, as in :func:`shift`.
+    """Build a world in which cells change places over time, as in :func:`shift`.
 
     The result has no certificate, even if the given world had one.
 

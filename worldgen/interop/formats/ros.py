@@ -307,7 +307,7 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
 
 
 def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
-    """Return the facts under our own key of a map, which map_server ignores."""
+    """Return the facts under our own key in a map's file; map_server ignores that key."""
     if _OURS not in table:
         return Places()
     ours = table.tables(_OURS)

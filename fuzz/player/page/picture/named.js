@@ -42,7 +42,8 @@ export function drawAxisNumbers(pen, world) {
   context.save();
   context.font = FONT;
   context.lineWidth = 3;
-  // Light on the wall around the world, with a casing of wall for numbers that stick out of it.
+  // Light on the wall around the world; an outline in the wall's colour keeps other numbers
+  // readable.
   context.strokeStyle = colours.wall;
   context.fillStyle = colours.paper;
   context.textAlign = "center";

@@ -44,7 +44,7 @@ function morePart(form, parts) {
   parts.radius.placeholder = "default";
   parts.seed = el("input", { type: "text", inputmode: "numeric", pattern: "[0-9]{1,20}", placeholder: "default", title: "The seed must be a whole number." });
   parts.row = number("", () => {}, { low: 1, step: 1 });
-  parts.rows = labelled("Row of the scenario", parts.row, { help: "The problem from which to take start and target. If empty, they are placed automatically." });
+  parts.rows = labelled("Scenario row", parts.row, { help: "The problem from which to take start and target. If empty, they are placed automatically." });
   parts.rows.hidden = true;
   parts.again = el("button", { type: "button", disabled: true, onclick: () => again(form, parts) }, "Import again");
   const more = el(
@@ -163,7 +163,7 @@ function asked(form, parts) {
   for (const input of [parts.radius, parts.seed, parts.row])
     if (!isGood(input)) {
       input.focus();
-      throw new Refused("An option of the import is not valid; see the marked field.");
+      throw new Refused("An import option is not valid; see the marked field.");
     }
   const format = formatOf(form, parts);
   const valueOf = (input) => (input.value === "" ? null : input.valueAsNumber);

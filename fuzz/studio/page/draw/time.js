@@ -53,7 +53,7 @@ export function makeTime(draw) {
   const swatch = (name, words) => el("li", {}, el("i", { class: `square ${name}` }), words);
   const legend = el(
     "ul",
-    { class: "legend", "aria-label": "Changes of cells" },
+    { class: "legend", "aria-label": "Cell changes" },
     swatch("burns", "burns later"),
     swatch("fire", "burns"),
     swatch("burnt", "burnt"),

@@ -292,7 +292,7 @@ function starter(kit) {
       const heading = Math.atan2(dy, dx),
         // steps of five degrees are easy to hit
         steps = Math.round((heading * 180) / Math.PI / 5) * 5;
-      kit.model.change("turn of the start", { start: [...at, round((steps * Math.PI) / 180)] }, true);
+      kit.model.change("start heading", { start: [...at, round((steps * Math.PI) / 180)] }, true);
     },
     end() {},
   };

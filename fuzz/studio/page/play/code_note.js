@@ -19,7 +19,7 @@ export function makeCodeNote(studio, run) {
   const again = el("button", { type: "button", id: "run-edited", class: "small", onclick: run }, "Run again");
   const element = el("p", { class: "code-note", id: "code-note", role: "status", hidden: true }, words, again);
   const box = el("input", { type: "checkbox", id: "run-by-itself", onchange: () => keep(studio.folder, BY_ITSELF, box.checked) });
-  const setting = el("label", { class: "check", hidden: true }, box, "Run again when a file of its code is edited");
+  const setting = el("label", { class: "check", hidden: true }, box, "Run again when its code is edited");
   let what = "";
   return {
     element,

@@ -76,7 +76,7 @@ def stride(observation: Floats) -> float:
 def drive(
     observation: Floats, memory: Floats, command: Floats, direction: float, length: float
 ) -> None:
-    """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
+    """Commands a step of a length, m, in a world direction, rad, and records it."""
     memory[X] = observation[layout.OBS_X]
     memory[Y] = observation[layout.OBS_Y]
     memory[STEP] = length
