@@ -87,7 +87,7 @@ def test_rows_are_drawn_by_seed(check):
     ("scenario", "told"),
     [
         (problems((0, 0, 5, 0, 5)), "are not in the map"),
-        (problems((0, 0, 1, 0, 1), name="other.map"), "no map other.map"),
+        (problems((0, 0, 1, 0, 1), name="other.map"), "do not include other.map"),
         (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), name="b.map")[10:], "use a file "
                                                                                    "for each map"),
         (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), size=(6, 6))[10:], "use a separate file for "
