@@ -232,7 +232,7 @@ interface OpenedMessage {
 /** The answer to `decide`, or a placeholder. */
 interface Proof {
   result?: "reachable" | "blocked" | "undecided";
-  /** Of the path, m; this and the next two only if the target is reachable. */
+  /** Length of the path, m; like the next two, only if the target is reachable. */
   length: number;
   duration: number;
   clearance: number;

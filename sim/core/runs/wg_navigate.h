@@ -72,7 +72,7 @@ typedef struct WgCrew {
     int64_t page;             // cells of the largest world
     WgRobot *robots;          // (count,) without memories
     int64_t *world;           // (count,)
-    uint64_t *seed;           // (count,) of a robot's episodes
+    uint64_t *seed;           // (count,) seed of each robot's episodes
     int64_t *episode;         // (count,) number of the episode
     int64_t *run;             // (count,) seed of its run
     int64_t *clock;           // (count,) steps of the simulator

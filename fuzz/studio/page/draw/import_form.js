@@ -58,7 +58,7 @@ function morePart(form, parts) {
       "div",
       { class: "pair-fields" },
       labelled("Robot radius", parts.radius, { unit: "m" }),
-      labelled("Seed of places", parts.seed),
+      labelled("Seed for places", parts.seed),
     ),
     el("div", { class: "actions" }, parts.again),
   );
