@@ -29,16 +29,6 @@ from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = [
-    "Conclusion",
-    "WorldFile",
-    "build_overview",
-    "causes_in",
-    "explained",
-    "with_own_files",
-    "with_worlds",
-]
-
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
 # units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
 # needs.

@@ -13,8 +13,6 @@ from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.run_facts import RunFacts
 
-__all__ = ["CauseTotals", "causes_of", "in_order", "with_natural"]
-
 
 @dataclass(frozen=True)
 class CauseTotals:

@@ -17,8 +17,6 @@ from fuzz.triage.cause import Cause
 from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 
-__all__ = ["Clarity", "clarity", "clearest"]
-
 # Cells between the edges of robot and target at the start; with less, the robot seems to be there
 # already.
 _APART = 1.0

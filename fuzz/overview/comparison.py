@@ -10,8 +10,6 @@ from fuzz.overview.table import ChangesRow, ComparisonRow
 from fuzz.triage.cause import Cause
 from worldgen.support.plain_text import counted
 
-__all__ = ["RegressionView", "compare"]
-
 
 @dataclass(frozen=True)
 class RegressionView:

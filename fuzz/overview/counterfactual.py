@@ -33,8 +33,6 @@ from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Value, World
 
-__all__ = ["Change", "Counterfactuals", "counterfactuals", "named_cells"]
-
 # Numbers that every scenario has. A different start heading explains more than a different time
 # step, so this is also the order in which they are reported.
 _AXES = ("heading", "radius", "speed", "time-step")

@@ -33,8 +33,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
 from worldgen.world import Witness
 
-__all__ = ["CLEARANCES", "NATURAL", "TURNS", "NaturalRuns", "natural_families", "natural_runs"]
-
 NATURAL = "natural"
 """The random stream of natural worlds, from which no unit of a search draws."""
 

@@ -12,8 +12,6 @@ from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.table import OverviewTable
 from worldgen.files.json_file import JsonFile
 
-__all__ = ["Overview", "read_overview", "write_overview"]
-
 _FILE = JsonFile(
     OverviewTable,
     version=1,

@@ -10,8 +10,6 @@ import msgspec
 from fuzz.campaign.store import MEMORY
 from fuzz.triage.cause import Severity
 
-__all__ = ["CauseRow", "ChangesRow", "ComparisonRow", "NaturalRow", "NaturalTally", "OverviewTable"]
-
 _Count = Annotated[int, msgspec.Meta(ge=0)]
 
 # In a file: a failure of the campaign, or its original before shrinking;

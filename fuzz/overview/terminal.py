@@ -17,8 +17,6 @@ from fuzz.overview.table import NaturalRow
 from fuzz.triage.cause import Cause, Severity
 from worldgen.support.plain_text import counted, shown
 
-__all__ = ["Headline", "describe_coverage", "describe_rate", "never_tried", "overview_lines"]
-
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
 # whole campaign, this makes fifteen.
 _MOST_IN_SHORT = 2

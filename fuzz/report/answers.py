@@ -22,8 +22,6 @@ from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 
-__all__ = ["Answer", "answers_for", "entry_of"]
-
 
 @dataclass(frozen=True)
 class Answer:

@@ -17,16 +17,6 @@ from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.disk import expansion_limit, unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
 
-__all__ = [
-    "MOST_FAILURES",
-    "ReplayedFailure",
-    "ReportSubject",
-    "Reported",
-    "ReportedCampaign",
-    "gather",
-    "look_at",
-]
-
 # More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
 MOST_FAILURES = 1_000
 

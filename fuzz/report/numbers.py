@@ -13,8 +13,6 @@ from sim.evidence import JointLoopEvidence, LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
 
-__all__ = ["FactGroup", "groups"]
-
 Row: TypeAlias = tuple[str, str]
 
 

@@ -36,8 +36,6 @@ from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import counted
 
-__all__ = ["write_report"]
-
 _ID_DIGITS = 12  # hex digits of a failure's digest, used as its address in the page
 
 

@@ -10,19 +10,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.triage.contacts import walls_at_the_end, winding_number
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.trace import Trace
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.grid_search import components
 from worldgen.world import World
-
-__all__ = ["RepeatedPart", "behaviour_of"]
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 # Radians in one step: more than 160 degrees turns the robot around.
 _ABOUT_FACE = 0.45 * 2 * math.pi
@@ -195,7 +190,7 @@ class _SolidCells:
         return False
 
 
-def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
+def _obstacles(solid: Bools) -> Ints:
     """Return the number of each solid cell's obstacle, -1 for free cells.
 
     Solid cells that touch, across an edge or at a corner, are one obstacle.

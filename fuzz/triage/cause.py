@@ -11,8 +11,6 @@ from enum import IntEnum, StrEnum
 
 from worldgen.world import World
 
-__all__ = ["Cause", "Severity"]
-
 
 class Severity(IntEnum):
     """How bad a cause is; the worst comes first."""

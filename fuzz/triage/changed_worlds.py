@@ -24,8 +24,6 @@ from worldgen.reach.still.walls import Walls
 from worldgen.timeline import Timeline
 from worldgen.world import World
 
-__all__ = ["Arrives", "arrives_in", "fails_by_timing", "needs_a_wider_gap"]
-
 Arrives = Callable[[World], bool]
 """Runs the scenario in another world, and returns True if the robot arrives there."""
 

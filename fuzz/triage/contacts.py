@@ -13,25 +13,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.runners.stopping import check_time
 from sim.trace import Trace
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
-
-__all__ = [
-    "KINDS",
-    "Contact",
-    "WallBearings",
-    "contacts",
-    "enclosure",
-    "nearest_walls",
-    "part_of",
-    "walls_at_the_end",
-    "winding_number",
-]
 
 KINDS = ("nook", "end", "post", "corner", "wall")
 """Kinds of contact, the most specific first.
@@ -222,9 +209,9 @@ def _walls_around(
         yield solid, np.clip(x, ix, ix + 1) - x, np.clip(y, iy, iy + 1) - y
 
 
-def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:
+def walls_at_the_end(world: World) -> Bools:
     """Return the (height, width) solid cells as they are after the last event."""
-    ended: npt.NDArray[np.bool_] = world.cells_at(math.inf) == CellState.SOLID
+    ended: Bools = world.cells_at(math.inf) == CellState.SOLID
     return ended
 
 

@@ -17,8 +17,6 @@ from pathlib import PurePath
 from sim.evidence import FaultEvidence
 from worldgen.world import Value
 
-__all__ = ["FACTS", "NAMED", "crash_bucket", "has_facts"]
-
 FACTS = ("reason", "message", "frames", "bump")
 """Evidence that only buckets and people use.
 

@@ -32,8 +32,6 @@ from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import World
 
-__all__ = ["CAUSE", "cause_of", "cause_of_run"]
-
 CAUSE = "cause"
 """Name of the detail of a failure's record that holds its cause."""
 

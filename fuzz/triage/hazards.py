@@ -19,18 +19,6 @@ from sim.verdict import BY_THE_CONTROLLER
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
-__all__ = [
-    "HAZARD_DETAILS",
-    "Hazard",
-    "can_sense",
-    "doubt_in",
-    "hazard_details",
-    "hazard_in",
-    "hazard_words",
-    "is_harm_unsensed",
-    "is_hazard",
-]
-
 _HAZARD = "hazard"
 _DOUBT = "hazard_reason"
 HAZARD_DETAILS = (_HAZARD, _DOUBT)

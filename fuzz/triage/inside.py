@@ -17,8 +17,6 @@ from sim.runners.watched import StateValues, WatchedPart, watched_part
 from worldgen.plugins.counted_code import CodeFunction
 from worldgen.support.plain_text import shown
 
-__all__ = ["CodeLine", "Inside", "inside"]
-
 
 class CodeLine(NamedTuple):
     """A line of a controller's file.

@@ -30,8 +30,6 @@ from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import FailureRecord, Value, World
 
-__all__ = ["Replay", "failure_of", "oracle_of", "replay", "violation_in"]
-
 
 @dataclass(frozen=True)
 class Replay:

@@ -9,8 +9,6 @@ from worldgen.lattice import in_cells
 from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
 from worldgen.world import Cut, Pose, Target, World
 
-__all__ = ["certificate_fault", "certified", "walled_off"]
-
 
 def certified(world: World) -> World | None:
     """Return the world with a new witness, or ``None`` if its target is not provably reachable."""

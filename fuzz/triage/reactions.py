@@ -19,8 +19,6 @@ from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.plain_text import counted
 from worldgen.world import World
 
-__all__ = ["Reaction", "Reactions"]
-
 # Robot radii between the robot's edge and a wall that counts as near.
 _NEAR = 3.0
 

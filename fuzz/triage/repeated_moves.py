@@ -23,8 +23,6 @@ from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import counted
 from worldgen.world import World
 
-__all__ = ["LastPart", "describe_period", "last_part", "reacts_at_once"]
-
 # A longer list of moves is harder to read than a summary.
 _MOST_MOVES = 8
 

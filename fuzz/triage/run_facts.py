@@ -13,8 +13,6 @@ from fuzz.triage.repeated_moves import describe_period
 from sim.episode import Episode
 from sim.runners.stopping import OutOfTime
 
-__all__ = ["RunFacts", "run_facts"]
-
 
 @dataclass(frozen=True)
 class RunFacts:

@@ -6,7 +6,6 @@ import math
 from enum import StrEnum
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
 from fuzz.triage.crash_bucket import crash_bucket
@@ -22,9 +21,8 @@ from sim.evidence import (
 from sim.fleet import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats
 from worldgen.world import World
-
-__all__ = ["Standoff", "failure_class", "is_entered", "standoff"]
 
 # Cells by which a limit may be exceeded, so that a mirrored run is on the same side of the limit.
 _ROUNDING = 1e-6
@@ -163,11 +161,11 @@ def _progress(world: World, trace: Trace, first: int, last: int) -> str:
     )
 
 
-def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
+def _apart(world: World, trace: Trace) -> Floats:
     """Return the distance of each state from the target, in cells."""
     dx = (trace.x - world.target.x) / world.cell_size
     dy = (trace.y - world.target.y) / world.cell_size
-    apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
+    apart: Floats = np.sqrt(dx * dx + dy * dy)
     return apart
 
 

@@ -23,8 +23,6 @@ from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["Triage", "first_look"]
-
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
 # Failing runs with the same verdict and cause that a unit proves and classifies; it only counts
 # the rest.
