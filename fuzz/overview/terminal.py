@@ -223,7 +223,8 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     words = own[0].cause.phrase
     if worst == Severity.NEVER_ARRIVES:
         # It never arrives in the failures, but that is not what it does in general.
-        words = _how_often_it_arrives(overview.natural)
+        natural = None if overview.natural is None else overview.natural.table()
+        words = how_often_it_arrives(natural)
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
     failed = click.style(words, fg=_COLOURS[worst], bold=True)
@@ -231,12 +232,14 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
 
 
-def _how_often_it_arrives(natural: NaturalRuns | None) -> str:
+def how_often_it_arrives(natural: NaturalRow | None) -> str:
+    """Return how often a robot arrives that fails somewhere, for the terminal and the report."""
     if natural is not None and natural.worlds:
-        low, high = natural.interval
-        if high < _RARE:
+        if not natural.arrived:
+            return "never arrived"
+        if natural.high < _RARE:
             return "rarely arrives"
-        if low > _NEARLY_ALWAYS:
+        if natural.low > _NEARLY_ALWAYS:
             return "nearly always arrives"
     return "does not always arrive"
 

@@ -15,7 +15,7 @@ from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
-from fuzz.overview.terminal import never_tried
+from fuzz.overview.terminal import how_often_it_arrives, never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
@@ -53,6 +53,7 @@ class Answer:
             if self.natural is None
             else plain(self.natural) | {"never": never_tried(self.natural)},
             "comparison": None if self.comparison is None else plain(self.comparison),
+            "arrives": how_often_it_arrives(self.natural),
             "campaign": self.campaign,
         }
 

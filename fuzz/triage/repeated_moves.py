@@ -188,7 +188,9 @@ def describe_period(world: World, episode: Episode) -> str:
     last = part.last
     first = last - part.period if part.period else part.first
     length = float(np.hypot(np.diff(trace.x), np.diff(trace.y))[first:last].sum())
-    steps = f"{counted(last - first, 'step')} ({(last - first) * trace.time_step:.3g} s, {length:.2g} m)"
+    size = f"({(last - first) * trace.time_step:.3g} s, {length:.2g} m)"
+    steps = f"{counted(last - first, 'step')} {size}"
+    again = f"the same {steps}" if last - first > 1 else f"the same step {size}"
     bearings = WallBearings(world, trace, at_once=reacts_at_once(trace))
     if not part.period:
         return (
@@ -196,7 +198,7 @@ def describe_period(world: World, episode: Episode) -> str:
         )
     # A period may have more than 100,000 moves, so stop at the first that is too many.
     moves = list(itertools.islice(_moves(bearings, trace, first, last), _MOST_MOVES + 1))
-    begin = f"repeats {steps}" if part.is_proved else f"ends by repeating about the same {steps}"
+    begin = f"repeats {steps}" if part.is_proved else f"ends by repeating about {again}"
     if len(moves) > _MOST_MOVES:
         return f"{begin}: {_summary(bearings, trace, first, last)}"
     # A touch is named where it begins, so one that never ends has no place.

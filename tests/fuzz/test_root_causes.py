@@ -553,6 +553,7 @@ def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_pat
         lines = overview_lines(Overview((cause,), natural), headline)[:2]
         return [click.unstyle(line) for line in lines]
 
+    assert "never arrived" in first_lines(0)[0]
     assert "rarely arrives" in first_lines(50)[0]
     assert "does not always arrive" in first_lines(200)[0]
     first, second = first_lines(399)

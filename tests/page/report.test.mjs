@@ -40,14 +40,16 @@ test("failures are grouped by cause, each group with its number of failures", ()
 
 test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
-  makeOverview(list, FAILURES, ["steps-over-a-wall", "circles-a-wall"]);
+  makeOverview(list, FAILURES, new Map([["steps-over-a-wall", "tunnel"], ["circles-a-wall", "loop"], ["wanders", "loop"]]));
   assert.deepEqual(headings(), ["steps over a wall 2", "circles a wall 1", "wanders 1"]);
+  // A cause has one colour on the page, whatever its first failure's verdict.
+  assert.deepEqual(list.querySelectorAll("h2 .dot").map((one) => one.dataset.verdict), ["tunnel", "loop", "loop"]);
 });
 
 test("the answer has advice for every cause, and a command if no change was tried", () => {
   const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
   const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
-  const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, comparison: null, campaign: 0, reactions: [] };
+  const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
   const shown = element("answer");
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
   for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "Never tried: gaps of 2 to 3 robot radii; paths with no quarter turns."])

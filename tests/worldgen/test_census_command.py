@@ -251,7 +251,7 @@ def test_a_generator_that_breaks_leaves_the_table_of_what_came_before(generator)
     result = worldgen("census", generator("breaks"), "--seed", 1)
     assert result.code == 2 and result.out.startswith("1 map of 4 x 4 cells")
     assert (
-        "map 2 failed: RuntimeError: out of mazes; the table covers the 1 maps before it"
+        "map 2 failed: RuntimeError: out of mazes; the table covers the 1 map before it"
         in result.err
     )
 

@@ -86,7 +86,7 @@ def test_a_family_of_another_package_is_there_under_a_name_that_python_takes(mon
 def test_a_signature_shows_types_bounds_and_units():
     shown = str(inspect.signature(maze))
     assert "size: typing.Annotated[int, '10 to 20000 cells'] = 30" in shown
-    assert "passage: typing.Annotated[int | None, 'at least 1 cells'] = None" in shown
+    assert "passage: typing.Annotated[int | None, 'at least 1 cell'] = None" in shown
     assert shown.startswith("(seed: int = 0, *, ")
 
 

@@ -21,7 +21,7 @@ from worldgen.cli.output import (
 )
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files.whole import write_bytes
-from worldgen.support.plain_text import shown
+from worldgen.support.plain_text import counted, shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -281,10 +281,10 @@ def _check_any(found: Census) -> None:
 
 def _leave(found: Census) -> None:
     if found.interrupted:
-        note(f"interrupted after {found.maps} maps; the table covers these", always=True)
+        note(f"interrupted after {counted(found.maps, 'map')}; the table covers these", always=True)
         raise click.exceptions.Exit(130)
     if found.fault:
-        covered = f"the table covers the {found.maps} maps before it"
+        covered = f"the table covers the {counted(found.maps, 'map')} before it"
         note(f"worldgen: {found.fault}; {covered}", always=True)
         raise click.exceptions.Exit(2)
     if not all(question.proved for question in found.questions):

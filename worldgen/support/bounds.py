@@ -47,6 +47,9 @@ class Bounds:
                 "" if self.high is None else f", up to {shown(self.high)}"
             )
         elif self.high is None:
+            # ``cells`` has a singular, ``s`` and ``m/s`` have none.
+            if self.low == 1 and unit.endswith("s") and not unit.endswith((" s", "/s")):
+                unit = unit.removesuffix("s")
             said = f"at least {shown(self.low)}{unit}"
         else:
             said = f"{shown(self.low)} to {shown(self.high)}{unit}"

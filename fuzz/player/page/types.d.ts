@@ -349,6 +349,8 @@ interface ReportAnswer {
   causes: ReportCause[];
   natural: NaturalWorlds | null;
   comparison: { sentence: string } | null;
+  /** How often it arrives, in words that follow "It". */
+  arrives: string;
   campaign: number;
   /** Of all runs of this controller on the page. */
   reactions: [string, number, string, string][];

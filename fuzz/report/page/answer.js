@@ -11,7 +11,6 @@ const PHRASES = {
   "through-robots": "It drives through other robots",
   "controller-error": "Its controller fails",
   harmed: "It runs into hazards that it can sense",
-  "never-arrives": "It does not always arrive",
   "too-slow": "It is too slow in some worlds",
   questionable: "It breaks a rule that you set",
 };
@@ -21,7 +20,8 @@ const OWN_PHRASES = {
   "invalid-command": "Its controller sends invalid commands",
 };
 // A severity has the colour of its typical verdict.
-const COLOURS = {
+/** @type {Record<string, string>} */
+export const COLOURS = {
   "through-walls": "tunnel",
   "through-robots": "tunnel",
   "controller-error": "crash",
@@ -133,7 +133,7 @@ function verdictsOf(cause) {
 function verdictPart(worst, answer, campaign) {
   if (!worst && campaign && campaign.units === 0)
     return el("p", { class: "headline", "data-verdict": "timeout" }, "There was too little time for an answer.");
-  const words = worst ? headline(worst, answer.natural) : "No failure found";
+  const words = worst ? headline(worst, answer) : "No failure found";
   return el(
     "div",
     {},
@@ -156,16 +156,8 @@ function doubtPart(campaign) {
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
 
-// A robot arrives rarely if its rate is surely below the first,
-// and nearly always if it is surely above the second.
-const RARE = 0.5;
-const NEARLY_ALWAYS = 0.95;
-
-function headline(worst, natural) {
-  if (worst.severity === "never-arrives" && natural && natural.worlds) {
-    if (natural.high < RARE) return "It rarely arrives";
-    if (natural.low > NEARLY_ALWAYS) return "It nearly always arrives";
-  }
+function headline(worst, answer) {
+  if (worst.severity === "never-arrives") return `It ${answer.arrives}`;
   return OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity];
 }
 

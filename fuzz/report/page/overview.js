@@ -34,11 +34,11 @@ function stepsOf(failure) {
 /**
  * @param {HTMLElement} section
  * @param {ReportFailure[]} failures
- * @param {string[]} causes The causes in the order of the answer, the worst first; their groups
- *   come in it.
+ * @param {Map<string, string>} causes The verdict that gives each cause its colour, in the order
+ *   of the answer, the worst first; their groups come in it.
  * @returns {Overview}
  */
-export function makeOverview(section, failures, causes = []) {
+export function makeOverview(section, failures, causes = new Map()) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "cause" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
@@ -59,7 +59,8 @@ export function makeOverview(section, failures, causes = []) {
   const several = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}`)).size > 1;
   const refresh = () => {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
-    const first = wanted.group === "cause" ? causes.map((cause) => cause.replaceAll("-", " ")) : [];
+    const colours = wanted.group === "cause" ? causes.entries() : [];
+    const first = new Map([...colours].map(([cause, colour]) => [cause.replaceAll("-", " "), colour]));
     list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], several, first));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
@@ -155,7 +156,7 @@ function verdictChips(failures, wanted, refresh) {
   return el("div", { class: "chips", role: "group", "aria-label": "Verdicts" }, [...counts].sort().map(chip));
 }
 
-// Groups whose names are in `first` come in that order, the others after them.
+// Groups whose names are in `first` come in that order and have its colours, the others follow.
 function groupsOf(failures, nameOf, several, first) {
   if (failures.length === 0)
     return [el("p", { class: "quiet" }, "No failure matches. Clear the search, or choose other verdicts.")];
@@ -164,14 +165,15 @@ function groupsOf(failures, nameOf, several, first) {
     const name = nameOf(failure);
     groups.set(name, [...(groups.get(name) || []), failure]);
   }
-  const rank = (name) => (first.includes(name) ? first.indexOf(name) : first.length);
+  const names = [...first.keys()];
+  const rank = (name) => (first.has(name) ? names.indexOf(name) : names.length);
   const ordered = [...groups].sort((a, b) => rank(a[0]) - rank(b[0]));
   return ordered.map(([name, members]) =>
     el(
       "div",
       { class: "group" },
       name
-        ? el("h2", {}, verdictDot(members[0].verdict), name, el("span", { class: "quiet" }, ` ${members.length}`))
+        ? el("h2", {}, verdictDot(first.get(name) ?? members[0].verdict), name, el("span", { class: "quiet" }, ` ${members.length}`))
         : null,
       el(
         "ul",

@@ -3,7 +3,7 @@
 import { short } from "#player/archive.js";
 import { byId, el, grouped } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
-import { makeAnswer } from "#report/answer.js";
+import { COLOURS, makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
 import { makeDetail } from "#report/detail.js";
 import { failureOf, makeOverview } from "#report/overview.js";
@@ -38,7 +38,7 @@ function showTotals() {
   for (const { seed, units, units_cut, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],
-      units_cut ? ["", grouped(units), ` units and ${grouped(units_cut)} cut short`] : some(units, "unit"),
+      units_cut ? ["", grouped(units), ` ${units === 1 ? "unit" : "units"} and ${grouped(units_cut)} cut short`] : some(units, "unit"),
       some(worlds, "world"),
       ["", short(steps), " steps"],
       ["", seconds.toFixed(1), " s"],
@@ -99,7 +99,7 @@ function route() {
 function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
-  const causes = data.answers.flatMap((answer) => answer.causes.map((cause) => cause.cause));
+  const causes = new Map(data.answers.flatMap((answer) => answer.causes.map((cause) => [cause.cause, COLOURS[cause.severity]])));
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures, causes);
   else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
