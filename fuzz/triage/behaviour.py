@@ -22,6 +22,9 @@ from worldgen.world import World
 # Radians in one step: more than 160 degrees turns the robot around.
 _ABOUT_FACE = 0.45 * 2 * math.pi
 
+# Share of the radius. A robot that never gets farther from its start than this does not drive.
+_PARKED = 0.1
+
 # Places on a straight line that are tested for walls, per cell.
 _SAMPLES = 8
 
@@ -45,6 +48,8 @@ class RepeatedPart:
         farthest: Largest distance from the target's centre, cells.
         is_blocked: True if a wall is between that place and the target.
         reach: The robot's radius plus the target's, cells.
+        is_parked: True if the robot hardly leaves its start in the whole run, so that nothing on
+            its way explains it.
     """
 
     steps: int
@@ -61,6 +66,7 @@ class RepeatedPart:
     farthest: float
     is_blocked: bool
     reach: float
+    is_parked: bool
 
 
 def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
@@ -113,6 +119,8 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
         farthest=float(apart.max()),
         is_blocked=walls.between(place, _edge_of(world, place), radius),
         reach=radius + world.target.radius / side,
+        is_parked=float(np.hypot(trace.x - trace.x[0], trace.y - trace.y[0]).max())
+        < _PARKED * world.robot_radius,
     )
 
 

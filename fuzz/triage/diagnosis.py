@@ -43,6 +43,9 @@ _ONE_PLACE = 0.5
 # follows nothing; wall followers stay below 0.15 even around posts.
 _RESTLESS = 0.2
 
+# Turns per step, on average, above which a robot that never drives does not stand still either.
+_TURNS_AT_ALL = 0.001
+
 # Share of steps that turn the robot around. One that reverses at the ends of a longer path stays
 # below it.
 _OFTEN_AROUND = 0.1
@@ -242,6 +245,10 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     # every robot turns, so there only a turn around counts.
     if at_one_place and seen.touching == 1.0 and not turns_around:
         return Cause.PUSHES_A_WALL
+    # A robot that never drove passes nothing and was held by nothing on its way.
+    if seen.is_parked:
+        turns = seen.turning >= _TURNS_AT_ALL
+        return Cause.TURNS_BACK_AND_FORTH if turns else Cause.STANDS_STILL
     restless = seen.turning >= _RESTLESS and (turns_around or seen.touching < _MOSTLY)
     if restless or (at_one_place and turns_around):
         return Cause.TURNS_BACK_AND_FORTH

@@ -71,6 +71,13 @@ class Dithers(Still):
         return Command(0.0, math.pi / observation.time_step), memory
 
 
+class Spins(Still):
+    """Turns by 3 degrees per step, and never drives."""
+
+    def act(self, observation, memory):
+        return Command(0.0, math.radians(3) / observation.time_step), memory
+
+
 class Backs(Still):
     """Drives a square of one cell, away from all walls."""
 
@@ -198,6 +205,17 @@ def test_no_wall_is_between_a_robot_and_a_target_whose_edge_it_can_reach():
     at_a_wall = Target(1.05, 0.45, 0.05)
     below = certified(replace(hall(12, 5, start=(1.05, 0.08)), target=at_a_wall))
     assert found_by("Still", below).record.details[CAUSE] == Cause.STANDS_STILL.value
+
+
+@pytest.mark.parametrize("wall", [False, True])
+def test_a_robot_that_never_drives_misses_nothing_and_no_wall_traps_it(wall):
+    world = hall(start=(0.45, 0.25))
+    if wall:
+        walls = world.walls.copy()
+        walls[:5, 6] = True
+        world = replace(hall(start=(0.8, 0.25)), walls=walls)
+    for name, cause in (("Still", Cause.STANDS_STILL), ("Spins", Cause.TURNS_BACK_AND_FORTH)):
+        assert found_by(name, certified(world)).record.details[CAUSE] == cause.value
 
 
 def test_a_wall_that_is_gone_confuses_a_robot_that_remembers_it():
