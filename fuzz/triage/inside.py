@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 from fuzz.failure import Failure
 from fuzz.triage.repeated_moves import last_part
+from sim.controllers.base import Observation
 from sim.episode import Episode
 from sim.runners.watched import StateValues, WatchedPart, watched_part
 from worldgen.plugins.counted_code import CodeFunction
-from worldgen.support.plain_text import shown
+from worldgen.support.plain_text import shown, three_digits
 
 
 class CodeLine(NamedTuple):
@@ -57,6 +58,7 @@ class Inside:
         part: The part of the run, in words.
         lines: The functions that ran in it, cut to fit on a screen.
         unused: Functions that did not run in it.
+        reads: The fields of the observation that the functions read that ran in it.
         state: What its attributes, its memory and the senses that it reads did, as pairs of a name
             and words.
     """
@@ -65,6 +67,7 @@ class Inside:
     part: str
     lines: list[CodeLine] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
+    reads: list[str] = field(default_factory=list)
     state: list[tuple[str, str]] = field(default_factory=list)
 
     def table(self) -> dict[str, object]:
@@ -77,15 +80,18 @@ class Inside:
 
     def text(self) -> list[str]:
         """Return the lines for the terminal."""
-        found = [f"lines of {self.file} in {self.part}, and how often each runs:"]
+        found = []
+        if self.state:
+            found.append(f"its state and what it senses in {self.part}:")
+            found += [f"  {name} {words}" for name, words in self.state]
+        found.append(f"lines of {self.file} in {self.part}, and how often each runs:")
         for number, times, text in self.lines:
             often = "" if times is None else f"{times:,} x" if times else "never"
             found.append(f"{often:>10} {number or '':>5} | {text}".rstrip())
         if self.unused:
             found.append(f"never runs there: {', '.join(self.unused)}")
-        if self.state:
-            found.append("its state and what it senses there:")
-            found += [f"  {name} {words}" for name, words in self.state]
+        if self.reads:
+            found.append(f"reads there, of what it senses: {', '.join(self.reads)}")
         return [shown(line) for line in found]
 
 
@@ -123,6 +129,7 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
             for one in found.code.functions
             if one not in ran and one.name not in _AT_THE_START
         ],
+        reads=[name for name in Observation._fields if any(name in one.fields for one in ran)],
         state=_state(found),
     )
 
@@ -219,16 +226,21 @@ def _state(found: WatchedPart) -> list[tuple[str, str]]:
 
 def _change(values: StateValues) -> str:
     """Return how a value changes: ``takes -1, 1``, ``only rises, from 3 to 51``."""
+    unit = f" {values.unit}" if values.unit else ""
     if not values.has_many_values:
-        return f"takes {', '.join(values.values)}"
+        return f"takes {', '.join(values.values)}{unit}"
     if values.low is None or values.high is None:
         return "changes"
     low, high = (
-        f"{value:.4g}" if isinstance(value, float) else f"{value:,}"
+        three_digits(value)
+        if values.unit == "degrees"
+        else f"{value:.4g}"
+        if isinstance(value, float)
+        else f"{value:,}"
         for value in (values.low, values.high)
     )
     if values.only_rises:
-        return f"only rises, from {low} to {high}"
+        return f"only rises, from {low} to {high}{unit}"
     if values.only_falls:
-        return f"only falls, from {high} to {low}"
-    return f"varies from {low} to {high}"
+        return f"only falls, from {high} to {low}{unit}"
+    return f"varies from {low} to {high}{unit}"

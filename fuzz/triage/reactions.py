@@ -16,7 +16,7 @@ from fuzz.triage.contacts import nearest_walls
 from fuzz.triage.repeated_moves import reacts_at_once
 from sim.trace import Trace
 from worldgen.support.arrays import Bools, Floats, Ints
-from worldgen.support.plain_text import counted
+from worldgen.support.plain_text import counted, in_degrees
 from worldgen.world import World
 
 # Robot radii between the robot's edge and a wall that counts as near.
@@ -176,7 +176,7 @@ def _turns(turn: Floats, side: str) -> str:
     ways = []
     for way, own in ((left, turn[turn > _STRAIGHT]), (right, turn[turn < -_STRAIGHT])):
         if len(own):
-            ways.append((len(own), f"{way} by {np.median(np.abs(own)):.3g} degrees"))
+            ways.append((len(own), f"{way} by {in_degrees(float(np.median(np.abs(own))))}"))
     straight = int((np.abs(turn) <= _STRAIGHT).sum())
     if straight:
         ways.append((straight, "not at all"))

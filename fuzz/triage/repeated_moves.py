@@ -20,7 +20,7 @@ from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
 from sim.runners.stopping import in_time
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
-from worldgen.support.plain_text import counted
+from worldgen.support.plain_text import counted, in_degrees
 from worldgen.world import World
 
 # A longer list of moves is harder to read than a summary.
@@ -262,7 +262,7 @@ def _describe(move: _Move, radius: float) -> str:
             f"{touch}drives {move.length:.2g} m {'backwards' if move.backwards else 'straight on'}"
         )
     side = "left" if move.turn > 0.0 else "right"
-    amount = f"{abs(move.turn):.0f} degrees {side}"
+    amount = f"{in_degrees(abs(move.turn))} {side}"
     if move.steps == 1 and abs(move.turn) >= _AROUND:
         amount = "around"
     elif move.steps > 1:
@@ -293,9 +293,9 @@ def _summary(bearings: WallBearings, trace: Trace, first: int, last: int) -> str
 
 
 def _in_all(turns: Floats) -> str:
-    left = np.abs(turns[turns > 0.0]).sum()
-    right = np.abs(turns[turns < 0.0]).sum()
-    return f"{left:.0f} degrees left and {right:.0f} degrees right"
+    left = float(np.abs(turns[turns > 0.0]).sum())
+    right = float(np.abs(turns[turns < 0.0]).sum())
+    return f"{in_degrees(left)} left and {in_degrees(right)} right"
 
 
 def _sides(bearings: WallBearings, touched: Ints) -> str:

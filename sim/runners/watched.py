@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import sys
 from collections.abc import Callable, Iterator, Sized
 from dataclasses import dataclass, replace
@@ -21,6 +22,7 @@ from sim.runners.hidden_state import attributes
 from worldgen.errors import WorldgenError
 from worldgen.plugins.counted_code import CountedCode, counted_module
 from worldgen.plugins.registry import user_code
+from worldgen.support.plain_text import three_digits
 from worldgen.world import World
 
 _METHODS = ("act", "act_many")
@@ -28,6 +30,14 @@ _DECLARED = ("reset", "senses", "needs")
 
 # Different values of one attribute that are kept; if there are more, only their range is.
 _MOST_VALUES = 4
+
+# Units of what a controller senses; angles are converted, as people read degrees.
+_DEGREES = "degrees"
+_UNITS = dict.fromkeys(
+    ("bump_bearing", "signal_heading", "heading", "target_heading", "odometry_heading"), _DEGREES
+)
+_UNITS |= dict.fromkeys(("x", "y", "target_distance", "radius", "odometry_x", "odometry_y"), "m")
+_UNITS |= {"time_step": "s", "time": "s", "top_speed": "m/s"}
 
 # How far objects within objects are followed.
 _DEEPEST = 2
@@ -48,6 +58,7 @@ class StateValues:
         high: Largest value.
         only_rises: True if no value is below the one before it.
         only_falls: True if no value is above the one before it.
+        unit: Unit of the values; empty for none, or if it is not known.
     """
 
     name: str
@@ -57,6 +68,7 @@ class StateValues:
     high: float | None = None
     only_rises: bool = True
     only_falls: bool = True
+    unit: str = ""
 
     def take(self, before: object, now: object) -> None:
         """Add a value.
@@ -65,7 +77,8 @@ class StateValues:
             before: The value before it, or the value itself if it is the first.
             now: The value.
         """
-        text = _as_text(now)
+        is_angle = self.unit == _DEGREES
+        text = three_digits(now) if is_angle and _is_number(now) else _as_text(now)
         if text not in self.values and len(self.values) <= _MOST_VALUES:
             self.values += (text,)
         if _is_number(now) and _is_number(before):
@@ -162,7 +175,7 @@ class _Watcher:
         self._inner = inner
         self._now = code.counts
         self._unpacked = _unpacked(code)
-        read = frozenset[str]().union(*(one.names for one in code.functions))
+        read = frozenset[str]().union(*(one.fields for one in code.functions))
         self._senses = {f"observation.{name}": name for name in Observation._fields if name in read}
         self._first = first
         self._step = 0
@@ -202,17 +215,26 @@ class _Watcher:
             now[f"{names[place]} (memory)" if names else f"memory[{place}]"] = number
         if isinstance(observation, Observation):
             sensed = {place: getattr(observation, name) for place, name in self._senses.items()}
-            now |= {place: value for place, value in sensed.items() if _is_number(value)}
+            now |= {
+                place: math.degrees(value) if self._unit(place) == _DEGREES else value
+                for place, value in sensed.items()
+                if _is_number(value)
+            }
         for name, value in now.items():
             before = self._latest.get(name, value)
             if before != value:
                 self._since[name] = self._step
             if self._step > self._first:
                 if name not in self._seen:
-                    self._seen[name] = StateValues(name, self._since.get(name, 0))
+                    self._seen[name] = StateValues(
+                        name, self._since.get(name, 0), unit=self._unit(name)
+                    )
                     before = value
                 self._seen[name].take(before, value)
         self._latest = now
+
+    def _unit(self, place: str) -> str:
+        return _UNITS.get(self._senses.get(place, ""), "")
 
     def part(self, code: CountedCode) -> WatchedPart | None:
         """Return what ran since the first step of the part; ``None`` if the run ended before it."""

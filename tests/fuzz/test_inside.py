@@ -131,8 +131,23 @@ def test_state_that_changes_is_apart_from_state_that_stays(robot):
 
 def test_senses_that_the_file_names_have_their_range(robot):
     state = dict(seen(robot(BOUNCES)).state)
-    assert re.fullmatch(r"varies from [\d.]+ to [\d.]+", state["observation.x"])
+    assert re.fullmatch(r"varies from [\d.]+ to [\d.]+ m", state["observation.x"])
     assert "observation.y" not in state and "observation.top_speed" not in state
+
+
+def test_angles_that_it_senses_are_in_degrees(robot):
+    source = BOUNCES.replace("observation.x > 1e6", "observation.heading > 1e6")
+    assert dict(seen(robot(source)).state)["observation.heading"].endswith(" degrees")
+
+
+def test_the_senses_that_its_functions_read_are_listed_but_not_its_own_attributes(robot):
+    source = BOUNCES.replace("self.calls", "self.heading").replace(
+        "return 0.0", "return observation.beams"
+    )
+    found = seen(robot(source))
+    assert found.reads == ["bump", "x", "time_step", "top_speed"]
+    last = found.text()[-1]
+    assert last == "reads there, of what it senses: bump, x, time_step, top_speed"
 
 
 def test_objects_enumerations_and_collections_are_state_too(robot):

@@ -36,6 +36,7 @@ class CodeFunction:
         last: Its last line.
         body: The first line after its docstring.
         names: The names and attributes in it.
+        fields: The attributes in it of other things than its first parameter, ``self``.
         unpacked: The names that its last parameter is unpacked into, as by ``left, side = memory``;
             empty if it isn't.
     """
@@ -45,6 +46,7 @@ class CodeFunction:
     last: int
     body: int
     names: frozenset[str]
+    fields: frozenset[str]
     unpacked: tuple[str, ...]
 
 
@@ -123,10 +125,19 @@ def _functions(tree: ast.AST) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
 def _described(node: ast.FunctionDef | ast.AsyncFunctionDef) -> CodeFunction:
     after = node.body[1:] if ast.get_docstring(node, clean=False) is not None else node.body
     names = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
-    names |= {one.attr for one in ast.walk(node) if isinstance(one, ast.Attribute)}
+    attributes = [one for one in ast.walk(node) if isinstance(one, ast.Attribute)]
+    names |= {one.attr for one in attributes}
+    own = [one.arg for one in node.args.args[:1] if one.arg == "self"]
+    fields = {
+        one.attr
+        for one in attributes
+        if not (isinstance(one.value, ast.Name) and one.value.id in own)
+    }
     last = node.end_lineno or node.lineno
     body = after[0].lineno if after else last
-    return CodeFunction(node.name, node.lineno, last, body, frozenset(names), _unpacked(node))
+    return CodeFunction(
+        node.name, node.lineno, last, body, frozenset(names), frozenset(fields), _unpacked(node)
+    )
 
 
 def _unpacked(function: ast.FunctionDef | ast.AsyncFunctionDef) -> tuple[str, ...]:

@@ -45,6 +45,20 @@ def counted(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
+def three_digits(value: float) -> str:
+    """Return a number with three digits, or with all those before its point: ``2.58``, ``1,234``."""
+    if abs(value) >= 999.5:
+        return f"{value:,.0f}"
+    # Adding zero turns -0 into 0.
+    return f"{float(f'{value:.3g}') + 0.0:g}"
+
+
+def in_degrees(angle: float) -> str:
+    """Return an angle with its unit: ``2.58 degrees``, ``1 degree``."""
+    number = three_digits(angle)
+    return f"{number} degree" if number in ("1", "-1") else f"{number} degrees"
+
+
 def quote(text: object, limit: int = 40) -> str:
     """Quote text from outside, short enough for a message and without terminal control codes.
 

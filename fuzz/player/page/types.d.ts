@@ -247,6 +247,8 @@ interface ReportInside {
   /** Number (0 for lines left out), how often it runs (null for one that does not run by itself), text. */
   lines: [number, number | null, string][];
   unused: string[];
+  /** Fields of the observation. */
+  reads: string[];
   state: [string, string][];
 }
 

@@ -18,17 +18,26 @@ export function insidePart(inside) {
     );
   return el(
     "div",
-    { class: "part" },
-    el("h3", {}, `Lines of ${inside.file}, and how often each runs in ${inside.part}`),
-    el("div", { class: "scroll" }, el("table", { class: "code" }, el("tbody", {}, inside.lines.map(row)))),
-    inside.unused.length ? el("p", { class: "quiet" }, `Never runs there: ${inside.unused.join(", ")}.`) : null,
-    inside.state.length ? statePart(inside.state) : null,
+    { class: inside.state.length ? "inside" : "" },
+    inside.state.length ? statePart(inside) : null,
+    el(
+      "div",
+      { class: "part" },
+      el("h3", {}, `Lines of ${inside.file}, and how often each runs in ${inside.part}`),
+      el("div", { class: "scroll" }, el("table", { class: "code" }, el("tbody", {}, inside.lines.map(row)))),
+      note("Never runs there", inside.unused),
+      note("Reads there, of what it senses", inside.reads),
+    ),
   );
 }
 
-function statePart(state) {
+function note(words, names) {
+  return names.length ? el("p", { class: "quiet" }, `${words}: ${names.join(", ")}.`) : null;
+}
+
+function statePart({ part, state }) {
   const item = ([name, words]) => el("li", {}, el("b", {}, name), ` ${words}`);
-  return el("div", { class: "part" }, el("h3", {}, "Its state and what it senses there"), el("ul", { class: "state" }, state.map(item)));
+  return el("div", { class: "part" }, el("h3", {}, `Its state and what it senses in ${part}`), el("ul", { class: "state" }, state.map(item)));
 }
 
 /**
