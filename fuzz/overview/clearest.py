@@ -39,15 +39,17 @@ class Clarity:
     Of equally clear failures, the first in order is the one to show.
 
     Args:
-        flaws: Number of the reasons against it.
+        is_degenerate: True if the robot seems to be at its target from the start, or covers it.
         is_unshrunk: True if it has walls that do not matter.
+        flaws: Number of the other reasons against it.
         windings: Number of doublings by which the period's path is longer than a path around its
             box.
         order: Its place in the order of failures.
     """
 
-    flaws: int
+    is_degenerate: bool
     is_unshrunk: bool
+    flaws: int
     windings: int
     order: FailureOrder
 
@@ -70,8 +72,8 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
 
     # Look at the flaws that the world alone shows.
     apart = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y)) / side
-    flaws = int(apart < robot + target + _APART)
-    flaws += min(world.width, world.height) < _NARROWEST
+    is_degenerate = apart < robot + target + _APART
+    flaws = int(min(world.width, world.height) < _NARROWEST)
     flaws += max(world.width, world.height) > _WIDEST
     # Each additional robot has to be understood, and only shrinking shows whether it matters.
     flaws += len(world.others)
@@ -83,9 +85,9 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     if behaviour is not None:
         around = 4.0 * max(behaviour.extent, 1.0)
         windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
-        flaws += cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
+        is_degenerate |= cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
         flaws += behaviour.length > _TANGLE * max(world.width, world.height)
-    return Clarity(flaws, not failure.is_shrunk, windings, failure.order)
+    return Clarity(is_degenerate, not failure.is_shrunk, flaws, windings, failure.order)
 
 
 def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:

@@ -338,6 +338,15 @@ def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
     assert near.size < far.size and clearest([near, far], Cause.STANDS_STILL) is far
 
 
+def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
+    narrow = found_by("Still", certified(hall(9, 3, start=(0.75, 0.15))))
+    record = replace(narrow.record, details={**narrow.record.details, "shrunk_from": 9})
+    shrunk = replace(narrow, record=record)
+    assert shrunk.is_shrunk
+    found = found_by("Still")
+    assert not found.is_shrunk and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+
+
 def overview_of(best, found, known=None):
     """Return the overview of a campaign with failures of a single class.
 

@@ -56,11 +56,12 @@ function campaignPart(campaign, links, several) {
           `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((bucket) => links.has(bucket)) ? "" : UNLINKED}`,
       ),
       barChart(
-      "Verdicts at screening",
+        "Verdicts at screening",
         "verdict",
         campaign.verdicts,
         (verdict) => el("span", {}, verdictDot(verdict), ` ${verdict}`),
-        (count) => `${plural(count, "world")}.`,
+        (count) =>
+          `${plural(count, "world")} of the search, which may be easy, so they give no rate of arrival.${campaign.verdicts.undecided ? " Undecided: the quick run's small budget was used up without a verdict." : ""}`,
         true,
       ),
     ),
