@@ -39,6 +39,8 @@ class Clarity:
     Of equally clear failures, the first in order is the one to show.
 
     Args:
+        others: Number of its other robots. Each has to be understood, and only shrinking shows
+            whether it matters.
         is_degenerate: True if the robot seems to be at its target from the start, or covers it.
         is_unshrunk: True if it has walls that do not matter.
         flaws: Number of the other reasons against it.
@@ -47,6 +49,7 @@ class Clarity:
         order: Its place in the order of failures.
     """
 
+    others: int
     is_degenerate: bool
     is_unshrunk: bool
     flaws: int
@@ -75,8 +78,6 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     is_degenerate = apart < robot + target + _APART
     flaws = int(min(world.width, world.height) < _NARROWEST)
     flaws += max(world.width, world.height) > _WIDEST
-    # Each additional robot has to be understood, and only shrinking shows whether it matters.
-    flaws += len(world.others)
 
     # Consider what only the run shows: a robot drawn over its target, and a tangled period.
     episode = failure.run(through_walls=failure.is_breach)
@@ -87,7 +88,9 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
         windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
         is_degenerate |= cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
         flaws += behaviour.length > _TANGLE * max(world.width, world.height)
-    return Clarity(is_degenerate, not failure.is_shrunk, flaws, windings, failure.order)
+    others = len(world.others)
+    is_unshrunk = not failure.is_shrunk
+    return Clarity(others, is_degenerate, is_unshrunk, flaws, windings, failure.order)
 
 
 def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
