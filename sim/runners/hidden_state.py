@@ -64,11 +64,16 @@ def attributes(controller: Any) -> dict[str, Any]:
     slots = [
         name
         for base in type(controller).__mro__
-        for name in getattr(base, "__slots__", ())
+        for name in _slots(base)
         if hasattr(controller, name)
     ]
     kept = _data(getattr(controller, "__dict__", {}))
     return {**kept, **{name: getattr(controller, name) for name in slots}}
+
+
+def _slots(kind: type) -> tuple[str, ...]:
+    names = getattr(kind, "__slots__", ())
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def _is_of_a_user(kind: type) -> bool:

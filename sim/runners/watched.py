@@ -6,7 +6,8 @@ import contextlib
 import io
 import math
 import sys
-from collections.abc import Callable, Iterator, Sized
+from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 from types import ModuleType
@@ -41,6 +42,15 @@ _UNITS |= {"time_step": "s", "time": "s", "top_speed": "m/s"}
 
 # How far objects within objects are followed.
 _DEEPEST = 2
+
+# Running a longer run again would take too long.
+_MOST_STEPS = 200_000
+
+# Only values of exactly these types are looked at. A subclass may run code of the user's when it is
+# compared or printed, and may print an address, which differs each time.
+_PLAIN = (bool, int, float, str, type(None))
+_COLLECTIONS = (list, tuple, dict, set, frozenset, deque, bytes, bytearray)
+_MOST_BITS = 63
 
 # Characters of a value that is not a number.
 _LONGEST_VALUE = 40
@@ -130,9 +140,11 @@ def watched_part(
         first: The number of steps before the part.
 
     Returns:
-        What ran in the part; ``None`` for a controller without a source in Python, and if the run
-        differs from the recorded one.
+        What ran in the part; ``None`` for a controller without a source in Python, for a very long
+        run, and if the run differs from the recorded one.
     """
+    if episode.steps > _MOST_STEPS:
+        return None
     try:
         controller = CONTROLLERS.get(name)
         module = sys.modules.get(type(controller).__module__)
@@ -260,19 +272,26 @@ def _unpacked(code: CountedCode) -> tuple[str, ...]:
 
 def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[str, object]]:
     """Yield the values of an object's attributes that can be shown; of a collection, its length."""
-    for name, value in attributes(thing).items():
+    for name, given in attributes(thing).items():
         place = f"{owner}.{name}"
-        if isinstance(value, np.generic):
-            yield place, value.item()
-        elif value is None or isinstance(value, bool | int | float | str | Enum):
+        is_numpy = isinstance(given, np.generic) or (type(given) is np.ndarray and given.ndim == 0)
+        value = given.item() if is_numpy else given
+        if _is_plain(value) or isinstance(value, Enum):
             yield place, value
-        elif isinstance(value, tuple) and len(value) <= _MOST_VALUES:
-            yield place, _as_text(value)
-        elif isinstance(value, Sized):
+        elif type(value) is tuple and len(value) <= _MOST_VALUES and all(map(_is_plain, value)):
+            yield place, value
+        elif type(value) in _COLLECTIONS or type(value) is np.ndarray:
             yield f"len({place})", len(value)
         # An object of the user's own has state too, such as a filter.
         elif depth < _DEEPEST and type(value).__module__ == type(thing).__module__:
             yield from _named_values(place, value, depth + 1)
+
+
+def _is_plain(value: object) -> bool:
+    """Return True if a value can be compared and printed without running code of the user's."""
+    if type(value) is int:
+        return value.bit_length() <= _MOST_BITS
+    return type(value) in _PLAIN
 
 
 def _is_number(value: object) -> TypeGuard[float]:
@@ -284,5 +303,8 @@ def _as_text(value: object) -> str:
         return f"{value:.4g}"
     if isinstance(value, tuple):
         return f"({', '.join(map(_as_text, value))})"
-    text = str(value) if isinstance(value, Enum) else repr(value)
-    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."
+    if isinstance(value, Enum):
+        return f"{type(value).__name__}.{value.name}"
+    if isinstance(value, str):
+        return repr(value if len(value) <= _LONGEST_VALUE else f"{value[:_LONGEST_VALUE]}...")
+    return repr(value)

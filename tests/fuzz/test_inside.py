@@ -366,3 +366,37 @@ def test_an_overview_has_what_the_run_of_each_cause_shows(robot):
     row = cause.table()
     assert [0, None, "..."] in row.inside["lines"] and row.inside["unused"] == ["never_called"]
     assert row.repeats and row.reactions[0][0] == "touching a wall ahead"
+
+
+def test_values_that_differ_each_time_or_run_code_when_looked_at_are_not_state(robot):
+    source = BOUNCES.replace(
+        "        self.side = 1\n",
+        """        self.side = 1
+        self.letters = frozenset("abcde")
+        self.pair = (frozenset("abcde"), 1)
+        self.object = object()
+        self.zero = numpy.array(3.0)
+        self.huge = 10**5000
+        self.rude = Rude()
+""",
+    ).replace(
+        "@dataclass\n",
+        """import numpy
+
+class Rude(int):
+    def __len__(self):
+        raise RuntimeError
+    __eq__ = __repr__ = __hash__ = __len__
+
+@dataclass
+""",
+    )
+    state = str(seen(robot(source)).state)
+    assert "self.zero = 3" in state and "len(self.letters) = 5" in state
+    assert "len(self.pair) = 2" in state
+    assert not re.search("object|huge|rude", state)
+
+
+def test_a_run_that_is_too_long_is_not_run_again(robot, monkeypatch):
+    monkeypatch.setattr("sim.runners.watched._MOST_STEPS", 399)
+    assert seen(robot(BOUNCES)) is None

@@ -33,7 +33,7 @@ class ImportedRobot:
         start: x and y, m, and optionally the heading, rad; chosen if omitted.
         target: x and y, m, and optionally the radius, m; chosen if omitted.
         radius: Radius of the robot's disc, m; if omitted, the file's, or the radius of the robot
-        that such maps are drawn for.
+            that such maps are drawn for.
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file with start and target.
         row: Number of the scenario's problem, from 1.
@@ -252,7 +252,7 @@ def _with_exported_robots(
     try:
         if count == 1 or not own.is_file() or scenario_contents(own)[1] != count:
             return robot
-    except FormatError:
+    except (FormatError, OSError):
         # The sidecar's warning says that the robots are missing.
         return robot
     return replace(robot, scenario=own, robots=count)

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 from worldgen.errors import InvalidParameter
-from worldgen.plugins.registry import user_code
+from worldgen.plugins.registry import loading, user_code
 
 # A name with two underscores at both ends is neither mangled in a class nor taken for its state.
 _COUNTS = "__worldgen_counts__"
@@ -107,12 +107,12 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
     before = sys.modules.get(module.__name__)
     sys.modules[module.__name__] = again
     try:
-        with user_code(f"{file}: loading it to count its lines"):
+        with loading(f"{file}: loading it to count its lines"):
             exec(code, vars(again))
         yield CountedCode(again, file, source, counts, statements, functions, constants)
     finally:
         if before is None:
-            del sys.modules[module.__name__]
+            sys.modules.pop(module.__name__, None)
         else:
             sys.modules[module.__name__] = before
 

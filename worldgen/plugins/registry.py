@@ -113,7 +113,7 @@ def user_code(doing: str) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _loading(doing: str) -> Iterator[None]:
+def loading(doing: str) -> Iterator[None]:
     """Run code like :func:`user_code`, but stop it if it takes too long."""
     seconds = _load_seconds()
     try:
@@ -212,7 +212,7 @@ class Registry(Generic[T]):
             point = self.entry_points().get(name)
             # An installed name is loaded by its entry point, anything with a colon by its path.
             if point is not None:
-                with _loading(f"{self.noun} {name!r}: loading {point.value}"):
+                with loading(f"{self.noun} {name!r}: loading {point.value}"):
                     thing = point.load()
             elif ":" in name:
                 check_code(name)
@@ -257,7 +257,7 @@ class Registry(Generic[T]):
         if not place.endswith(".py"):
             # A user's file with the name of one of our packages would be hidden by ours.
             check_not_ours(place, attribute)
-        with _loading(f"{self.noun} {name!r}: loading {place}"):
+        with loading(f"{self.noun} {name!r}: loading {place}"):
             module = (
                 _load_file(_file(place))
                 if place.endswith(".py")
