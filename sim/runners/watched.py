@@ -276,7 +276,8 @@ def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[s
         place = f"{owner}.{name}"
         is_numpy = isinstance(given, np.generic) or (type(given) is np.ndarray and given.ndim == 0)
         value = given.item() if is_numpy else given
-        if _is_plain(value) or isinstance(value, Enum) or (type(value) is tuple and len(value) <= _MOST_VALUES and all(map(_is_plain, value))):
+        is_short = type(value) is tuple and len(value) <= _MOST_VALUES
+        if _is_plain(value) or isinstance(value, Enum) or (is_short and all(map(_is_plain, value))):
             yield place, value
         elif type(value) in _COLLECTIONS or type(value) is np.ndarray:
             yield f"len({place})", len(value)
