@@ -83,8 +83,8 @@ class NaturalRuns:
 
     @property
     def percent(self) -> int:
-        """Share of worlds where the robot arrives, in whole percent; 100 only for all of them."""
-        return min(round(100 * self.arrived / self.worlds), 99 + (self.arrived == self.worlds))
+        """Share of worlds where the robot arrives, as ``whole_percent`` gives it."""
+        return whole_percent(self.arrived, self.worlds)
 
     def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
         """Add one run.
@@ -229,3 +229,8 @@ def _count(table: dict[str, tuple[int, int]], name: str, arrived: bool) -> None:
 def _rows(table: Mapping[str, tuple[int, int]], names: Sequence[str]) -> dict[str, NaturalTally]:
     """Return the counts of each name; those that were never tried have zeros."""
     return {name: NaturalTally(*table.get(name, (0, 0))) for name in names}
+
+
+def whole_percent(arrived: int, worlds: int) -> int:
+    """Return the share of worlds where the robot arrives, percent; 100 only for all of them."""
+    return min(round(100 * arrived / worlds), 99 + (arrived == worlds))

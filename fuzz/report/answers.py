@@ -13,6 +13,7 @@ from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
+from fuzz.overview.natural import whole_percent
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
 from fuzz.overview.terminal import how_often_it_arrives, never_tried
@@ -49,13 +50,20 @@ class Answer:
             "controller": self.controller,
             "motion": self.motion,
             "causes": [_shown(cause) for cause in self.causes],
-            "natural": None
-            if self.natural is None
-            else plain(self.natural) | {"never": never_tried(self.natural)},
+            "natural": None if self.natural is None else _natural(self.natural),
             "comparison": None if self.comparison is None else plain(self.comparison),
             "arrives": how_often_it_arrives(self.natural),
             "campaign": self.campaign,
         }
+
+
+def _natural(natural: NaturalRow) -> dict[str, Any]:
+    """Return natural worlds with what follows from them, so that page and terminal agree."""
+    return {
+        **plain(natural),
+        "percent": whole_percent(natural.arrived, natural.worlds),
+        "never": never_tried(natural),
+    }
 
 
 def _shown(cause: CauseRow) -> dict[str, Any]:

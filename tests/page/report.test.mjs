@@ -48,7 +48,7 @@ test("groups of causes have the answer's order, the worst first", () => {
 
 test("the answer has advice for every cause, and a command if no change was tried", () => {
   const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
-  const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
+  const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, percent: 10, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
   const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
   const shown = element("answer");
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });

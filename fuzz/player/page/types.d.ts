@@ -327,6 +327,8 @@ interface NaturalWorlds {
   turns: Record<string, NaturalRow>;
   /** The kinds of paths that none of these worlds had. */
   never: string[];
+  /** Share of worlds in which it arrives, as the terminal gives it. */
+  percent: number;
 }
 
 interface ReportCause {

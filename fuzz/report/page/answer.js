@@ -164,8 +164,6 @@ function headline(worst, answer) {
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
 function ratePart(natural) {
   const [low, high] = [natural.low, natural.high].map((share) => Math.round(100 * share));
-  // 100 % only if the robot arrives in all worlds.
-  const arrives = Math.min(Math.round(100 * natural.share), natural.arrived === natural.worlds ? 100 : 99);
   const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} % to ${high} %` });
   const range = el("i", { class: "range" }),
     point = el("i", { class: "point" });
@@ -177,7 +175,7 @@ function ratePart(natural) {
   return el(
     "p",
     { class: "rate-line" },
-    el("b", {}, `Arrives in ${arrives} %`),
+    el("b", {}, `Arrives in ${natural.percent} %`),
     ` of ${plural(natural.worlds, "natural world")} (95 %: ${low} to ${high} %) `,
     bar,
     el("span", { class: "quiet" }, unsensed),
