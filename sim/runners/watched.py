@@ -145,6 +145,7 @@ def watched_part(
     """
     if episode.steps > _MOST_STEPS:
         return None
+    # Load its file with counters, and run the episode again.
     try:
         controller = CONTROLLERS.get(name)
         module = sys.modules.get(type(controller).__module__)
@@ -161,6 +162,7 @@ def watched_part(
             outcome = run.run(episode.steps, find_loop=False, record=True)
     except WorldgenError:
         return None
+    # What another run shows says nothing about the recorded one.
     if outcome.trace is None or episode.trace is None:
         return None
     same = np.array_equal(outcome.trace.states, episode.trace.states)
