@@ -359,7 +359,11 @@ UNFIT = {
             "place": "part 'room', step 1 (border)",
         },
     ),
-    "axis": ("{ border = 1 }", '{ mirror = "z" }', {"code": "unknown-name", "name": "mirror", "value": "z"}),
+    "axis": (
+        "{ border = 1 }",
+        '{ mirror = "z" }',
+        {"code": "unknown-name", "name": "mirror", "value": "z"},
+    ),
     "huge": (
         "{ border = 1 }",
         "{ tile = [9999, 9999] }",
