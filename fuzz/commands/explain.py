@@ -58,6 +58,7 @@ def explain(
     from fuzz.failure import Failure
     from fuzz.overview.counterfactual import counterfactuals
     from fuzz.triage.run_facts import RunFacts, run_facts
+    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
@@ -75,6 +76,7 @@ def explain(
         if picture is not None and explained:
             raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
         failure = failure.driven_by(controller)
+        began = Effort.so_far()
         found = problem = None
         facts = RunFacts()
         try:
@@ -98,7 +100,7 @@ def explain(
             write_out(picture, data, force=force)
         about = {"file": str(path), "verdict": failure.verdict}
         explained.append({**about, **found.table(), **facts.table()})
-        for sentence in survivors_found([failure.record.controller]):
+        for sentence in survivors_found([failure.record.controller], began):
             note(f"note: {sentence}")
     # Print the object, and fail if a file could not be explained.
     if as_json:

@@ -66,6 +66,7 @@ def replay(
     from fuzz.replay.answer import answer
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames
+    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
     from worldgen.files.worlds import read_worlds
     from worldgen.support.plain_text import shown_lines
@@ -76,7 +77,7 @@ def replay(
     results: list[dict[str, object]] = []
     findings: list[CiFinding] = []
     states: list[State] = []
-    ran: list[str] = []
+    surviving: list[str] = []
     without = 0
     # Replay one failure after another; skip files that have none.
     for path, world in read_worlds(paths):
@@ -89,36 +90,41 @@ def replay(
             raise click.UsageError(
                 f"--transcript {transcript} records one failure; give replay one file"
             )
-        with (
-            working("replaying") as work,
-            transcribed(controller or failure.record.controller, transcript, force=force),
-        ):
+        name = controller or failure.record.controller
+        began = Effort.so_far()
+        with working("replaying") as work, transcribed(name, transcript, force=force):
             work.say(f"{path}, failure {len(results) + 1}")
             now = answer(failure, controller)
-        ran.append(controller or failure.record.controller)
+        surviving += map(str, survivors_found([name], began))
         # Record the result for the terminal, for JSON and for the reports.
-        outcome = now.replay
+        confirmed = now.replay.confirmed
         states.append(now.state)
         results.append(
             {
                 "file": str(path),
-                "verdict": outcome.verdict,
-                "confirmed": outcome.confirmed,
+                "verdict": now.replay.verdict,
+                "confirmed": confirmed,
                 "state": now.state.value,
                 "words": now.words,
             }
         )
         if not as_json:
             click.echo(f"{shown(path)}: {shown(now.words)}")
-            if with_picture and outcome.confirmed:
-                found = explained(failure.driven_by(controller))
-                click.echo(describe(failure, path, why=found))
+            if with_picture and confirmed:
+                click.echo(describe(failure, path, why=explained(failure.driven_by(controller))))
             elif now.episode is not None:
                 click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
         if reports:
-            state = FindingState.CONFIRMED if outcome.confirmed else FindingState.NOT_CONFIRMED
-            findings.append(CiFinding.of(failure, path, state, now.words, controller))
-    for sentence in survivors_found(ran):
+            findings.append(
+                CiFinding.of(
+                    failure,
+                    path,
+                    FindingState.CONFIRMED if confirmed else FindingState.NOT_CONFIRMED,
+                    now.words,
+                    controller,
+                )
+            )
+    for sentence in dict.fromkeys(surviving):
         note(f"note: {sentence}")
     # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))

@@ -93,6 +93,7 @@ def shrink(
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.shrink import snippet
+    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
     from worldgen.files.whole import check_output
 
@@ -107,9 +108,10 @@ def shrink(
         check_output(target, force)
     # Shrink, and write the result.
     failure = Failure.read(path)
+    began = Effort.so_far()
     result = _watched(failure, seconds, keep)
     changed = _changed(failure, result.failure)
-    for sentence in survivors_found([failure.record.controller]):
+    for sentence in survivors_found([failure.record.controller], began):
         note(f"note: {sentence}")
     if target is not None:
         result.failure.write(target, force=force)

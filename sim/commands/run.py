@@ -215,15 +215,17 @@ def _simulated(
     """Run one robot, or all robots of a world with several."""
     from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
+    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
 
+    began = Effort.so_far()
     options = [one.options(world, steps) for one in scenarios]
     if world.others:
         names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
         episode: Episode = simulate_fleet(world, names, options, record=record)
     else:
         episode = simulate(world, scenarios[0].controller, options[0], record=record)
-    for sentence in survivors_found(one.controller for one in scenarios):
+    for sentence in survivors_found((one.controller for one in scenarios), began):
         note(f"note: {sentence}")
     return episode
 

@@ -27,8 +27,8 @@ and counts once, because many controllers do work in it that they do only once.
 # Seconds spent in controllers' own code, over the life of this process.
 _spent = [0.0]
 
-# What controllers have kept from one run to the next in this process.
-_survivors: set[str] = set()
+# What controllers have kept from one run to the next in this process, and when that was last seen.
+_survivors: dict[str, float] = {}
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,8 @@ class Effort:
         seconds: All of the time, s.
         own: Time in controllers' own code, s.
         broken: Steps that were interrupted because they did not end in time.
-        survivors: What was found to survive the controllers' ``reset``, such as ``self.hits``.
+        survivors: What was found to survive the controllers' ``reset``, such as ``self.hits``. A
+            reading has none; other controllers may have run before it.
     """
 
     seconds: float = 0.0
@@ -50,13 +51,14 @@ class Effort:
     @classmethod
     def so_far(cls) -> Self:
         """Return a reading of this process; the effort is the difference between two readings."""
-        return cls(time.perf_counter(), _spent[0], steps_broken_off(), frozenset(_survivors))
+        return cls(time.perf_counter(), _spent[0], steps_broken_off())
 
     def since(self) -> Effort:
-        """Return the effort since a reading, with all survivors so far."""
+        """Return the effort since a reading."""
         now = Effort.so_far()
+        survivors = frozenset(name for name, seen in _survivors.items() if seen >= self.seconds)
         return Effort(
-            now.seconds - self.seconds, now.own - self.own, now.broken - self.broken, now.survivors
+            now.seconds - self.seconds, now.own - self.own, now.broken - self.broken, survivors
         )
 
     def __add__(self, other: Effort) -> Effort:
@@ -76,7 +78,7 @@ class Effort:
 
 def count_survivors(names: Iterable[str]) -> None:
     """Note that runs changed these parts of a controller and ``reset`` did not clear them."""
-    _survivors.update(names)
+    _survivors.update(dict.fromkeys(names, time.perf_counter()))
 
 
 def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:

@@ -120,14 +120,15 @@ def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
     return differ - origin.varying
 
 
-def survivors_found(controllers: Iterable[str]) -> list[Message]:
-    """Return a message about the state that runs of this process found to survive ``reset``.
+def survivors_found(controllers: Iterable[str], began: Effort) -> list[Message]:
+    """Return a message about the state that runs found to survive ``reset``.
 
     Args:
         controllers: Names of the controllers that ran.
+        began: A reading from before their first run.
 
     Returns:
         One message, or none if nothing survived.
     """
-    places = Effort.so_far().survivors
+    places = began.since().survivors
     return [state_survives_reset(", ".join(dict.fromkeys(controllers)), places)] if places else []
