@@ -129,7 +129,7 @@ class DrivenPath:
         x: Position after each step, cells.
         y: The same.
         touched: By obstacle and step, whether the robot touches it.
-        period: Period of its loop; 0 if there is none.
+        period: Period of its loop, in steps; 0 if it does not loop.
     """
 
     x: Floats

@@ -175,7 +175,7 @@ def named_cells(
 
     Args:
         changes: In their JSON form; they may come from any file.
-        world: If given, cells outside it are left out.
+        world: Only return cells of this world; ``None`` for all cells.
     """
     found: list[tuple[int, int]] = []
     for change in changes:

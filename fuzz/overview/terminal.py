@@ -170,7 +170,7 @@ def describe_coverage(natural: NaturalRuns) -> str:
 
 
 def never_tried(natural: NaturalRow) -> list[str]:
-    """Return the kinds of paths that no natural world had, for the terminal and the report."""
+    """Return which gaps and turns did not occur in any natural world."""
     clearances = [name for name, row in natural.clearances.items() if not row.worlds]
     turns = [name for name, row in natural.turns.items() if not row.worlds]
     never = []
@@ -233,7 +233,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
 
 
 def how_often_it_arrives(natural: NaturalRow | None) -> str:
-    """Return how often a robot arrives that fails somewhere, for the terminal and the report."""
+    """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
         if not natural.arrived:
             return "never arrived"

@@ -23,7 +23,7 @@ class CodeLine(NamedTuple):
     """A line of a controller's file.
 
     Args:
-        number: Its number; 0 for lines that are left out.
+        number: Its number; 0 for a gap between lines.
         times: How often it ran in the part; ``None`` for a line that does not run by itself.
         text: Its text.
     """
@@ -182,7 +182,7 @@ def _lines(
     for first, own in sorted(found.code.statements.items()):
         counts.update(dict.fromkeys(own, found.counts[first]))
 
-    # Show them in order, with a mark where code between them is left out.
+    # Show them in order, and mark each gap.
     lines: list[CodeLine] = []
     is_gap = False
     for number, line in enumerate(found.code.source, start=1):

@@ -30,7 +30,7 @@ _BESIDE = 120.0
 # Degrees: a smaller turn in a step counts as none.
 _STRAIGHT = 0.02
 
-# Share of the top speed below which it is said to stand.
+# Below this share of its top speed, the robot counts as standing.
 _STANDS = 0.02
 
 # Steps of one run that are looked at, evenly spread.

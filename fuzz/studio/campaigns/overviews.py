@@ -44,7 +44,7 @@ def example_in(file: Path) -> CauseRow | None:
 
 
 def _overview_in(folder: Path) -> OverviewTable | None:
-    """Return a campaign's overview; ``None`` if there is none, or it cannot be read.
+    """Return a campaign's overview; ``None`` if its file is missing or cannot be read.
 
     The pictures are worth showing without it.
     """

@@ -189,15 +189,7 @@ def _number(place: _Place, key: str, *, default: float | None = None) -> float:
     if key not in place.values:
         if default is not None:
             return default
-        raise FormatError(
-            "missing-key",
-            "{place} has no {key}",
-            "add `{key} = ...`: {meaning}",
-            place=place.name,
-            key=key,
-            meaning=place.meanings[key],
-            **place.at_the_end(),
-        )
+        raise _missing_key(place, key, "add `{key} = ...`: {meaning}")
     number = finite(place.values[key], place.named(key), partial(place.at, key))
     if number <= 0.0:
         raise FormatError(
@@ -211,6 +203,18 @@ def _number(place: _Place, key: str, *, default: float | None = None) -> float:
     return number
 
 
+def _missing_key(place: _Place, key: str, remedy: str) -> FormatError:
+    return FormatError(
+        "missing-key",
+        "{place} has no {key}",
+        remedy,
+        place=place.name,
+        key=key,
+        meaning=place.meanings[key],
+        **place.at_the_end(),
+    )
+
+
 def read_triple(header: Header, key: str) -> tuple[float, float, float]:
     """Return the three numbers of ``start`` or ``target``."""
     return _triple(_Place(header, header.data, HEADER_KEYS), key)
@@ -219,15 +223,7 @@ def read_triple(header: Header, key: str) -> tuple[float, float, float]:
 def _triple(place: _Place, key: str) -> tuple[float, float, float]:
     # The key must be a list of three numbers.
     if key not in place.values:
-        raise FormatError(
-            "missing-key",
-            "{place} has no {key}",
-            "add `{key} = {meaning}`",
-            place=place.name,
-            key=key,
-            meaning=place.meanings[key],
-            **place.at_the_end(),
-        )
+        raise _missing_key(place, key, "add `{key} = {meaning}`")
     value = place.values[key]
     if not isinstance(value, list) or len(value) != 3:
         came = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)

@@ -48,8 +48,8 @@ export function proofWords(proof) {
 }
 
 /**
- * Returns the reading of the thesis's robot in each cell; null if there is none, with the reason
- * announced.
+ * Returns the reading of the thesis's robot in each cell. If it cannot be computed, announces why
+ * and returns null.
  * @param {Studio} studio
  * @param {boolean} noise
  * @returns {Promise<Board["signal"]>}

@@ -23,8 +23,8 @@ const WAIT = 60; // ms
 const state = { key: "", left: [], taken: "", letGo: null, kept: null };
 
 /**
- * Finds the drawing of this tab before it was reloaded, or else one left by a closed tab; null if
- * there is none.
+ * Finds the drawing that this tab had before it was reloaded, or else one left by a closed tab.
+ * Returns null if neither exists.
  * @returns {Promise<EditedWorld | null>}
  */
 export async function findDraft() {

@@ -1,0 +1,391 @@
+"""The overview of a campaign groups, sorts and compares causes."""
+
+import json
+from dataclasses import replace
+
+import click
+import pytest
+
+from fuzz.campaign.configure import configure
+from fuzz.campaign.options import CampaignOptions
+from fuzz.campaign.result import SearchState
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.state import CampaignState, DiscoveryTotals
+from fuzz.campaign.store import FolderStore
+from fuzz.corpus import Baseline, read_corpus
+from fuzz.failure import Failure
+from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
+from fuzz.overview.building import Conclusion, build_overview, with_own_files
+from fuzz.overview.causes import in_order, with_natural
+from fuzz.overview.clearest import clearest
+from fuzz.overview.comparison import compare
+from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
+from fuzz.overview.overview import Overview, write_overview
+from fuzz.overview.table import NaturalTally
+from fuzz.overview.terminal import Headline, overview_lines
+from fuzz.triage.cause import Severity
+from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.proofs import certified
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from tests.helpers.faulty_robots import HERE, found_by, hall
+from tests.helpers.raising import raises
+from worldgen.errors import FormatError
+from worldgen.files.json_file import plain
+
+
+def test_causes_come_by_severity_and_then_by_frequency_in_natural_worlds():
+    rare = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 900})
+    often = CauseTotals(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
+    worst = CauseTotals(Cause.STEPS_OVER_A_WALL, ("c",), {"tunnel": 1})
+    assert in_order([often, rare, worst]) == [worst, rare, often]
+    ordered = with_natural([often, rare, worst], {Cause.PUSHES_A_WALL: 5, Cause.WANDERS: 1})
+    assert [one.cause for one in ordered] == [
+        Cause.STEPS_OVER_A_WALL,
+        Cause.PUSHES_A_WALL,
+        Cause.CIRCLES_A_WALL,
+        Cause.WANDERS,
+    ]
+
+
+def test_buckets_are_grouped_with_how_often_they_were_met():
+    failures = {"one": found_by("Pushes"), "two": found_by("Pushes"), "three": found_by("Still")}
+    causes = causes_of(failures, {"one": 3, "two": 4, "three": 1})
+    assert [(one.cause, one.classes, one.met) for one in causes] == [
+        (Cause.PUSHES_A_WALL, ("one", "two"), 7),
+        (Cause.STANDS_STILL, ("three",), 1),
+    ]
+
+
+def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
+    runs = [natural_runs(Scenario("bug2"), ["trap", "maze"], 6, seed=3) for _ in range(2)]
+    assert runs[0] == runs[1] and runs[0].worlds == 6 and runs[0].is_complete
+    low, high = runs[0].interval
+    assert 0.0 <= low <= runs[0].arrived / 6 <= high <= 1.0
+    assert runs[0].families.keys() == {"trap", "maze"}
+
+
+def test_natural_worlds_end_with_the_time_and_say_so():
+    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda: True)
+    assert runs.worlds == 0 and not runs.is_complete
+
+
+def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
+    runs = natural_runs(Scenario("bug2"), ["fire"], 4, seed=1)
+    assert runs.unsensed + runs.worlds == 4 and runs.unsensed > 0
+    assert Cause.HARMED_UNSENSED not in runs.causes
+
+
+def test_only_families_have_natural_worlds():
+    assert natural_families(["native", "trap", "./mine.toml"]) == ["trap", "./mine.toml"]
+    assert {"trap", "maze", "fire"} <= set(natural_families([]))
+
+
+def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
+    near = found_by("Still", hall(6, 5, start=(0.32, 0.25)))
+    far = found_by("Still")
+    assert near.size < far.size and clearest([near, far], Cause.STANDS_STILL) is far
+
+
+def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
+    narrow = found_by("Still", certified(hall(9, 3, start=(0.75, 0.15))))
+    record = replace(narrow.record, details={**narrow.record.details, "shrunk_from": 9})
+    shrunk = replace(narrow, record=record)
+    assert shrunk.is_shrunk
+    found = found_by("Still")
+    assert not found.is_shrunk and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+
+
+def overview_of(best, found, known=None):
+    """Return the overview of a campaign with failures of a single class.
+
+    Its file has ``best``, if any; the search met ``found``.
+    """
+    config = configure(CampaignOptions(controller=f"{HERE}:Still"), seed=1)
+    find = DiscoveryTotals(0, "drawn", found.bucket, found, 1, 1, 1.0)
+    state = CampaignState(best={} if best is None else {best.bucket: best}, finds=[find])
+    state.memory = SearchState(failures={found.bucket: found})
+    state.met[found.bucket] += 1
+    return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
+
+
+def test_a_clearer_world_than_its_class_has_gets_a_file_named_after_its_cause():
+    wide = found_by("Still", certified(hall(40))).noting(**{"class": "a"})
+    usual = found_by("Still").noting(**{"class": "a"})
+    (cause,) = overview_of(wide, usual).causes
+    assert (cause.file, cause.failure, cause.smallest) == ("stands-still.grid", usual, "a.grid")
+    (same,) = overview_of(usual, usual).causes
+    assert (same.file, same.smallest) == ("a.grid", "a.grid")
+
+
+def test_a_cause_that_shrinking_gave_a_class_is_named_but_not_counted(tmp_path):
+    """A report groups the files by cause, so the summary must know each of these causes."""
+    met = found_by("Still").noting(**{"class": "a"})
+    shrunk = found_by("Pushes").noting(**{"class": "a"})
+    assert cause_of(met) != cause_of(shrunk)
+    overview = overview_of(shrunk, met)
+    assert {one.cause: (one.met, one.file) for one in overview.causes} == {
+        cause_of(met): (1, "stands-still.grid"),
+        cause_of(shrunk): (0, "a.grid"),
+    }
+    lines = overview_lines(overview, Headline("mine", tmp_path, 1))
+    assert "not counted: pushes-a-wall (only in worlds that shrinking made)" in lines
+
+
+def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
+    found = found_by("Still")
+    found.write(tmp_path / "known.grid")
+    known = Baseline.of(read_corpus([tmp_path]).entries, Scenario(f"{HERE}:Still"), print)
+    overview = overview_of(None, found, known)
+    assert overview.causes[0].file.startswith(".campaign/failures/")
+    lines = overview_lines(overview, Headline("mine", tmp_path, 1, is_known=True))
+    assert not any(".campaign" in line for line in lines)
+
+
+def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
+    out = tmp_path / "out"
+    options = ("fuzz", "--controller", "vfh", "--no-shrink", "--units", 1, "--examples", 1,
+               "--workers", 1, "--seed", 2, "--json", "--out")  # fmt: skip
+    result = worldgen(*options, out)
+    answer = json.loads(result.out)
+    (cause,) = (one for one in answer["causes"] if one["natural"] and not one["met"])
+    assert result.code == 1 and str(out / cause["file"]) in {
+        failure["file"] for failure in answer["failures"]
+    }
+    failure = Failure.read(out / cause["file"])
+    assert cause_of(failure) == cause["cause"] and failure.record.details["found_by"] == "natural"
+    assert worldgen("replay", out / cause["file"]).code == 0
+
+    files = {path.name: path.read_bytes() for path in out.glob("*.grid")}
+    assert worldgen("fuzz", "--resume", out).code == 1
+    assert {path.name: path.read_bytes() for path in out.glob("*.grid")} == files
+
+    # If it is already known, it has no file.
+    again = json.loads(worldgen(*options, tmp_path / "again", "--baseline", out).out)
+    assert cause["cause"] in {one["cause"] for one in again["causes"]}
+    named = {one[key] for one in again["causes"] for key in ("file", "smallest")}
+    assert all((tmp_path / "again" / name).is_file() for name in named if name)
+
+
+def test_two_causes_never_share_a_file():
+    one, other = found_by("Still"), found_by("Dithers")
+    causes = [
+        CauseTotals(cause, (), file="loop.grid", smallest="loop.grid", failure=failure)
+        for cause, failure in ((Cause.WANDERS, one), (Cause.CRASHES, other), (Cause.CRASHES, one))
+    ]
+    assert [(named.file, named.smallest) for named in with_own_files(causes)] == [
+        ("loop.grid", "loop.grid"),
+        ("crashes.grid", "crashes.grid"),
+        ("loop.grid", "loop.grid"),
+    ]
+
+
+def test_a_replay_of_stored_units_that_is_interrupted_leaves_the_folder_as_it_is(
+    tmp_path, monkeypatch
+):
+    options = ("--controller", "turn-right", "--units", 2, "--examples", 5, "--workers", 1,
+               "--seed", 1, "--out", tmp_path)  # fmt: skip
+    assert worldgen("fuzz", *options).code == 1
+    shown = [*tmp_path.glob("*.grid"), tmp_path / ".campaign" / "overview.json"]
+    before = {path: path.read_bytes() for path in shown}
+    merge = Campaign._merge
+
+    def interrupted(campaign, unit, submitted):
+        yield from merge(campaign, unit, submitted)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Campaign, "_merge", interrupted)
+    result = worldgen("fuzz", "--resume", tmp_path)
+    assert result.code == 130
+    assert f"{len(shown) - 1} failures are kept" in result.err
+    assert {path: path.read_bytes() for path in shown} == before
+
+
+def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):
+    out = tmp_path / "out"
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 2, "--workers", 1, "--seed", 1, "--out", out)  # fmt: skip
+    assert worldgen(*options).code == 1
+    store = FolderStore(out)
+    store.write_failure("wanders.grid", next(out.glob("*.grid")).read_bytes())
+    store.close()
+    assert worldgen("fuzz", "--resume", out).code == 1
+    assert not (out / "wanders.grid").exists()
+
+
+def test_a_comparison_tells_new_from_fixed_and_still_there():
+    found = compare(
+        "baseline",
+        now={"a": Cause.CRASHES},
+        still={"b": Cause.WANDERS},
+        fixed={"c": Cause.PUSHES_A_WALL, "b": Cause.WANDERS},
+    )
+    assert (found.new, found.still, found.fixed) == (("a",), ("b",), ("c",))
+    assert found.new_causes == (Cause.CRASHES,) and found.still_causes == (Cause.WANDERS,)
+    assert found.fixed_causes == (Cause.PUSHES_A_WALL,)
+    assert "new: 1 cause (crashes)" in found.describe()
+
+
+def test_an_overview_that_is_read_is_the_one_that_was_written(tmp_path):
+    (tmp_path / ".campaign").mkdir()
+    natural = natural_runs(Scenario("bug2"), ["trap"], 2, seed=1)
+    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
+    written = Overview((cause,), natural)
+    write_overview(written, tmp_path)
+    read = read_overview(tmp_path)
+    assert read == written.table() and read.natural.worlds == natural.worlds
+
+
+def test_an_overview_of_an_earlier_version_is_read(tmp_path):
+    (tmp_path / ".campaign").mkdir()
+    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
+    write_overview(Overview((cause,)), tmp_path)
+    file = tmp_path / ".campaign/overview.json"
+    table = json.loads(file.read_text())
+    del table["causes"][0]["fault"], table["causes"][0]["changes"], table["natural"]
+    file.write_text(json.dumps(table))
+    assert read_overview(tmp_path) == Overview((cause,)).table()
+
+
+@pytest.mark.parametrize("file", ["../secret.grid", "a/b.grid", "/etc/passwd", ".campaign/x.grid"])
+def test_an_overview_names_no_file_outside_its_folder(tmp_path, file):
+    (tmp_path / ".campaign").mkdir()
+    write_overview(Overview((CauseTotals(Cause.CRASHES, (), {}, 1, file),)), tmp_path)
+    with raises(FormatError, "invalid-overview"):
+        read_overview(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[]",
+        "{}",
+        '{"version": 1}',
+        '{"version": 2, "causes": []}',
+        '{"version": 1, "causes": [1]}',
+        '{"version": 1, "causes": [], "natural": {"worlds": "many"}}',
+        "{",
+        "[" * 100_000,
+    ],
+)
+def test_an_overview_of_another_form_is_refused(tmp_path, text):
+    (tmp_path / ".campaign").mkdir()
+    (tmp_path / ".campaign/overview.json").write_text(text)
+    with raises(FormatError, "invalid-overview"):
+        read_overview(tmp_path)
+
+
+def test_every_cause_has_a_sentence_and_an_advice():
+    for cause in Cause:
+        assert cause.sentence.endswith(".") and cause.advice.endswith((".", "?"))
+        assert cause.severity in Severity and cause.severity.phrase
+
+
+def test_the_table_of_natural_worlds_names_what_was_never_tried():
+    table = NaturalRuns().table()
+    assert table.share is None and table.clearances["less than 1.1"] == NaturalTally(0, 0)
+
+
+def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--motion", "endpoint", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
+    text = worldgen(*options, tmp_path / "text")
+    lines = text.out.splitlines()
+    assert text.code == 1 and len(lines) <= 15
+    assert lines[0].startswith("turn-right under endpoint: ")
+    assert "natural world" in lines[1] and "(95 %: " in lines[1]
+    assert any("worldgen replay" in line for line in lines)
+
+    answer = json.loads(worldgen(*options, tmp_path / "json", "--json").out)
+    assert answer["causes"][0]["cause"] in lines[2] and answer["failures"]
+    assert {kind for cause in answer["causes"] for kind in cause["classes"]} >= set(answer["met"])
+    assert all((tmp_path / "json" / cause["file"]).is_file() for cause in answer["causes"])
+    assert plain(read_overview(tmp_path / "json").natural) == answer["natural"]
+
+
+def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
+    headline = Headline(
+        "mine under swept", tmp_path, 107, is_failing=False, not_arrived=13, has_units=False
+    )
+    lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
+    assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
+    assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
+
+
+def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
+    headline = Headline("mine under swept", tmp_path, 107, is_failing=False, not_arrived=13)
+    line = click.unstyle(overview_lines(Overview(()), headline)[0])
+    assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
+    none = overview_lines(Overview(()), replace(headline, not_arrived=0))
+    assert "did not arrive" not in none[0]
+
+
+def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_path):
+    cause = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 9})
+    headline = Headline("mine under swept", tmp_path, 107)
+
+    def first_lines(arrived):
+        natural = NaturalRuns(worlds=400, arrived=arrived)
+        lines = overview_lines(Overview((cause,), natural), headline)[:2]
+        return [click.unstyle(line) for line in lines]
+
+    assert "never arrived" in first_lines(0)[0]
+    assert "rarely arrives" in first_lines(50)[0]
+    assert "does not always arrive" in first_lines(200)[0]
+    first, second = first_lines(399)
+    assert "nearly always arrives" in first and "arrives in 99 % of 400" in second
+    assert "arrives in all 400 natural worlds (95 %: at least 99 %)" in first_lines(400)[1]
+
+
+def test_counts_never_contradict_each_other(tmp_path):
+    own = CauseTotals(Cause.PUSHES_A_WALL, ("a", "b"), {"loop": 1}, 0)
+    natural_only = CauseTotals(Cause.WANDERS, ("c",), {}, 2)
+    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {"loop": 0}, 0)
+    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    natural = NaturalRuns(worlds=8, arrived=6)
+    overview = Overview((own, shrunk_only, natural_only, hazard), natural)
+    lines = [
+        click.unstyle(line) for line in overview_lines(overview, Headline("mine", tmp_path, 9))
+    ]
+    assert "2 causes, 3 classes of failures" in lines[0]
+    assert "1. pushes-a-wall: none of 8 natural worlds; examined: 1 loop" in lines
+    assert "2. wanders: 2 of 8 natural worlds; not met by the search" in lines
+    assert (
+        "not counted: stands-still (only in worlds that shrinking made), "
+        "harmed-by-what-it-cannot-sense (24 burned)"
+    ) in lines
+
+
+@pytest.mark.parametrize(
+    ("cause", "words"),
+    [
+        (Cause.CRASHES, "its controller crashes; 1 cause"),
+        (Cause.INVALID_COMMAND, "its controller sends invalid commands; 1 cause"),
+        (Cause.CUTS_A_CORNER, "goes through walls; 1 cause"),
+        (Cause.WANDERS, "sometimes runs out of time; 1 cause"),
+    ],
+)
+def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):
+    overview = Overview((CauseTotals(cause, ("a",), {"loop": 1}),))
+    line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9))[0])
+    assert line.startswith(f"mine: {words}, 1 class of failures")
+
+
+def test_each_class_has_its_page_only_if_asked_for(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
+    brief = worldgen(*options, tmp_path / "brief").out
+    verbose = worldgen(*options, tmp_path / "verbose", "--verbose").out
+    assert "S start" not in brief and "S start" in verbose and "strategy" in verbose
+    assert "bounces-between-walls" in verbose
+
+
+def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip
+    first = json.loads(worldgen(*options).out)
+    second = json.loads(worldgen(*options, "--force").out)
+    assert first["comparison"] is None and second["comparison"]["against"] == "last campaign"
+    kinds = sorted(one["class"] for one in first["failures"] + first["hazards"])
+    assert second["comparison"]["classes"] == {"new": [], "still": kinds, "fixed": []}
+    assert {cause["state"] for cause in second["causes"]} == {"still"}
