@@ -37,6 +37,7 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage import triage
+from fuzz.triage.cause import joined
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import is_hazard
 from sim.scenario import Scenario
@@ -116,7 +117,10 @@ def sort_failures(fault: str, units: int = _UNITS, seed: int = _SEED) -> Sorted:
         _Everything.found.clear()
         if len(showing) >= _MOST:
             break
-    causes = Counter(cause_of(failure).value for failure in showing)
+    found = Counter(map(cause_of, showing))
+    causes: Counter[str] = Counter()
+    for part, whole in joined(found).items():
+        causes[whole.value] += found[part]
     kinds = {failure.bucket for failure in showing}
     return Sorted(fault, len(showing), len(kinds), dict(causes.most_common()))
 

@@ -14,13 +14,13 @@ from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
 from fuzz.failure import Failure
-from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_natural
+from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import NATURAL, natural_families, natural_runs
 from fuzz.overview.overview import Overview
-from fuzz.simplicity import Case
+from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
@@ -122,6 +122,7 @@ def build_overview(
             _after(began, seconds, _NATURAL_TIME),
         )
         causes = with_natural(causes, runs.causes)
+    causes = with_joined(causes)
 
     # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)
@@ -218,7 +219,7 @@ def _with_worlds(
 def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
     """Return the failures of a campaign's search that have a cause."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
-    own = [one for one in {one.id: one for one in found}.values() if cause_of(one) == cause]
+    own = [one for one in {one.id: one for one in found}.values() if cause_of(one) in cause.parts]
     return [_world_file(failure, cause, state.best, known) for failure in own]
 
 
@@ -233,19 +234,20 @@ def _in_natural_world(
 
     Both as it was found and, if that keeps the cause, shrunk. Without a file if it is known.
     """
-    if cause not in examples:
+    cases = [examples[part] for part in cause.parts if part in examples]
+    if not cases:
         return []
-    world, scenario = examples[cause]
+    world, scenario = min(cases, key=simplicity)
     try:
         failure = failure_of(world, scenario, found_by=NATURAL)
     except (WorldgenError, OutOfTime):
         return []
-    if failure is None or cause_of(failure) != cause:
+    if failure is None or cause_of(failure) not in cause.parts:
         return []
     if known.has(failure):
         return [WorldFile(failure, "", exists=False)]
     smaller = shrunk(failure)
-    if smaller is failure or cause_of(smaller) != cause:
+    if smaller is failure or cause_of(smaller) not in cause.parts:
         return [_world_file(failure, cause, best, known)]
     small = _world_file(smaller, cause, best, known)._replace(original=failure)
     return [small, _world_file(failure, cause, best, known)]
@@ -364,4 +366,4 @@ def causes_in(failures: Sequence[Failure]) -> list[CauseTotals]:
     found: dict[str, Failure] = {}
     for failure in failures:
         found.setdefault(failure.bucket, failure)
-    return causes_of(found, {})
+    return with_joined(causes_of(found, {}))

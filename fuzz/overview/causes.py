@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
-from fuzz.triage.cause import Cause
+from fuzz.triage.cause import Cause, joined
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.run_facts import RunFacts
 
@@ -72,6 +72,7 @@ class CauseTotals:
             sentence=self.sentence,
             advice=self.cause.advice,
             severity=self.cause.severity.word,
+            parts=[part.value for part in self.cause.parts if part != self.cause],
             state=self.state,
             met=self.met,
             verdicts=dict(self.verdicts),
@@ -125,3 +126,28 @@ def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) ->
     for cause in natural.keys() - found.keys():
         found[cause] = CauseTotals(cause, ())
     return in_order(replace(one, natural=natural.get(one.cause, 0)) for one in found.values())
+
+
+def with_joined(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
+    """Return causes with those that have one reason joined, see :attr:`Cause.parts`."""
+    own = {one.cause: one for one in causes}
+    groups: dict[Cause, list[CauseTotals]] = {}
+    for part, whole in joined(own).items():
+        groups.setdefault(whole, []).append(own[part])
+    return in_order(_sum(whole, parts) for whole, parts in groups.items())
+
+
+def _sum(cause: Cause, parts: Sequence[CauseTotals]) -> CauseTotals:
+    """Return causes without worlds to look at as one."""
+    if len(parts) == 1:
+        return parts[0]
+    verdicts: Counter[str] = Counter()
+    for part in parts:
+        verdicts.update(part.verdicts)
+    natural = [part.natural for part in parts if part.natural is not None]
+    return CauseTotals(
+        cause,
+        tuple(sorted({name for part in parts for name in part.classes})),
+        dict(verdicts.most_common()),
+        sum(natural) if natural else None,
+    )

@@ -86,7 +86,9 @@ def compare(
 def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> list[CauseTotals]:
     """Return causes, each marked as new or known."""
     new = set(comparison.new_causes)
-    return [replace(one, state="new" if one.cause in new else "still") for one in causes]
+    return [
+        replace(one, state="new" if new.issuperset(one.cause.parts) else "still") for one in causes
+    ]
 
 
 def _sorted(causes: Iterable[Cause]) -> tuple[Cause, ...]:

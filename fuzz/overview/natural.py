@@ -18,7 +18,7 @@ import numpy as np
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import arrives_in
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.hazards import is_harm_unsensed
 from sim.episode import Episode, simulate
@@ -209,8 +209,8 @@ def _run(case: Case) -> tuple[Episode, Cause | None]:
     episode = recorded
     if is_harm_unsensed(world, episode, scenario):
         return episode, Cause.HARMED_UNSENSED
-    arrives = arrives_in(scenario.controller, options)
-    return episode, cause_of_run(world, episode, arrives)
+    others = OtherWorlds(scenario.controller, options)
+    return episode, cause_of_run(world, episode, others)
 
 
 def _quarter_turns(witness: Witness) -> float:

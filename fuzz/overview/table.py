@@ -34,7 +34,8 @@ class CauseRow(msgspec.Struct, frozen=True, kw_only=True):
     classes: list[str]
     file: _File
     smallest: _File
-    fault: str = ""  # earlier versions did not write it
+    parts: list[str] = []  # earlier versions did not write it
+    fault: str = ""  # the same
     repeats: str = ""  # the same
     inside: dict[str, Any] | None = None
     reactions: list[list[Any]] = []

@@ -142,6 +142,6 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
     ]
     causes = with_worlds(
         causes_in([one.failure for one in files]),
-        lambda cause: [one for one in files if cause_of(one.failure) == cause],
+        lambda cause: [one for one in files if cause_of(one.failure) in cause.parts],
     )
     return Answer(controller, motion, [one.table() for one in causes])

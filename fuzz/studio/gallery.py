@@ -21,7 +21,7 @@ from fuzz.studio.messages import Request, SendPart
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.running import check_record, check_registered, from_anywhere
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import arrives_in
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
@@ -176,7 +176,7 @@ class WallAnswers(Opened):
             ),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
-            "cause": cause_of_run(world, judged, arrives_in(who, options)).value,
+            "cause": cause_of_run(world, judged, OtherWorlds(who, options)).value,
             "repeats": "" if failure.oracle else describe_period(world, judged),
             "same": judged.trace_digest == failure.record.trace_digest
             or options.steps < failure.options.steps,

@@ -7,6 +7,7 @@ run. It is never a place in a world.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from enum import IntEnum, StrEnum
 
 from worldgen.world import World
@@ -80,6 +81,7 @@ class Cause(StrEnum):
     MISSES_THE_TARGET = "misses-the-target"
     CIRCLES_A_WALL = "circles-a-wall"
     RETURNS_TO_THE_WALL = "returns-to-the-wall"
+    LEAVES_WALLS_WRONGLY = "leaves-walls-wrongly"
     BOUNCES_BETWEEN_WALLS = "bounces-between-walls"
     TRAPPED_BEHIND_A_WALL = "trapped-behind-a-wall"
     DRIVES_IN_CIRCLES = "drives-in-circles"
@@ -98,6 +100,11 @@ class Cause(StrEnum):
     HARMED_UNSENSED = "harmed-by-what-it-cannot-sense"
     PUSHED_TOO_HARD = "pushed-too-hard"
     UNKNOWN = "unknown"
+
+    @property
+    def parts(self) -> tuple[Cause, ...]:
+        """The causes that it joins; for most causes, only itself."""
+        return _PARTS.get(self, (self,))
 
     @property
     def sentence(self) -> str:
@@ -125,6 +132,10 @@ class Cause(StrEnum):
         """Its severity."""
         return _SEVERITIES.get(self, Severity.NEVER_ARRIVES)
 
+
+# One condition in the controller decides both. Which of the two happens depends on the world, so a
+# controller that shows both has one fault.
+_PARTS = {Cause.LEAVES_WALLS_WRONGLY: (Cause.CIRCLES_A_WALL, Cause.RETURNS_TO_THE_WALL)}
 
 # The subject is the robot, or one of several.
 _SENTENCES = {
@@ -158,6 +169,9 @@ _SENTENCES = {
     Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and never leaves it.",
     Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall for the target too early and comes back to the "
     "same wall.",
+    Cause.LEAVES_WALLS_WRONGLY: (
+        "{It} leaves some walls too early and comes back, and never leaves others."
+    ),
     Cause.BOUNCES_BETWEEN_WALLS: "{It} bounces from wall to wall on a path that repeats.",
     Cause.TRAPPED_BEHIND_A_WALL: (
         "{It} stays where it is nearest to the target, although a wall is in between."
@@ -218,6 +232,9 @@ _ADVICE = {
     Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it never holds here.",
     Cause.RETURNS_TO_THE_WALL: "Check the condition under which it leaves a wall: it must be "
     "closer to the target each time.",
+    Cause.LEAVES_WALLS_WRONGLY: (
+        "Check the condition under which it leaves a wall: one condition explains both."
+    ),
     Cause.BOUNCES_BETWEEN_WALLS: (
         "Add memory, chance or wall following: a robot that turns by the same rule at each wall "
         "repeats itself."
@@ -260,3 +277,16 @@ _SEVERITIES = {
     Cause.HARMED_UNSENSED: Severity.UNSENSED,
     Cause.PUSHED_TOO_HARD: Severity.UNSENSED,
 }
+
+
+def joined(found: Collection[Cause]) -> dict[Cause, Cause]:
+    """Return the cause under which to show each cause that one controller has.
+
+    Args:
+        found: All causes of its failures.
+    """
+    shown = {cause: cause for cause in found}
+    for whole, parts in _PARTS.items():
+        if all(part in shown for part in parts):
+            shown |= dict.fromkeys(parts, whole)
+    return shown

@@ -1,7 +1,9 @@
-"""Causes that only a second run shows: the same scenario, in a world with a single change.
+"""Causes that only a second run shows: the same scenario in another world.
 
 A robot whose gap is too narrow often repeats the same moves as a robot behind a wall. A smaller
-robot distinguishes the two: it arrives in the first case.
+robot distinguishes the two: it arrives in the first case. A robot that comes back to a wall has
+left it too early if it can follow walls, and bounces off it otherwise; a room with one wall
+distinguishes these.
 """
 
 from __future__ import annotations
@@ -9,12 +11,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from fuzz.triage.contacts import walls_at_the_end
-from sim.episode import simulate
+import numpy as np
+
+from fuzz.triage.contacts import nearest_walls, walls_at_the_end
+from sim.episode import Episode, simulate
 from sim.options.run import RunOptions
+from sim.trace import Trace
 from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import narrowest_gap_sq
 from worldgen.errors import WorldgenError
@@ -22,10 +27,7 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
 from worldgen.timeline import Timeline
-from worldgen.world import World
-
-Arrives = Callable[[World], bool]
-"""Runs the scenario in another world, and returns True if the robot arrives there."""
+from worldgen.world import Pose, Target, World
 
 # A place is a gap if two of the robots do not fit through it side by side, and at a wall if one of
 # twice the radius does not fit there.
@@ -39,30 +41,81 @@ _SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
 # robots may arrive by chance.
 _FEWEST = 3
 
+# A room with a wall in the middle, in cells: its length, its thickness, and the free space around
+# it. The robot starts in front of the wall, a little off its middle.
+_LONG = 16
+_THICK = 2
+_AROUND = 6
+_OFF_MIDDLE = 0.3
+_HEADINGS = (0.0, 2.0, -2.0, 3.0)  # rad; the wall is in direction 0
 
-def arrives_in(controller: str, options: RunOptions) -> Arrives:
-    """Return a function that runs a scenario in other worlds.
+# Cells to drive in that room, at top speed; and the steps at most, however short they are.
+_DRIVES = 150
+_MOST_STEPS = 20_000
+
+# Largest radius of the robot in that room, in cells: a larger robot gets larger cells.
+_LARGEST = 0.35
+
+# Radii from the robot's centre within which a wall is beside it, the sine of the angle from the
+# heading from which on it is beside and not ahead, and radii that it may drive without a wall there.
+_BESIDE = 3.0
+_SIDEWAYS = 0.34
+_INTERRUPTED = 1.0
+
+
+@dataclass(frozen=True)
+class OtherWorlds:
+    """Runs a scenario in worlds other than its own.
 
     Args:
         controller: Name of the controller.
         options: Options of the run.
     """
 
-    def arrives(world: World) -> bool:
+    controller: str
+    options: RunOptions
+
+    def arrives(self, world: World) -> bool:
+        """Return True if the robot arrives in a world."""
+        episode = self._run(world, self.options)
+        return episode is not None and episode.verdict in ARRIVALS
+
+    def follows_walls(self, world: World) -> bool:
+        """Return True if the robot goes along a wall in its way until the wall ends.
+
+        It is tried in a room with one wall between start and target, from several start headings: a
+        robot that bounces may stay near a wall by chance.
+
+        Args:
+            world: A world of the scenario; its robot and its cells decide the size of the room.
+        """
+        return all(self._follows(_room_with_a_wall(world, heading)) for heading in _HEADINGS)
+
+    def _follows(self, room: World) -> bool:
+        steps = math.ceil(_DRIVES * room.cell_size / (room.robot_speed * self.options.time_step))
+        options = replace(self.options, steps=min(steps, _MOST_STEPS))
+        episode = self._run(room, options, record=True)
+        if episode is None or episode.trace is None:
+            return False
+        return _longest_beside_a_wall(room, episode.trace) >= _LONG / 2 * room.cell_size
+
+    def _run(self, world: World, options: RunOptions, *, record: bool = False) -> Episode | None:
         try:
-            return simulate(world, controller, options).verdict in ARRIVALS
+            return simulate(world, self.controller, options, record=record)
         except WorldgenError:
             # The changed robot does not fit at the start, or its wheels would not fit the robot.
-            return False
-
-    return arrives
+            return None
 
 
-def fails_by_timing(world: World, arrives: Arrives) -> bool:
+def fails_by_timing(world: World, arrives: Callable[[World], bool]) -> bool:
     """Return True if the robot arrives once all changes have happened before it starts.
 
-    Then neither the final walls nor the initial ones stop it. It fails
-    because a cell changes while it drives.
+    Then neither the final walls nor the initial ones stop it. It fails because a cell changes while
+    it drives.
+
+    Args:
+        world: The world.
+        arrives: Returns True if the same robot arrives in another world.
     """
     if not world.timeline:
         return False
@@ -77,7 +130,9 @@ def fails_by_timing(world: World, arrives: Arrives) -> bool:
     )
 
 
-def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives) -> bool:
+def needs_a_wider_gap(
+    world: World, place: tuple[float, float], arrives: Callable[[World], bool]
+) -> bool:
     """Return True if the robot avoids narrow places although it fits through them.
 
     That is the case if every path from the place that it reaches is narrow,
@@ -86,7 +141,7 @@ def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives
     Args:
         world: The world.
         place: x and y, cells.
-        arrives: Runs the same scenario in changed worlds.
+        arrives: Returns True if the same robot arrives in another world.
     """
     if not _has_little_room(world, place):
         return False
@@ -114,3 +169,37 @@ def _has_little_room(world: World, place: tuple[float, float]) -> bool:
     )
     to_wall = math.sqrt(Walls(solid, Fraction(1)).nearest(centre)[1]) + target.radius
     return gap is not None or to_wall < wide * UNIT
+
+
+def _room_with_a_wall(like: World, heading: float) -> World:
+    """Return a room in which a wall is between start and target, for the robot of a world."""
+    side = max(like.cell_size, like.robot_radius / _LARGEST)
+    walls = np.zeros((_LONG + 2 * _AROUND, _THICK + 4 * _AROUND), np.bool_)
+    walls[_AROUND:-_AROUND, 2 * _AROUND : -2 * _AROUND] = True
+    height, width = walls.shape
+    middle = height / 2 * side
+    return World(
+        walls,
+        Pose(_AROUND * side, middle + _OFF_MIDDLE * side, heading),
+        Target((width - _AROUND) * side, middle, like.robot_radius),
+        cell_size=side,
+        robot_radius=like.robot_radius,
+        robot_speed=like.robot_speed,
+    )
+
+
+def _longest_beside_a_wall(world: World, trace: Trace) -> float:
+    """Return the longest path on which a wall stays on the same side of the robot, m."""
+    steps = np.arange(1, trace.steps + 1)
+    stride = np.hypot(np.diff(trace.x), np.diff(trace.y))
+    gap, direction = nearest_walls(world, trace, steps, _BESIDE * world.robot_radius)
+    # Positive with a wall on the left, 0 without one.
+    sideways = np.where(np.isfinite(gap), np.sin(direction - trace.heading[1:]), 0.0)
+    longest = 0.0
+    for beside in (sideways > _SIDEWAYS, sideways < -_SIDEWAYS):
+        path = apart = 0.0
+        for length, is_beside in zip(stride.tolist(), beside.tolist(), strict=True):
+            apart = 0.0 if is_beside else apart + length
+            path = path + length if apart < _INTERRUPTED * world.robot_radius else 0.0
+            longest = max(longest, path)
+    return longest

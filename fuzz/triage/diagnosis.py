@@ -15,7 +15,7 @@ import numpy as np
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import Arrives, arrives_in, fails_by_timing, needs_a_wider_gap
+from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing, needs_a_wider_gap
 from fuzz.triage.hazards import Hazard, hazard_in
 from fuzz.triage.signature import Standoff, is_entered, standoff
 from sim.episode import Episode
@@ -58,10 +58,8 @@ _ALONG = 1.0
 _CLOSE = 1.0
 _NEARBY = 3.0
 
-# Shares of steps that touch a wall. Below the first, walls are not what holds the robot back; above
-# the second, it follows them. Bounces off walls touch in a tenth to a quarter of all steps.
+# Share of steps that touch a wall below which walls are not what holds the robot back.
 _RARELY = 0.02
-_OFTEN = 0.3
 
 # Share of steps above which a wall holds the robot: neither the target nor its own turns do.
 _MOSTLY = 0.5
@@ -103,26 +101,26 @@ def cause_of(failure: Failure) -> Cause:
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
         return known
     try:
-        arrives = arrives_in(failure.record.controller, failure.options)
-        return cause_of_run(failure.world, failure.run(), arrives)
+        others = OtherWorlds(failure.record.controller, failure.options)
+        return cause_of_run(failure.world, failure.run(), others)
     except (WorldgenError, OutOfTime):
         return Cause.UNKNOWN
 
 
-def cause_of_run(world: World, episode: Episode, arrives: Arrives | None = None) -> Cause:
+def cause_of_run(world: World, episode: Episode, others: OtherWorlds | None = None) -> Cause:
     """Return the cause of a recorded run that did not arrive.
 
     Args:
         world: World of the run.
         episode: The run, recorded.
-        arrives: Runs the same scenario in changed worlds. If omitted, the causes that need such a
-            run are not considered.
+        others: Runs the same scenario in other worlds. If omitted, the causes that need such a run
+            are not considered.
     """
     evidence = episode.evidence
     if (known := _BY_VERDICT.get(episode.verdict)) is not None:
         return known
     if isinstance(episode, FleetEpisode):
-        return _of_fleet(world, episode, arrives)
+        return _of_fleet(world, episode, others)
     if episode.trace is None:
         return Cause.UNKNOWN
     if isinstance(evidence, BurnedEvidence):
@@ -134,17 +132,17 @@ def cause_of_run(world: World, episode: Episode, arrives: Arrives | None = None)
     is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
     if behaviour is None or not is_stuck:
         return Cause.UNKNOWN
-    return _of_changed_worlds(world, behaviour, arrives) or _of_behaviour(behaviour)
+    return _of_other_worlds(world, behaviour, others) or _of_behaviour(world, behaviour, others)
 
 
-def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> Cause:
+def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -> Cause:
     """Return the cause that keeps several robots from arriving, or the fault of one of them."""
     evidence = episode.evidence
     if isinstance(evidence, JointLoopEvidence):
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
         # No robot drives into another one, but robots may wait for each other at a distance.
-        held = _held_by_others(world, episode, evidence.waiting, evidence.entry, arrives)
+        held = _held_by_others(world, episode, evidence.waiting, evidence.entry, others)
         if held is not None:
             return held
         # The robots do not affect each other, so the first one's own reason decides.
@@ -156,7 +154,7 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
         period = dict(evidence.periods or ()).get(number, evidence.period)
         loop = LoopEvidence(entry=evidence.entry, period=period, state_digest=evidence.state_digest)
         own = replace(episode.robots[number - 1], verdict=Verdict.LOOP, evidence=loop)
-        return cause_of_run(world.alone(number), own)
+        return cause_of_run(world.alone(number), own, others)
     late = [
         number
         for number, one in enumerate(episode.robots, start=1)
@@ -164,15 +162,19 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
     ]
     # Without a proof, it is unknown which robot drives into which.
     if isinstance(evidence, BudgetEvidence):
-        held = _held_by_others(world, episode, late, episode.steps // 2, arrives)
+        held = _held_by_others(world, episode, late, episode.steps // 2, others)
         if held is not None:
             return held
     number = getattr(evidence, "robot", None) or late[0]
-    return cause_of_run(world.alone(number), episode.robots[number - 1])
+    return cause_of_run(world.alone(number), episode.robots[number - 1], others)
 
 
 def _held_by_others(
-    world: World, episode: FleetEpisode, waiting: Sequence[int], since: int, arrives: Arrives | None
+    world: World,
+    episode: FleetEpisode,
+    waiting: Sequence[int],
+    since: int,
+    others: OtherWorlds | None,
 ) -> Cause | None:
     """Return the cause if each robot that waits is near another one and would arrive alone.
 
@@ -183,7 +185,7 @@ def _held_by_others(
         episode: The run, recorded.
         waiting: Numbers of the robots that never arrive; the others have parked.
         since: Step from which they wait.
-        arrives: Runs the same scenario in changed worlds.
+        others: Runs the same scenario in other worlds.
     """
     traces = [one.trace for one in episode.robots]
     parked = {k for k in range(len(traces)) if k + 1 not in waiting}
@@ -204,7 +206,7 @@ def _held_by_others(
         if not near:
             return None
         only_parked &= near <= parked
-    if arrives is None or not all(arrives(world.alone(number)) for number in waiting):
+    if others is None or not all(others.arrives(world.alone(number)) for number in waiting):
         return None
     return Cause.BLOCKED_BY_PARKED if only_parked else Cause.WAITS_FOR_OTHERS
 
@@ -221,15 +223,15 @@ def _of_wall(evidence: WallEvidence) -> Cause:
             return Cause.SLIDES_INTO_A_WALL
 
 
-def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None) -> Cause | None:
-    """Return the cause, if it is one of those that only further runs show."""
-    if arrives is None:
+def _of_other_worlds(world: World, seen: RepeatedPart, others: OtherWorlds | None) -> Cause | None:
+    """Return the cause, if it is one of those that only runs in changed worlds show."""
+    if others is None:
         return None
     try:
-        if fails_by_timing(world, arrives):
+        if fails_by_timing(world, others.arrives):
             return Cause.CONFUSED_BY_CHANGES
         # The walls that a robot touches reveal more about it than gaps that it keeps away from.
-        if seen.touching < _RARELY and needs_a_wider_gap(world, seen.closest, arrives):
+        if seen.touching < _RARELY and needs_a_wider_gap(world, seen.closest, others.arrives):
             return Cause.NEEDS_A_WIDER_GAP
     except OutOfTime:
         # Without time for these runs, the robot's behaviour is the best evidence.
@@ -237,7 +239,7 @@ def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None
     return None
 
 
-def _of_behaviour(seen: RepeatedPart) -> Cause:
+def _of_behaviour(world: World, seen: RepeatedPart, others: OtherWorlds | None) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
     turns_around = seen.about_faces > 0.0
 
@@ -264,7 +266,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL
     if seen.touching >= _RARELY:
-        follows = seen.touching >= _OFTEN
+        follows = _follows_walls(world, others)
         return Cause.RETURNS_TO_THE_WALL if follows else Cause.BOUNCES_BETWEEN_WALLS
 
     # Away from walls. A robot that stays near the place where it is nearest is held there.
@@ -273,3 +275,10 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if seen.about_faces >= _OFTEN_AROUND:
         return Cause.TURNS_BACK_AND_FORTH
     return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES
+
+
+def _follows_walls(world: World, others: OtherWorlds | None) -> bool:
+    try:
+        return others is not None and others.follows_walls(world)
+    except OutOfTime:
+        return False

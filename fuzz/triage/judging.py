@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import arrives_in
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.crash_bucket import FACTS, NAMED
 from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
 from fuzz.triage.hazards import hazard_details, hazard_in
@@ -145,7 +145,7 @@ def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str,
     return cause_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
-        arrives_in(trial.controller, trial.options),
+        OtherWorlds(trial.controller, trial.options),
     )
 
 

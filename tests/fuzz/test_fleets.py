@@ -21,6 +21,7 @@ from fuzz.shrink import KEEP, removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
@@ -31,6 +32,7 @@ from sim.describe import describe_evidence
 from sim.evidence import JointLoopEvidence
 from sim.fleet import fleet_traces
 from sim.motion import MOTIONS
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import JOINT_LOOPS, Verdict
 from tests.helpers.command_line import worldgen
@@ -204,6 +206,16 @@ def test_a_standoff_is_named_after_who_drives_into_whom(
     assert standoff(evidence) == expected
 
 
+def arrives(answer: bool) -> OtherWorlds:
+    """Return runs in other worlds in which the robot always arrives, or never."""
+
+    class Same(OtherWorlds):
+        def arrives(self, world: World) -> bool:
+            return answer
+
+    return Same("naive", RunOptions())
+
+
 class CountingStraight(Straight):
     """The same with a counter, so no loop can be proved."""
 
@@ -218,9 +230,9 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
     world = alley()
     episode = simulate(world, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
-    assert cause_of_run(world, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
+    assert cause_of_run(world, episode, arrives(True)) == Cause.WAITS_FOR_OTHERS
     # If one of them fails even alone, or if they are far apart, its own cause counts.
-    assert cause_of_run(world, episode, lambda _: False) == Cause.PUSHES_A_WALL
+    assert cause_of_run(world, episode, arrives(False)) == Cause.PUSHES_A_WALL
 
     walls = np.zeros((20, 30), bool)
     walls[:, 14:16] = True
@@ -228,7 +240,7 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
     apart = World(walls, *ends[0], others=(Robot(*ends[1]),))
     episode = simulate(apart, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
-    assert cause_of_run(apart, episode, lambda _: True) == Cause.PUSHES_A_WALL
+    assert cause_of_run(apart, episode, arrives(True)) == Cause.PUSHES_A_WALL
 
 
 def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
@@ -238,8 +250,8 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     polite = World(room, Pose(0.15, 0.25), Target(0.25, 0.15, 0.05), others=(other,))
     episode = simulate(polite, "pibt", record=True)
     assert episode.verdict == Verdict.DEADLOCK and episode.evidence.blocked == ()
-    assert cause_of_run(polite, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
-    assert cause_of_run(polite, episode, lambda _: False) == Cause.STANDS_STILL
+    assert cause_of_run(polite, episode, arrives(True)) == Cause.WAITS_FOR_OTHERS
+    assert cause_of_run(polite, episode, arrives(False)) == Cause.STANDS_STILL
 
     # A robot that has parked in a passage stops the other one without touching it.
     passage = np.ones((4, 15), bool)
@@ -248,7 +260,7 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     closed = World(passage, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=(parked,))
     episode = simulate(closed, "pibt", record=True)
     assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
-    cause = cause_of_run(closed, episode, lambda _: True)
+    cause = cause_of_run(closed, episode, arrives(True))
     assert cause == Cause.BLOCKED_BY_PARKED
     # Of several robots, a sentence does not say "it".
     sentences = [one.sentence_in(closed) for one in Cause]

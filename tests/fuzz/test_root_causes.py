@@ -10,7 +10,7 @@ import pytest
 from fuzz.failure import Failure
 from fuzz.overview import Cause
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.triage.changed_worlds import arrives_in
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run
 from fuzz.triage.proofs import certified
 from sim import simulate
@@ -45,7 +45,7 @@ def test_a_gap_that_the_robot_has_passed_does_not_hold_it_back():
     failure = found_by("StopsBehind", gap())
     assert failure.record.details[CAUSE] == Cause.STANDS_STILL.value
     smaller = replace(failure.world, robot_radius=0.05, certificate=None)
-    assert arrives_in(failure.record.controller, failure.options)(smaller)
+    assert OtherWorlds(failure.record.controller, failure.options).arrives(smaller)
 
 
 def test_no_wall_is_between_a_robot_and_a_target_whose_edge_it_can_reach():
@@ -69,7 +69,7 @@ def test_a_wall_that_is_gone_confuses_a_robot_that_remembers_it():
     failure = found_by("Remembers", gap(opens_at=30.0))
     assert failure.record.details[CAUSE] == Cause.CONFUSED_BY_CHANGES.value
     assert cause_of(failure) == Cause.CONFUSED_BY_CHANGES
-    arrives = arrives_in(failure.record.controller, failure.options)
+    arrives = OtherWorlds(failure.record.controller, failure.options).arrives
     assert arrives(gap()) and not arrives(failure.world)
 
 
