@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -123,6 +124,8 @@ def build_overview(
         )
         causes = with_natural(causes, runs.causes)
     causes = with_joined(causes)
+    if runs is not None:
+        runs.causes = Counter({one.cause: one.natural for one in causes if one.natural})
 
     # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)

@@ -24,9 +24,10 @@ _MOST_IN_SHORT = 2
 # Failures that can depend on a wall or a number; controller errors and the user's rules do not.
 _EXPLAINED = (Severity.THROUGH_WALLS, Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
 
-# A robot arrives rarely if its rate of arrival is certainly below the first, and nearly always if
-# it is certainly above the second.
-_RARE = 0.5
+# A robot arrives rarely if its rate of arrival is certainly below the first, usually does not if it
+# is certainly below the second, and nearly always does if it is certainly above the third.
+_RARE = 0.2
+_LESS_THAN_HALF = 0.5
 _NEARLY_ALWAYS = 0.95
 
 _COLOURS = {
@@ -239,6 +240,8 @@ def how_often_it_arrives(natural: NaturalRow | None) -> str:
             return "never arrived"
         if natural.high < _RARE:
             return "rarely arrives"
+        if natural.high < _LESS_THAN_HALF:
+            return "usually does not arrive"
         if natural.low > _NEARLY_ALWAYS:
             return "nearly always arrives"
     return "does not always arrive"

@@ -8,6 +8,7 @@ distinguishes these.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Callable
@@ -17,13 +18,16 @@ from fractions import Fraction
 import numpy as np
 
 from fuzz.triage.contacts import nearest_walls, walls_at_the_end
-from sim.episode import Episode, simulate
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.programs.process import is_process_name
+from sim.episode import simulate
 from sim.options.run import RunOptions
 from sim.trace import Trace
 from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import narrowest_gap_sq
 from worldgen.errors import WorldgenError
 from worldgen.lattice import UNIT
+from worldgen.plugins.user_modules import sources_read
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
 from worldgen.timeline import Timeline
@@ -50,7 +54,7 @@ _OFF_MIDDLE = 0.3
 _HEADINGS = (0.0, 2.0, -2.0, 3.0)  # rad; the wall is in direction 0
 
 # Cells to drive in that room, at top speed; and the steps at most, however short they are.
-_DRIVES = 150
+_DRIVES = 100
 _MOST_STEPS = 20_000
 
 # Largest radius of the robot in that room, in cells: a larger robot gets larger cells.
@@ -77,8 +81,11 @@ class OtherWorlds:
 
     def arrives(self, world: World) -> bool:
         """Return True if the robot arrives in a world."""
-        episode = self._run(world, self.options)
-        return episode is not None and episode.verdict in ARRIVALS
+        try:
+            return simulate(world, self.controller, self.options).verdict in ARRIVALS
+        except WorldgenError:
+            # The changed robot does not fit at the start, or its wheels would not fit the robot.
+            return False
 
     def follows_walls(self, world: World) -> bool:
         """Return True if the robot goes along a wall in its way until the wall ends.
@@ -89,22 +96,72 @@ class OtherWorlds:
         Args:
             world: A world of the scenario; its robot and its cells decide the size of the room.
         """
-        return all(self._follows(_room_with_a_wall(world, heading)) for heading in _HEADINGS)
+        # The answer is about the controller, so the budget and the seed of a run don't matter.
+        side = max(world.cell_size, world.robot_radius / _LARGEST)
+        steps = math.ceil(_DRIVES * side / (world.robot_speed * self.options.time_step))
+        run = _RunInRoom(
+            self.controller,
+            replace(self.options, steps=min(steps, _MOST_STEPS), seed=0),
+            side,
+            world.robot_radius,
+            world.robot_speed,
+        )
+        # Nothing tells when a program is edited, so it is tried each time.
+        if is_process_name(self.controller):
+            return run.follows_wall()
+        file = CONTROLLERS.source(self.controller)
+        edited = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
+        return _known_to_follow(run, (edited, *sources_read().items()))
 
-    def _follows(self, room: World) -> bool:
-        steps = math.ceil(_DRIVES * room.cell_size / (room.robot_speed * self.options.time_step))
-        options = replace(self.options, steps=min(steps, _MOST_STEPS))
-        episode = self._run(room, options, record=True)
-        if episode is None or episode.trace is None:
-            return False
-        return _longest_beside_a_wall(room, episode.trace) >= _LONG / 2 * room.cell_size
 
-    def _run(self, world: World, options: RunOptions, *, record: bool = False) -> Episode | None:
-        try:
-            return simulate(world, self.controller, options, record=record)
-        except WorldgenError:
-            # The changed robot does not fit at the start, or its wheels would not fit the robot.
-            return None
+@dataclass(frozen=True)
+class _RunInRoom:
+    """A scenario in a room with one wall between start and target.
+
+    Args:
+        controller: Name of the controller.
+        options: Options of the run.
+        side: Side of a cell, m.
+        radius: Radius of the robot, m.
+        speed: Top speed of the robot, m/s.
+    """
+
+    controller: str
+    options: RunOptions
+    side: float
+    radius: float
+    speed: float
+
+    def follows_wall(self) -> bool:
+        for heading in _HEADINGS:
+            room = self._room(heading)
+            try:
+                trace = simulate(room, self.controller, self.options, record=True).trace
+            except WorldgenError:
+                return False
+            if trace is None or _longest_beside_a_wall(room, trace) < _LONG / 2 * self.side:
+                return False
+        return True
+
+    def _room(self, heading: float) -> World:
+        walls = np.zeros((_LONG + 2 * _AROUND, _THICK + 4 * _AROUND), np.bool_)
+        walls[_AROUND:-_AROUND, 2 * _AROUND : -2 * _AROUND] = True
+        height, width = walls.shape
+        middle = height / 2 * self.side
+        return World(
+            walls,
+            Pose(_AROUND * self.side, middle + _OFF_MIDDLE * self.side, heading),
+            Target((width - _AROUND) * self.side, middle, self.radius),
+            cell_size=self.side,
+            robot_radius=self.radius,
+            robot_speed=self.speed,
+        )
+
+
+@functools.lru_cache(maxsize=64)
+def _known_to_follow(run: _RunInRoom, code: tuple[object, ...]) -> bool:
+    """Return whether a robot follows walls; asked again once the user's code has changed."""
+    return run.follows_wall()
 
 
 def fails_by_timing(world: World, arrives: Callable[[World], bool]) -> bool:
@@ -169,23 +226,6 @@ def _has_little_room(world: World, place: tuple[float, float]) -> bool:
     )
     to_wall = math.sqrt(Walls(solid, Fraction(1)).nearest(centre)[1]) + target.radius
     return gap is not None or to_wall < wide * UNIT
-
-
-def _room_with_a_wall(like: World, heading: float) -> World:
-    """Return a room in which a wall is between start and target, for the robot of a world."""
-    side = max(like.cell_size, like.robot_radius / _LARGEST)
-    walls = np.zeros((_LONG + 2 * _AROUND, _THICK + 4 * _AROUND), np.bool_)
-    walls[_AROUND:-_AROUND, 2 * _AROUND : -2 * _AROUND] = True
-    height, width = walls.shape
-    middle = height / 2 * side
-    return World(
-        walls,
-        Pose(_AROUND * side, middle + _OFF_MIDDLE * side, heading),
-        Target((width - _AROUND) * side, middle, like.robot_radius),
-        cell_size=side,
-        robot_radius=like.robot_radius,
-        robot_speed=like.robot_speed,
-    )
 
 
 def _longest_beside_a_wall(world: World, trace: Trace) -> float:

@@ -16,9 +16,9 @@ from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
 from fuzz.overview.building import Conclusion, build_overview, with_own_files
-from fuzz.overview.causes import in_order, with_natural
+from fuzz.overview.causes import in_order, with_joined, with_natural
 from fuzz.overview.clearest import clearest
-from fuzz.overview.comparison import compare
+from fuzz.overview.comparison import compare, with_states
 from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview, write_overview
 from fuzz.overview.table import NaturalTally
@@ -55,6 +55,31 @@ def test_buckets_are_grouped_with_how_often_they_were_met():
         (Cause.PUSHES_A_WALL, ("one", "two"), 7),
         (Cause.STANDS_STILL, ("three",), 1),
     ]
+
+
+def test_two_causes_that_one_condition_explains_are_one():
+    circles = CauseTotals(Cause.CIRCLES_A_WALL, ("c", "a"), {"loop": 2}, natural=3)
+    returns = CauseTotals(Cause.RETURNS_TO_THE_WALL, ("b",), {"loop": 1, "stalled": 5}, natural=4)
+    pushes = CauseTotals(Cause.PUSHES_A_WALL, ("d",), {"loop": 8}, natural=5)
+    # Each alone keeps its name, which says more.
+    assert with_joined([circles, pushes]) == [pushes, circles]
+    assert with_joined([returns]) == [returns]
+    first, second = with_joined([circles, pushes, returns])
+    assert second == pushes
+    assert first == CauseTotals(
+        Cause.LEAVES_WALLS_WRONGLY, ("a", "b", "c"), {"stalled": 5, "loop": 3}, natural=7
+    )
+    assert first.table().parts == ["circles-a-wall", "returns-to-the-wall"]
+    assert pushes.table().parts == []
+
+
+def test_a_joined_cause_is_new_only_if_all_of_it_is():
+    first = CauseTotals(Cause.LEAVES_WALLS_WRONGLY, ("a", "b"), {"loop": 2})
+    now = {"a": Cause.CIRCLES_A_WALL, "b": Cause.RETURNS_TO_THE_WALL}
+    new = compare("baseline", now, {}, {})
+    known = compare("baseline", now, {"b": Cause.RETURNS_TO_THE_WALL}, {})
+    assert with_states([first], new)[0].state == "new"
+    assert with_states([first], known)[0].state == "still"
 
 
 def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
@@ -320,7 +345,7 @@ def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path
     assert "did not arrive" not in none[0]
 
 
-def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_path):
+def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
     cause = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 9})
     headline = Headline("mine under swept", tmp_path, 107)
 
@@ -331,6 +356,7 @@ def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_pat
 
     assert "never arrived" in first_lines(0)[0]
     assert "rarely arrives" in first_lines(50)[0]
+    assert "usually does not arrive" in first_lines(100)[0]
     assert "does not always arrive" in first_lines(200)[0]
     first, second = first_lines(399)
     assert "nearly always arrives" in first and "arrives in 99 % of 400" in second

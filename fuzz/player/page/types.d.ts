@@ -333,6 +333,8 @@ interface NaturalWorlds {
 
 interface ReportCause {
   cause: string;
+  /** The causes that it joins; empty if it is a single one. */
+  parts: string[];
   sentence: string;
   advice: string;
   severity: string;

@@ -99,7 +99,8 @@ function route() {
 function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
-  const causes = new Map(data.answers.flatMap((answer) => answer.causes.flatMap((cause) => [cause.cause, ...cause.parts].map((name) => [name, COLOURS[cause.severity]]))));
+  const named = data.answers.flatMap((answer) => answer.causes.flatMap((cause) => [cause.cause, ...cause.parts].map((name) => ({ name, cause }))));
+  const causes = new Map(named.map(({ name, cause }) => [name, COLOURS[cause.severity]]));
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures, causes);
   else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
