@@ -26,7 +26,6 @@ from fuzz.campaign.summary import (
     summary_of,
 )
 from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
-from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.overview import Cause, Overview
@@ -62,12 +61,12 @@ class CampaignSession:
         executor: Where the units run.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
-        baseline: Failures whose classes are known, which are only counted; none if omitted.
+        conclusion: What to conclude from, without a time limit. Classes that it knows are only
+            counted.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
         began: When the command began.
         lasts: True if the folder still exists after the command, so that a message can name it.
-        last: Failures of the last campaign in the same folder, which this one replaces.
     """
 
     def __init__(
@@ -77,14 +76,12 @@ class CampaignSession:
         *,
         quiet: bool = False,
         outputs: Outputs = NO_OUTPUTS,
-        baseline: Baseline | None = None,
+        conclusion: Conclusion | None = None,
         count_hazards: bool = False,
         began: Beginning | None = None,
         lasts: bool = True,
-        last: Baseline | None = None,
     ) -> None:
-        self._baseline = baseline or Baseline()
-        self._last = last or Baseline()
+        self._conclusion = conclusion or Conclusion()
         self._count_hazards = count_hazards
         self._config = campaign_run.config
         self._store = campaign_run.store
@@ -99,7 +96,7 @@ class CampaignSession:
             seconds=None if budget.seconds is None else budget.seconds * (1.0 - _TO_CONCLUDE),
             executor=executor,
             store=campaign_run.store,
-            is_known=self._baseline.has,
+            is_known=self._conclusion.known.has,
             began=began,
         )
         self._limit = (
@@ -291,7 +288,7 @@ class CampaignSession:
         self._store.remove_failures_but(shown_now)
 
     def _build(self, seconds: float | None, *, natural: bool) -> Overview:
-        conclusion = Conclusion(self._baseline, self._last, seconds)
+        conclusion = replace(self._conclusion, seconds=seconds)
         return build_overview(self._config, self._campaign.state, conclusion, natural=natural)
 
     def _keep_status(self, status: Status) -> None:
@@ -522,7 +519,9 @@ class CampaignSession:
             )
             for bucket, one in best
         ]
-        stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
+        stored = sorted(
+            self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])
+        )
         met = [
             CiFinding.of(one, path, FindingState.KNOWN)
             for key, (path, one) in stored

@@ -25,6 +25,13 @@ def output_options(command: F) -> F:
     return command
 
 
+code_option: Callable[[F], F] = click.option(
+    "--no-code",
+    is_flag=True,
+    help="Leave out the lines of a Python controller that run when it fails, and its state.",
+)
+
+
 class Duration(click.ParamType[float]):
     """A time like 30s, 5m, 1.5h, or plain seconds."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from fuzz.commands._options import code_option
 from worldgen.cli.output import (
     PATH,
     check_out,
@@ -18,10 +18,6 @@ from worldgen.cli.output import (
 )
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
-
-if TYPE_CHECKING:
-    from fuzz.failure import Failure
-    from fuzz.overview.counterfactual import Counterfactuals
 
 EXAMPLES = (
     "\b\n  worldgen explain failures/loop-wall.grid --picture why.png"
@@ -39,12 +35,14 @@ _PICTURES = (".png", ".svg")
     metavar="OUT",
     help="Draw a single failure, with the cells that its explanation names: .png or .svg.",
 )
+@code_option
 @json_option
 @force_option
 def explain(
     paths: tuple[Path, ...],
     controller: str | None,
     picture: Path | None,
+    no_code: bool,
     as_json: bool,
     force: bool,
 ) -> None:
@@ -55,68 +53,64 @@ def explain(
     provably reachable. Failures that depend on randomness, or that an oracle reported, cannot be
     explained this way. Exit code 2 if a file holds no failure that can be explained.
     """
+    from fuzz.campaign.store import MEMORY, controller_change
     from fuzz.failure import Failure
-    from fuzz.overview.counterfactual import counterfactuals
-    from fuzz.triage.run_facts import RunFacts, run_facts
+    from fuzz.overview.explanation import explain_failure
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
-    from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 
+    # Refuse a picture of several failures before the work.
     check_out("--picture", picture, *_PICTURES, force=force)
+    worlds = read_worlds(paths)
+    if picture is not None:
+        found = list(worlds)
+        if sum(world.failure is not None for _, world in found) > 1:
+            raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
+        worlds = iter(found)
     # Explain one failure after another; skip files that have none.
-    explained: list[dict[str, object]] = []
-    unexplained = 0
-    for path, world in read_worlds(paths):
+    rows: list[dict[str, object]] = []
+    explained = 0
+    is_complete = True
+    said: set[str] = set()
+    for path, world in worlds:
         failure = Failure.found_in(world)
         if failure is None:
             note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
-            unexplained += 1
+            is_complete = False
             continue
-        if picture is not None and explained:
-            raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
-        failure = failure.driven_by(controller)
         began = Effort.so_far()
-        found = problem = None
-        facts = RunFacts()
-        try:
-            with working(f"explaining {path}"):
-                facts = run_facts(failure, failure.run())
-                found = counterfactuals(failure)
-        except WorldgenError as error:
-            problem = error
+        with working(f"explaining {path}"):
+            explanation = explain_failure(failure.driven_by(controller), with_code=not no_code)
+        # A failure is in its campaign's folder, or in the store there.
+        folders = [one for one in path.parents[:3] if (one / MEMORY).is_dir()]
+        change = controller_change(folders[0]) if folders and controller is None else ""
+        rows.append(
+            {"file": str(path), "verdict": explanation.failure.verdict}
+            | explanation.table()
+            | ({"changed": change} if change else {})
+        )
         # The run shows something even if no change explains it, as for a controller that crashes.
-        if not as_json and (found or facts.text()):
-            click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
-            for line in (*([shown(found.describe())] if found else []), *facts.text()):
+        if not as_json and (lines := explanation.text()):
+            click.echo(f"{shown(path)}: {lines[0]}")
+            for line in lines[1:]:
                 click.echo(f"  {line}")
-        if found is None:
-            note(f"{shown(path)}: {problem}")
-            unexplained += 1
+        if change and change not in said:
+            note(f"note: {change}")
+            said.add(change)
+        if explanation.why is None:
+            note(f"{shown(path)}: {explanation.problem}")
+            is_complete = False
             continue
+        explained += 1
         if picture is not None:
             with working(f"drawing {picture}"):
-                data = _picture(failure, found, picture.suffix)
+                data = explanation.picture(picture.suffix)
             write_out(picture, data, force=force)
-        about = {"file": str(path), "verdict": failure.verdict}
-        explained.append({**about, **found.table(), **facts.table()})
-        for sentence in survivors_found([failure.record.controller], began):
+        for sentence in survivors_found([explanation.failure.record.controller], began):
             note(f"note: {sentence}")
     # Print the object, and fail if a file could not be explained.
     if as_json:
-        emit_json({"explained": len(explained), "failures": explained})
-    if unexplained:
+        emit_json({"explained": explained, "failures": rows})
+    if not is_complete:
         raise SystemExit(2)
-
-
-def _picture(failure: Failure, found: Counterfactuals, suffix: str) -> bytes:
-    from fuzz.describe import run_to_draw
-    from sim.drawing.picture import trails_of
-    from worldgen import render
-    from worldgen.render.overlay import naming
-
-    trail = naming(trails_of(run_to_draw(failure)[0], failure.world), found.cells)
-    title = f"{failure.verdict}: {found.describe()}"
-    if suffix == ".svg":
-        return render.draw_svg(failure.stored, trail=trail, title=title).encode()
-    return render.draw_png(failure.stored, trail=trail, title=title)

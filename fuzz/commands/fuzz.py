@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fuzz.campaign.options import CampaignOptions
-from fuzz.commands._options import Duration, declared_options, output_options
+from fuzz.commands._options import Duration, code_option, declared_options, output_options
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,
@@ -90,6 +90,7 @@ _HELP = {
     help="Also count as failures hazards that the controller cannot sense, and disturbances that "
     "no controller is certain to withstand.",
 )
+@code_option
 @output_options
 @seed_option
 @json_option
@@ -103,6 +104,7 @@ def fuzz(
     report: Path | None,
     baseline: tuple[Path, ...],
     count_hazards: bool,
+    no_code: bool,
     as_json: bool,
     junit: Path | None,
     sarif: Path | None,
@@ -127,6 +129,7 @@ def fuzz(
     from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
+    from fuzz.overview.building import Conclusion
     from fuzz.report import write_report
     from sim.runners.controller_time import Effort
     from worldgen.support.plain_text import counted
@@ -171,15 +174,14 @@ def fuzz(
             executor,
             quiet=as_json,
             outputs=outputs,
-            baseline=was_known,
+            conclusion=Conclusion(was_known, last, with_code=not no_code),
             count_hazards=count_hazards,
             began=Beginning(began, loaded.since().own),
-            last=last,
         )
         # Search, then write the report.
         code = session.run()
         if report is not None:
-            write_report([campaign_run.store.out], report, force=force)
+            write_report([campaign_run.store.out], report, force=force, with_code=not no_code)
             note(f"wrote {report}")
     raise SystemExit(code)
 

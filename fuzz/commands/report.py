@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from fuzz.commands._options import code_option
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 
 
@@ -15,7 +16,7 @@ from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 @click.option(
     "--title", default="", help="Heading of the page.  [default: controller and motion model]"
 )
-@click.option("--no-code", is_flag=True, help="Leave out the source lines of Python controllers.")
+@code_option
 @json_option
 @force_option
 def report(
@@ -37,7 +38,7 @@ def report(
             out,
             title=title,
             force=force,
-            code=not no_code,
+            with_code=not no_code,
             progress=lambda done, of: work.count(done, of, "failures"),
         )
     note(f"wrote {out}: {counted(count, 'failure')}")

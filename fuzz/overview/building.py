@@ -62,11 +62,13 @@ class Conclusion:
         last: Failures of the last campaign in the same folder.
         seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that the
             result depends only on the seed.
+        with_code: False to leave out what runs inside the controller.
     """
 
     known: Baseline = field(default_factory=Baseline)
     last: Baseline = field(default_factory=Baseline)
     seconds: float | None = None
+    with_code: bool = True
 
 
 class WorldFile(NamedTuple):
@@ -144,6 +146,7 @@ def build_overview(
             )
         ),
         is_over,
+        with_code=conclusion.with_code,
     )
 
     shown = list(with_own_files(shown))
@@ -171,6 +174,8 @@ def with_worlds(
     causes: Iterable[CauseTotals],
     files_of: Callable[[Cause], Sequence[WorldFile]],
     is_over: Callable[[], bool] | None = None,
+    *,
+    with_code: bool = True,
 ) -> list[CauseTotals]:
     """Return causes with their worlds to look at, and explanations of the first few.
 
@@ -178,23 +183,25 @@ def with_worlds(
         causes: The causes, the worst first.
         files_of: Returns the failures that have a cause.
         is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
+        with_code: False to leave out what runs inside the controller.
     """
-    return [
-        _with_worlds(
-            one, files_of(one.cause), is_explained=number < _MOST_EXPLAINED, is_over=is_over
-        )
-        for number, one in enumerate(causes)
-    ]
+    found = []
+    for number, one in enumerate(causes):
+        cause = _with_worlds(one, files_of(one.cause), is_over)
+        if number < _MOST_EXPLAINED and cause.failure is not None:
+            cause = replace(
+                cause,
+                shown=_shown(cause.failure, is_over, with_code=with_code),
+                why=explained(cause.failure, is_over),
+            )
+        found.append(cause)
+    return found
 
 
 def _with_worlds(
-    cause: CauseTotals,
-    own: Sequence[WorldFile],
-    *,
-    is_explained: bool,
-    is_over: Callable[[], bool] | None,
+    cause: CauseTotals, own: Sequence[WorldFile], is_over: Callable[[], bool] | None
 ) -> CauseTotals:
-    """Return a cause with its clearest and its smallest world, and the former's dependencies."""
+    """Return a cause with its clearest and its smallest world."""
     # The smallest is preferably one that has a file anyway.
     existing = [one for one in own if one.exists]
     smallest = min(existing or own, key=lambda one: one.failure.order, default=None)
@@ -212,8 +219,6 @@ def _with_worlds(
         file=chosen.file,
         failure=chosen.failure,
         smallest=smallest.file if existing else chosen.file,
-        shown=_shown(chosen.failure, is_over) if is_explained else RunFacts(),
-        why=explained(chosen.failure, is_over) if is_explained else None,
         fault=_fault_of(chosen.failure),
         original=chosen.original,
     )
@@ -303,11 +308,11 @@ def _fault_of(failure: Failure) -> str:
     return ": ".join(filter(None, (evidence.at, evidence.error)))
 
 
-def _shown(failure: Failure, is_over: Callable[[], bool] | None) -> RunFacts:
+def _shown(failure: Failure, is_over: Callable[[], bool] | None, *, with_code: bool) -> RunFacts:
     """Return what the run of a failure shows; nothing without time to run it."""
     try:
         with stopping_when(is_over or (lambda: False)):
-            return run_facts(failure, failure.run())
+            return run_facts(failure, failure.run(), with_code=with_code)
     except (WorldgenError, OutOfTime):
         return RunFacts()
 

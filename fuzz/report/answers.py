@@ -134,7 +134,10 @@ def _placed(cause: CauseRow, folder: Path) -> CauseRow:
 
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:
-    """Return the answer for failures without a known campaign: their causes."""
+    """Return the answer for failures without a known campaign: their causes.
+
+    The page shows the code of each failure's controller, so the causes need not.
+    """
     files = [
         WorldFile(Failure.read(entry.path), str(entry.path))
         for entry in entries
@@ -143,5 +146,6 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
     causes = with_worlds(
         causes_in([one.failure for one in files]),
         lambda cause: [one for one in files if cause_of(one.failure) in cause.parts],
+        with_code=False,
     )
     return Answer(controller, motion, [one.table() for one in causes])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzz.campaign.store import MEMORY, Summary, read_summary
+from fuzz.campaign.store import MEMORY, Summary, controller_change, read_summary
 from fuzz.corpus import CorpusEntry, distinct, read_corpus
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
@@ -66,10 +66,12 @@ class ReportedCampaign:
     Args:
         folder: Folder of its failures.
         summary: The campaign in numbers.
+        change: A sentence if its controller's file has changed since; else empty.
     """
 
     folder: Path
     summary: Summary
+    change: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     corpus = read_corpus(paths)
     folders = [folder for path in paths for folder in _campaign_folders(path)]
     campaigns = [
-        ReportedCampaign(folder, summary)
+        ReportedCampaign(folder, summary, controller_change(folder))
         for folder in dict.fromkeys(folders)
         if (summary := read_summary(folder)) is not None
     ]

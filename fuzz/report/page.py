@@ -45,7 +45,7 @@ def write_report(
     *,
     title: str = "",
     force: bool = False,
-    code: bool = True,
+    with_code: bool = True,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
     """Write failures and their campaigns as one HTML page.
@@ -57,7 +57,7 @@ def write_report(
         out: The page.
         title: Heading; if empty, the controller and motion model, or the number of controllers.
         force: Overwrite an existing file.
-        code: False to leave out the source lines and the state of Python controllers.
+        with_code: False to leave out the source lines and the state of Python controllers.
         progress: Called with the number of failures done and the total.
 
     Returns:
@@ -81,13 +81,13 @@ def write_report(
         progress(done, len(subject.entries))
         reported = look_at(entry, subject.campaigns)
         _add_reactions(reported, reactions[entry.facts.controller, entry.facts.motion])
-        shown_entry = _failure(reported, subject.campaigns, causes, with_code=code)
+        shown_entry = _failure(reported, subject.campaigns, causes, with_code=with_code)
         failures.append(shown_entry | {"place": place[entry.facts.order]})
     # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
     others = [entry_of(Path(name)) for name in causes if name and name not in shown]
     extras = [
-        _failure(look_at(entry, subject.campaigns), subject.campaigns, causes, with_code=code)
+        _failure(look_at(entry, subject.campaigns), subject.campaigns, causes, with_code=with_code)
         for entry in others
         if entry is not None
     ]
@@ -167,6 +167,7 @@ def _failure(
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
         "shrunk": seen.failure.is_shrunk,
+        "changed": "" if campaign is None else campaigns[reported.campaign].change,
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
         "now": _drawn(seen) | {"named": named},
@@ -225,6 +226,7 @@ def _campaign(campaign: ReportedCampaign) -> dict[str, Any]:
     summary = campaign.summary
     return plain(summary) | {
         "folder": str(campaign.folder),
+        "changed": campaign.change,
         "seed": str(summary.seed),
         "found": list(map(msgspec.structs.asdict, summary.found)),
         "archive": None if summary.archive is None else summary.archive.table(),

@@ -205,7 +205,7 @@ def test_changes_are_described_in_one_sentence(changes, sentence):
 
 def test_the_command_explains_a_file():
     result = worldgen("explain", WALL)
-    assert result.code == 0 and "arrives if cell (0, 2) is free" in result.out
+    assert result.code == 0 and "It arrives if cell (0, 2) is free" in result.out
 
 
 def test_the_picture_of_an_explanation_marks_the_cells_that_the_sentence_names(tmp_path):

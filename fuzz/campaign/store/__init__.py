@@ -6,6 +6,7 @@ Contents:
     FolderStore: The folder ``OUT/.campaign`` and its lock.
     CampaignStore: The interface of a store; this one stores nothing.
     CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
+    controller_change: Whether its controller's file is still the same.
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
     errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
         other programs.
@@ -19,7 +20,7 @@ Contents:
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
 from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
-from fuzz.campaign.store.opening import CampaignRun, begin, resume, stored_seed
+from fuzz.campaign.store.opening import CampaignRun, begin, controller_change, resume, stored_seed
 from fuzz.campaign.store.summary import (
     MEMORY,
     OVERVIEW_FILE,
@@ -47,6 +48,7 @@ __all__ = [
     "StrategyTotals",
     "Summary",
     "begin",
+    "controller_change",
     "errors_recorded",
     "fingerprint_of",
     "forget_error",

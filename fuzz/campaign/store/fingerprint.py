@@ -203,12 +203,7 @@ def digest_of_sources(folders: Sequence[Path]) -> str:
 
 def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
     """Yield objects that are not our own, with their digests."""
-    controller = config.scenario.controller
-    found = CONTROLLERS.get(controller)
-    if isinstance(found, ProcessController):
-        yield f"program {controller}", _digest_of_program(found.command)
-    else:
-        yield f"controller {controller}", _digest_of_source(CONTROLLERS, controller)
+    yield controller_source(config.scenario.controller)
     for name in config.families:
         if name.endswith(".toml"):
             yield f"family {name}", digest_of(FAMILIES.get(name).constants)
@@ -216,6 +211,20 @@ def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
             yield f"family {name}", _digest_of_source(FAMILIES, name)
     for text in config.oracles:
         yield f"oracle {text}", _digest_of_source(ORACLES, NamedOracle.parse(text).name)
+
+
+def controller_source(controller: str) -> tuple[str, str]:
+    """Return the name and the digest of a controller's source, as fingerprints have them.
+
+    The digest is empty if it is ours or has no file.
+
+    Raises:
+        InvalidParameter: If it cannot be found.
+    """
+    found = CONTROLLERS.get(controller)
+    if isinstance(found, ProcessController):
+        return f"program {controller}", _digest_of_program(found.command)
+    return f"controller {controller}", _digest_of_source(CONTROLLERS, controller)
 
 
 def _digest_of_source(registry: Registry[Any], name: str) -> str:

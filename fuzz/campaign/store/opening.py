@@ -9,9 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.store.fingerprint import Fingerprint, config_of, fingerprint_of
+from fuzz.campaign.store.fingerprint import (
+    Fingerprint,
+    config_of,
+    controller_source,
+    fingerprint_of,
+)
 from fuzz.campaign.store.folder import Budget, FolderStore
-from worldgen.errors import FormatError, OutputError
+from worldgen.errors import FormatError, OutputError, WorldgenError
+from worldgen.support.plain_text import shown
 
 # Limit on the differences to list.
 _SAID_AT_MOST = 3
@@ -41,6 +47,33 @@ def stored_seed(out: Path) -> int | None:
         return None if stored is None else int(stored[0].configuration["seed"])
     except (FormatError, KeyError, OverflowError, TypeError, ValueError):
         return None
+
+
+def controller_change(folder: Path) -> str:
+    """Return a sentence if a controller's file is not the one that a campaign ran.
+
+    Only the file that defines it counts, not those that it imports.
+
+    Args:
+        folder: The campaign's folder.
+
+    Returns:
+        The sentence; empty if the file is the same, or if that is not known.
+    """
+    try:
+        stored = FolderStore.stored_in(folder)
+        if stored is None:
+            return ""
+        controller = str(stored[0].configuration["scenario"]["controller"])
+        name, digest = controller_source(controller)
+    except (KeyError, OSError, TypeError, WorldgenError):
+        return ""
+    if stored[0].code.get(name, digest) == digest:
+        return ""
+    return (
+        f"{shown(controller)} has changed since the campaign in {shown(folder)}; what is shown is "
+        "what it does now"
+    )
 
 
 def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:

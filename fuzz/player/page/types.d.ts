@@ -283,6 +283,8 @@ interface ReportFailure {
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
   shrunk: boolean;
+  /** A sentence if its controller's file has changed since its campaign; else empty. */
+  changed: string;
   /** A test that contains the world. */
   test: string;
   /** Heading, rows of name and value, and whether they are folded away at first. */
@@ -306,6 +308,8 @@ interface ReportCampaign {
   met: Record<string, number>;
   verdicts: Record<string, number>;
   survives_reset?: string[];
+  /** A sentence if its controller's file has changed since; else empty. */
+  changed: string;
   archive: Archive | null;
 }
 

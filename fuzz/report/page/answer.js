@@ -86,6 +86,7 @@ function answerPart(answer, find, several, campaign) {
         causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
         survivorsPart(campaign),
+        campaign?.changed ? el("p", { class: "notice" }, `${campaign.changed}.`) : null,
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
       ),

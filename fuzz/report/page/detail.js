@@ -95,6 +95,7 @@ function topOf(failure, [before, after]) {
     failure.shrunk
       ? null
       : el("p", { class: "notice" }, "This world is as it was found, so some of its walls may not matter. worldgen shrink makes it small."),
+    failure.changed ? el("p", { class: "notice" }, `${failure.changed}.`) : null,
     failure.confirmed
       ? null
       : el("p", { class: "notice" }, `Running it again for this report did not confirm it: ${failure.reason}`),

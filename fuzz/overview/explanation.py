@@ -1,0 +1,128 @@
+"""Explain one failure: what happens in its run, why, and after which changes the robot arrives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from fuzz.describe import run_to_draw
+from fuzz.failure import Failure
+from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
+from fuzz.triage.diagnosis import CAUSE, cause_of
+from fuzz.triage.run_facts import RunFacts, run_facts
+from sim.drawing.picture import trails_of
+from sim.episode import Episode
+from sim.evidence import evidence_table
+from sim.verdict import ARRIVALS
+from worldgen import render
+from worldgen.errors import WorldgenError
+from worldgen.render.overlay import naming
+from worldgen.support.plain_text import shown
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What is known about a failure.
+
+    Args:
+        failure: The failure.
+        words: What happened in its run, to follow the verdict.
+        facts: What its run shows.
+        why: The single changes after which its robot arrives; ``None`` if they cannot be tried.
+        problem: Why they cannot be tried; else empty.
+    """
+
+    failure: Failure
+    words: str = ""
+    facts: RunFacts = field(default_factory=RunFacts)
+    why: Counterfactuals | None = None
+    problem: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The cause, in one sentence; empty if the robot arrives now."""
+        return (
+            "" if _arrives(self.failure) else cause_of(self.failure).sentence_in(self.failure.world)
+        )
+
+    def table(self) -> dict[str, Any]:
+        """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
+        untried = {"changes": [], "sentence": "", "problem": self.problem}
+        return {
+            "cause": "" if _arrives(self.failure) else cause_of(self.failure).value,
+            "goes_wrong": self.sentence,
+            **(untried if self.why is None else self.why.table()),
+            **self.facts.table(),
+        }
+
+    def text(self) -> list[str]:
+        """Return the lines for the terminal; none if nothing is known but the problem."""
+        if self.why is None and not self.words and not self.facts.text():
+            return []
+        failure = self.failure
+        who = "The fleet" if failure.world.others else "It"
+        lines = [shown(f"{failure.who}: {failure.verdict}{self.words}")]
+        if self.sentence:
+            lines.append(f"{cause_of(failure).value}: {self.sentence}")
+        if self.why is not None:
+            lines.append(shown(f"{who} {self.why.describe()}."))
+        return lines + self.facts.text()
+
+    def picture(self, suffix: str) -> bytes:
+        """Return a picture with the cells that the changes name.
+
+        Args:
+            suffix: ``.svg`` or ``.png``.
+        """
+        failure = self.failure
+        cells = () if self.why is None else self.why.cells
+        depends = self.sentence if self.why is None else self.why.describe()
+        trail = naming(trails_of(run_to_draw(failure)[0], failure.world), cells)
+        title = f"{failure.verdict}: {depends}"
+        if suffix == ".svg":
+            return render.draw_svg(failure.stored, trail=trail, title=title).encode()
+        return render.draw_png(failure.stored, trail=trail, title=title)
+
+
+def explain_failure(failure: Failure, *, with_code: bool = True) -> Explanation:
+    """Run a failure and every changed scenario, and return what they show.
+
+    Args:
+        failure: The failure.
+        with_code: False to leave out what runs inside the controller.
+    """
+    words = ""
+    facts = RunFacts()
+    try:
+        episode, words = run_to_draw(failure)
+        failure = _as_run(failure, episode)
+        if _arrives(failure):
+            return Explanation(failure, words, problem="the robot arrives now")
+        facts = run_facts(failure, episode, with_code=with_code)
+        why = counterfactuals(failure)
+    except WorldgenError as error:
+        return Explanation(failure, words, facts, problem=str(error))
+    return Explanation(failure, words, facts, why)
+
+
+def _arrives(failure: Failure) -> bool:
+    return failure.verdict in ARRIVALS and failure.oracle is None
+
+
+def _as_run(failure: Failure, episode: Episode) -> Failure:
+    """Return a failure with what happens now, if the controller is another one or has changed."""
+    record = failure.record
+    is_judged_otherwise = failure.is_breach or failure.oracle is not None
+    if is_judged_otherwise or episode.trace_digest == record.trace_digest:
+        return failure
+    kept = {name: value for name, value in record.details.items() if name not in (CAUSE, "class")}
+    return replace(
+        failure,
+        record=replace(
+            record,
+            verdict=episode.verdict,
+            trace_digest=episode.trace_digest,
+            evidence=evidence_table(episode.evidence),
+            details=kept,
+        ),
+    )
