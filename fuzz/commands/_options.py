@@ -11,6 +11,9 @@ import click
 from worldgen.cli.output import PATH, named_also
 from worldgen.parameters import Parameter
 
+# Budget of a search if none is given.
+_USUAL_SECONDS = 30.0
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -45,6 +48,45 @@ class Duration(click.ParamType[float]):
         if not match or float(match[1]) <= 0:
             self.fail(f"{value!r} is not a duration; write 30s, 5m or 1h", param, ctx)
         return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]
+
+
+def budget_options(purpose: str) -> Callable[[F], F]:
+    """Add ``--budget`` and ``--units``, of which at most one can be given.
+
+    Args:
+        purpose: What the time is for: ``to search``.
+    """
+
+    def decorated(command: F) -> F:
+        for option in (
+            click.option(
+                "--units",
+                type=click.IntRange(1),
+                help="Run this many units of work instead; the result then depends only on the "
+                "seed.",
+            ),
+            click.option(
+                "--budget",
+                type=Duration(),
+                metavar="TIME",
+                help=f"Time {purpose}, such as 30s, 5m or 1h.  [default: 30s]",
+            ),
+        ):
+            command = option(command)
+        return command
+
+    return decorated
+
+
+def seconds_of(budget: float | None, units: int | None) -> float | None:
+    """Return the time that ``--budget`` and ``--units`` give, s; ``None`` for a number of units.
+
+    Raises:
+        click.UsageError: If both are given.
+    """
+    if budget is not None and units is not None:
+        raise click.UsageError("use --budget or --units, not both")
+    return None if units is not None else budget or _USUAL_SECONDS
 
 
 def declared_options(

@@ -231,11 +231,11 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 @click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """Delete failures that no longer replay, and all but the smallest of each class.
+    """Delete failures that no longer occur, and keep only the smallest of each class.
 
-    This does not ask for confirmation; nothing is deleted until all failures have been judged. A
-    failure whose controller cannot be run here is kept, and the exit code is then 1. This runs the
-    controllers that the files name.
+    It first runs every failure, with the controllers that the files name, and then deletes without
+    asking. --dry-run shows what it would delete. A failure whose controller cannot be run here is
+    kept, and the exit code is then 1.
     """
     from fuzz.corpus import judge_all, remove
     from worldgen.errors import OutputError

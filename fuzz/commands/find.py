@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fuzz.commands._options import Duration
+from fuzz.campaign.options import CampaignOptions
+from fuzz.commands._options import budget_options, declared_options, seconds_of
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.cli.output import (
     PATH,
@@ -15,6 +16,7 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
+    motion_option,
     note,
     seed_option,
     time_step_option,
@@ -43,9 +45,7 @@ EXAMPLES = (
     multiple=True,
     help="CONTROLLER=OUTCOME, ...; see above.",
 )
-@click.option(
-    "--family", "families", multiple=True, help="Draw worlds from this family; may be repeated."
-)
+@declared_options([CampaignOptions.named("families")])
 @click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family."
 )
@@ -69,19 +69,9 @@ EXAMPLES = (
     help="With --leash, keep each obstacle in one piece and separate from the others.",
 )
 @click.option("--no-edit", is_flag=True, help="Do not edit worlds; use them as generated.")
-@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@motion_option
 @time_step_option
-@click.option(
-    "--budget",
-    type=Duration(),
-    metavar="TIME",
-    help="Time to search, such as 30s, 5m or 1h.  [default: 30s]",
-)
-@click.option(
-    "--units",
-    type=click.IntRange(1),
-    help="Amount of work instead of time; the result then depends only on the seed.",
-)
+@budget_options("to search")
 @workers_option
 @click.option("--out", type=PATH, required=True, help="File to write the nearest world to.")
 @seed_option
@@ -127,8 +117,9 @@ def find(
     from worldgen.files.whole import check_output
     from worldgen.support.progress import working
 
+    # Refuse contradicting options before any work.
+    seconds = seconds_of(budget, units)
     for contradiction, reason in (
-        (budget is not None and units is not None, "use --budget or --units, not both"),
         (begin is not None and bool(families), "use --from or --family, not both"),
         (
             no_edit and not families,
@@ -139,6 +130,7 @@ def find(
     ):
         if contradiction:
             raise click.UsageError(reason)
+    # Define the search, and try its controllers.
     step = RunOptions(time_step=RunOptions.time_step if time_step is None else time_step).time_step
     targets = parse_targets(",".join(outcomes), motion=motion, time_step=step)
     config = FindConfig(
@@ -158,10 +150,7 @@ def find(
         _try_out(config)
     check_output(out, force)
     search = OutcomeSearch(
-        config,
-        units=units,
-        seconds=None if units else budget or 30.0,
-        workers=workers or os.cpu_count() or 1,
+        config, units=units, seconds=seconds, workers=workers or os.cpu_count() or 1
     )
     stopped = _watch(search, out, force)
     _report(search, targets, out, as_json)

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fuzz.campaign.options import CampaignOptions
-from fuzz.commands._options import Duration, code_option, declared_options, output_options
+from fuzz.commands._options import (
+    budget_options,
+    code_option,
+    declared_options,
+    output_options,
+    seconds_of,
+)
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,
@@ -48,17 +54,7 @@ _HELP = {
 
 @click.command(epilog=EXAMPLES)
 @declared_options(_DECLARED, _HELP)
-@click.option(
-    "--budget",
-    type=Duration(),
-    metavar="TIME",
-    help="Time to search and shrink, such as 30s, 5m or 1h.  [default: 30s]",
-)
-@click.option(
-    "--units",
-    type=click.IntRange(1),
-    help="Run this many units instead; the result then depends only on the seed.",
-)
+@budget_options("to search and shrink")
 @workers_option
 @click.option(
     "--scheduler",
@@ -136,8 +132,7 @@ def fuzz(
 
     # Refuse contradicting options before any work.
     loaded = Effort.so_far()
-    if budget is not None and units is not None:
-        raise click.UsageError("use --budget or --units, not both")
+    seconds = seconds_of(budget, units)
     if scheduler is not None and workers is not None:
         raise click.UsageError(
             "use --scheduler or --workers, not both: a cluster has its own workers"
@@ -147,7 +142,7 @@ def fuzz(
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
         known = read_corpus(baseline).entries
-        run_budget = store.Budget(units, None if units else budget or 30.0)
+        run_budget = store.Budget(units, seconds)
         if resume is None:
             campaign_run = _begin(run_budget, force=force, **begun)
         else:

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    PATH,
+    emit_json,
+    force_option,
+    json_option,
+    motion_option,
+    note,
+)
 
 if TYPE_CHECKING:
     from fuzz.ci.project import Project
@@ -22,7 +30,7 @@ EXAMPLES = (
 @click.command(epilog=EXAMPLES)
 @click.argument("folder", type=PATH, default=Path())
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
-@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@motion_option
 @click.option(
     "--family",
     "families",

@@ -31,6 +31,7 @@ from sim.options.run import switch_sets
 from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
+from worldgen.support.plain_text import alternatives
 from worldgen.world import Pose, Value, World
 
 # Numbers that every scenario has. A different start heading explains more than a different time
@@ -148,8 +149,7 @@ class Counterfactuals:
         conditions += [change.describe() for change in others if not change.is_slight]
         # If the slightest change helps, its exact size does not matter.
         if slight:
-            names = " or ".join(filter(None, (", ".join(slight[:-1]), slight[-1])))
-            conditions.append(f"with a slightly different {names}")
+            conditions.append(f"with a slightly different {alternatives(slight)}")
         known = [condition for condition in conditions if condition]
         if len(known) > 1:
             return f"arrives {', '.join(known[:-1])}, or {known[-1]}"

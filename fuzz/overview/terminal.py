@@ -15,7 +15,7 @@ from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
 from fuzz.triage.cause import Cause, Severity
-from worldgen.support.plain_text import counted, shown
+from worldgen.support.plain_text import alternatives, counted, shown
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
 # whole campaign, this makes fifteen.
@@ -176,14 +176,10 @@ def never_tried(natural: NaturalRow) -> list[str]:
     turns = [name for name, row in natural.turns.items() if not row.worlds]
     never = []
     if clearances:
-        never.append(f"gaps of {_listed(clearances)} robot radii")
+        never.append(f"gaps of {alternatives(clearances)} robot radii")
     if turns:
-        never.append(f"paths with {_listed(turns)} quarter turns")
+        never.append(f"paths with {alternatives(turns)} quarter turns")
     return never
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _is_open(overview: Overview, headline: Headline) -> bool:

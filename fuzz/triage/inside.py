@@ -16,7 +16,7 @@ from sim.controllers.base import Observation
 from sim.episode import Episode
 from sim.runners.watched import StateValues, WatchedPart, watched_part
 from worldgen.plugins.counted_code import CodeFunction
-from worldgen.support.plain_text import shown, three_digits
+from worldgen.support.plain_text import rounded_angle, shown
 
 
 class CodeLine(NamedTuple):
@@ -232,7 +232,7 @@ def _change(values: StateValues) -> str:
     if values.low is None or values.high is None:
         return "changes"
     low, high = (
-        three_digits(value)
+        rounded_angle(value)
         if values.unit == "degrees"
         else f"{value:.4g}"
         if isinstance(value, float)

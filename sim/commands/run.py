@@ -17,6 +17,7 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
+    motion_option,
     named_also,
     note,
     time_step_option,
@@ -44,9 +45,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=PATH)
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
-@click.option(
-    "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
-)
+@motion_option
 @click.option(
     "--task",
     type=click.Choice(("target", "cover")),

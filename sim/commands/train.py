@@ -9,6 +9,7 @@ import click
 
 from worldgen.cli.output import (
     PATH,
+    SEED,
     check_out,
     emit_json,
     force_option,
@@ -48,9 +49,7 @@ EXAMPLES = (
     show_default=True,
     help="Random decisions at first, in thousandths; the rate falls to zero.",
 )
-@click.option(
-    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
-)
+@click.option("--seed", type=SEED, default=0, help="Seed of all random choices.")
 @click.option("--out", required=True, type=PATH, help="Output file.")
 @click.option("--curve", type=PATH, metavar="OUT", help="Draw the learning curve (.svg).")
 @json_option

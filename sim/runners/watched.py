@@ -23,7 +23,7 @@ from sim.runners.hidden_state import attributes
 from worldgen.errors import WorldgenError
 from worldgen.plugins.counted_code import CountedCode, counted_module
 from worldgen.plugins.registry import user_code
-from worldgen.support.plain_text import three_digits
+from worldgen.support.plain_text import rounded_angle
 from worldgen.world import World
 
 _METHODS = ("act", "act_many")
@@ -88,7 +88,7 @@ class StateValues:
             now: The value.
         """
         is_angle = self.unit == _DEGREES
-        text = three_digits(now) if is_angle and _is_number(now) else _as_text(now)
+        text = rounded_angle(now) if is_angle and _is_number(now) else _as_text(now)
         if text not in self.values and len(self.values) <= _MOST_VALUES:
             self.values += (text,)
         if _is_number(now) and _is_number(before):

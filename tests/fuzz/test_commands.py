@@ -220,7 +220,7 @@ def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_p
 def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):
     world = read_world_with_start_in_target(tmp_path)
     result = worldgen("run", world, "--controller", "turn-left", "--picture", tmp_path / "x.bmp")
-    assert result.code == 2 and "name a .png, .svg, .html, .gif file" in result.err
+    assert result.code == 2 and "use a name that ends in .png, .svg, .html or .gif" in result.err
 
 
 def test_a_run_is_an_animated_picture(tmp_path):

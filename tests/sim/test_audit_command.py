@@ -161,7 +161,7 @@ def test_the_picture_marks_the_tunnel(files):
         (["{}/w.grid", "{}/none.csv"], "none.csv: cannot be read"),
         (["{}/none.grid", "{}/bad.csv"], "none.grid"),
         (["{}/w.grid", "{}"], "cannot be read"),
-        (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "name a .png file"),
+        (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "use a name that ends in .png"),
         (["{}/w.grid", "{}/bad.csv", "--tolerance", "0"], "at least 1e-09"),
         (["{}/w.grid", "{}/w.grid"], "no column 't'"),
     ],

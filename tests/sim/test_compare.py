@@ -406,7 +406,7 @@ def test_a_motion_for_one_robot_names_the_world_of_several():
         (["{}", "--controllers", "thesis-1,"], "an empty text is not a name"),
         (["{}", "{}/empty.grid", "--controllers", "thesis-1"], "given twice"),
         (["{}/none", "--controllers", "thesis-1"], "none"),
-        (["{}", "--controllers", "thesis-1", "--picture", "a.svg"], "name a .png file"),
+        (["{}", "--controllers", "thesis-1", "--picture", "a.svg"], "use a name that ends in .png"),
         (["{}", "--controllers", "thesis-1", "--motion", "stepd"], "stepped"),
         (["{}", "--controllers", "thesis-1", "--against", "{}/no.csv"], "no.csv"),
         (["{}", "--controllers", "thesis-1", "--csv", "{}/empty.grid"], "--force"),

@@ -99,6 +99,7 @@ def test_the_answer_is_the_file(run, tmp_path):
         "cell_size": 0.1,
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, 0.04],
+        "origin": [0.0, 0.0],
         "notes": [],
         "warnings": [],
     }
@@ -130,9 +131,10 @@ def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
 
 def test_places_may_be_given_in_the_coordinates_of_the_file(run):
     _, of_corner, _ = run(HALL, "--start", "8,9,0.5", "--target", "2.25,1.25,0.1")
-    _, of_map, _ = run(
+    answer, of_map, _ = run(
         HALL, "--frame", "map", "--start", "4.84,-0.36,0.5", "--target=-0.91,-8.11,0.1"
     )
+    assert answer["origin"] == [-3.16, -9.36]
     start, target = of_map.start, of_map.target
     assert start == of_corner.start and start.heading == 0.5
     assert target == of_corner.target and target.radius == 0.1

@@ -63,6 +63,7 @@ def test_the_robots_of_an_exported_map_come_back_without_naming_its_scenario(tmp
     world = generate("alley", 0, size=13)
     path = write_export(export_world(world, "movingai"), tmp_path)[0]
     assert import_world(path).world.robots == world.robots
+    assert import_world(path, ImportedRobot(robots=1)).world.robots == world.robots[:1]
     # A start that the user gives is for a single robot.
     start = (world.start.x, world.start.y)
     assert len(import_world(path, ImportedRobot(start=start)).world.robots) == 1

@@ -119,7 +119,7 @@ def test_what_people_write_for_a_picture_is_answered_with_its_option(grid, tmp_p
 
 def test_a_picture_of_an_unknown_kind_is_refused_before_the_work(tmp_path):
     result = worldgen("show", tmp_path / "missing.grid", "--picture", tmp_path / "p.bmp")
-    assert result.code == 2 and "name a .png, .svg, .html file" in result.err
+    assert result.code == 2 and "use a name that ends in .png, .svg or .html" in result.err
 
 
 def test_a_folder_in_which_nobody_may_write_is_refused_before_the_work(tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from click.core import ParameterSource
 
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import aligned, shown_lines
+from worldgen.support.plain_text import aligned, alternatives, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 CONTROLLER_HELP = (
@@ -39,6 +39,21 @@ steps_option: Callable[[F], F] = click.option(
 )
 time_step_option: Callable[[F], F] = click.option(
     "--time-step", type=float, help="Duration of a step, s.  [default: 0.015]"
+)
+motion_option: Callable[[F], F] = click.option(
+    "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
+)
+cell_size_option: Callable[[F], F] = click.option(
+    "--cell-size",
+    "--cell",
+    "cell_size",
+    type=float,
+    help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
+)
+unknown_option: Callable[[F], F] = click.option(
+    "--unknown",
+    type=click.Choice(["solid", "free"]),
+    help="How to treat unknown ROS cells.  [default: solid]",
 )
 workers_option: Callable[[F], F] = click.option(
     "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
@@ -124,8 +139,8 @@ def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> Non
     if out is None:
         return
     if suffixes and out.suffix not in suffixes:
-        article = "an" if suffixes[0] == ".svg" else "a"
-        raise click.UsageError(f"{option} {out}: name {article} {', '.join(suffixes)} file")
+        endings = alternatives(suffixes)
+        raise click.UsageError(f"{option} {out}: use a name that ends in {endings}")
     check_output(out, force)
 
 

@@ -12,12 +12,14 @@ import click
 
 from worldgen.cli.output import (
     PATH,
+    cell_size_option,
     draw_seed,
     emit_json,
     force_option,
     json_option,
     note,
     seed_option,
+    unknown_option,
 )
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files.whole import write_bytes
@@ -72,14 +74,8 @@ _LONGEST = 50
     metavar="NAME=VALUE",
     help="Keyword argument of the generator.",
 )
-@click.option(
-    "--cell-size", type=float, help="Side of a cell, m, of maps without units.  [default: 0.1]"
-)
-@click.option(
-    "--unknown",
-    type=click.Choice(["solid", "free"]),
-    help="How to treat unknown ROS cells.  [default: solid]",
-)
+@cell_size_option
+@unknown_option
 @click.option(
     "--csv",
     "table",

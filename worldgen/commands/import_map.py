@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
+from worldgen.cli.output import (
+    PATH,
+    SEED,
+    cell_size_option,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    unknown_option,
+)
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -62,17 +72,10 @@ EXAMPLES = (
 @click.option(
     "--robots",
     type=click.IntRange(1, 1000),
-    default=1,
-    show_default=True,
-    help="Use this many problems of --scen, starting at --row, as the robots of one world.",
+    help="Use this many problems of --scen, starting at --row, as the robots of one world.  "
+    "[default: 1, or all robots of an exported map]",
 )
-@click.option(
-    "--cell-size",
-    "--cell",
-    "cell_size",
-    type=float,
-    help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
-)
+@cell_size_option
 @click.option(
     "--slice",
     "slice_height",
@@ -92,11 +95,7 @@ EXAMPLES = (
     type=click.Choice(["y", "z"]),
     help="Axis of a mesh that points up.  [default: y for glTF, otherwise z]",
 )
-@click.option(
-    "--unknown",
-    type=click.Choice(["solid", "free"]),
-    help="How to treat unknown ROS cells.  [default: solid]",
-)
+@unknown_option
 @click.option(
     "--seed", type=SEED, help="Seed of the search for places that are far apart.  [default: 0]"
 )
@@ -120,17 +119,12 @@ def import_map(
     frame: str,
     scen: Path | None,
     row: int,
-    robots: int,
-    cell_size: float | None,
-    slice_height: float | None,
-    floor: int | None,
-    unit: str | None,
-    up: str | None,
-    unknown: str | None,
+    robots: int | None,
     seed: int | None,
     ignore_unread: bool,
     force: bool,
     as_json: bool,
+    **reading: Any,
 ) -> None:
     """Make a world from another program's map.
 
@@ -153,15 +147,7 @@ def import_map(
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread, robots, frame == "map",
     )  # fmt: skip
-    given = {
-        "cell_size": cell_size,
-        "slice_height": slice_height,
-        "floor": floor,
-        "unit": unit,
-        "up": up,
-        "unknown": unknown,
-    }
-    asked = {option: value for option, value in given.items() if value is not None}
+    asked = {option: value for option, value in reading.items() if value is not None}
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)

@@ -41,7 +41,7 @@ class ImportedRobot:
             and a thesis map its program's start.
         ignore_unread: True to judge the map without obstacles that could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
-            world.
+            world. If omitted, one, or all robots of a map that was exported with several.
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
             frame, instead of measured from the grid's lower-left corner.
     """
@@ -54,7 +54,7 @@ class ImportedRobot:
     row: int = 1
     seed: int | None = None
     ignore_unread: bool = False
-    robots: int = 1
+    robots: int | None = None
     in_file_frame: bool = False
 
 
@@ -72,7 +72,8 @@ class Imported:
         radius_from: Where the robot's radius comes from.
         unread: Obstacles of the file that the world lacks.
         withheld: True if a path was found that does not count because of them.
-        origin: The grid's lower-left corner, m, in the frame in which people are told places.
+        origin: The grid's lower-left corner, m, in the file's own coordinates.
+        in_file_frame: True if people are told places in these coordinates.
     """
 
     world: World
@@ -83,6 +84,7 @@ class Imported:
     unread: tuple[str, ...] = ()
     withheld: bool = False
     origin: tuple[float, float] = (0.0, 0.0)
+    in_file_frame: bool = False
 
 
 def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
@@ -129,7 +131,7 @@ def import_world(
     found, sidecar = read_map_alone(path, name, options)
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
-    if robot.scenario is not None or robot.robots > 1:
+    if robot.scenario is not None or robot.robots not in (None, 1 + len(found.others)):
         found = _with_scenario(robot, found)
     if sidecar is not None:
         found = with_sidecar(found, _fitting(sidecar, path, robot))
@@ -182,7 +184,8 @@ def import_world(
         radius_from,
         found.unread,
         withheld,
-        found.origin if robot.in_file_frame else (0.0, 0.0),
+        found.origin,
+        robot.in_file_frame,
     )
 
 
@@ -247,7 +250,7 @@ def _with_exported_robots(
     own = path.with_name(f"{path.name}.scen")
     count = 1 + len(sidecar.others)
     chosen = (robot.scenario, robot.start, robot.target, robot.seed)
-    if found.params.get("format") != "movingai" or chosen != (None,) * 4 or robot.robots > 1:
+    if found.params.get("format") != "movingai" or chosen != (None,) * 4:
         return robot
     try:
         if count == 1 or not own.is_file() or scenario_contents(own)[1] != count:
@@ -255,7 +258,7 @@ def _with_exported_robots(
     except (FormatError, OSError):
         # The sidecar's warning says that the robots are missing.
         return robot
-    return replace(robot, scenario=own, robots=count)
+    return replace(robot, scenario=own, robots=robot.robots or count)
 
 
 def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
@@ -282,12 +285,13 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
 
     # Read the problems.
     height, width = found.walls.shape
-    rows = range(robot.row, robot.row + robot.robots)
+    count = robot.robots or 1
+    rows = range(robot.row, robot.row + count)
     problems = [read_scenario(robot.scenario, row, width, height, found.cell_size) for row in rows]
     first = problems[0]
     params = {**found.params, "scenario": robot.scenario.name, "row": robot.row}
-    if robot.robots > 1:
-        params["robots"] = robot.robots
+    if count > 1:
+        params["robots"] = count
     return replace(
         found,
         start=first.start,
@@ -421,6 +425,7 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
         "cell_size": world.cell_size,
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, world.target.radius],
+        "origin": list(imported.origin),
         "notes": list(imported.notes),
         "warnings": list(imported.warnings),
     }
@@ -432,8 +437,8 @@ def describe(file: str | None, imported: Imported) -> list[str]:
     decision = imported.decision
     start = world.start
     target = world.target
-    left, low = imported.origin
-    frame = " in the file's coordinates" if imported.origin != (0.0, 0.0) else ""
+    left, low = imported.origin if imported.in_file_frame else (0.0, 0.0)
+    frame = " in the file's coordinates" if (left, low) != (0.0, 0.0) else ""
     radius = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
     return [
         (f"{file}: " if file is not None else "")

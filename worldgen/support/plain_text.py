@@ -12,6 +12,9 @@ from numbers import Number
 # Gap between two columns.
 GAP = "  "
 
+# Decimals of an angle in degrees; headings are multiples of 0.0055.
+_DECIMALS = 2
+
 # Only the first items are examined, so that a list of a million is cheap.
 _BRIEF = reprlib.Repr()
 _BRIEF.maxdict = _BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxset = 20
@@ -45,17 +48,25 @@ def counted(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
-def three_digits(value: float) -> str:
-    """Return a number with three digits, or with all those before its point: ``2.58``, ``1,234``."""
-    if abs(value) >= 999.5:
-        return f"{value:,.0f}"
+def alternatives(names: Sequence[str]) -> str:
+    """Return names as a choice: ``a``, ``a or b``, ``a, b or c``."""
+    return " or ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+
+
+def rounded_angle(angle: float) -> str:
+    """Return degrees with three digits, at most two of them decimals: ``2.58``, ``1,234``."""
+    if abs(angle) >= 999.5:
+        return f"{angle:,.0f}"
     # Adding zero turns -0 into 0.
-    return f"{float(f'{value:.3g}') + 0.0:g}"
+    return f"{round(float(f'{angle:.3g}'), _DECIMALS) + 0.0:g}"
 
 
 def in_degrees(angle: float) -> str:
-    """Return an angle with its unit: ``2.58 degrees``, ``1 degree``."""
-    number = three_digits(angle)
+    """Return an angle with its unit: ``2.58 degrees``, ``1 degree``, ``less than 0.01 degrees``."""
+    least = 10.0**-_DECIMALS
+    if 0.0 < abs(angle) < least:
+        return f"less than {least:g} degrees"
+    number = rounded_angle(angle)
     return f"{number} degree" if number in ("1", "-1") else f"{number} degrees"
 
 
