@@ -89,15 +89,15 @@ def describe(
     marked = naming(trail, why.cells if why else ())
     color = wants_color(sys.stdout)
     return (
-        f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
+        f"{shown(failure.who)}: {cause.sentence_in(world)}\n"
+        f"{shown_lines(depends)}"
+        f"{f'  {who} {repeats}.{chr(10)}' if repeats else ''}"
+        f"  {record.verdict}{shown(words)}\n"
         f"{shown_lines(describe_frames(evidence))}"
         f"{_doubt(failure)}"
-        f"  class {shown(bucket)}{often}; "
-        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
-        f"  {cause.value}: {cause.sentence_in(world)}\n"
-        f"{f'  {who} {repeats}.{chr(10)}' if repeats else ''}"
-        f"{shown_lines(depends)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
+        f"  cause {cause.value}, class {shown(bucket)}{often}; "
+        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(failure.stored, trail=marked, color=color)}"
         f"  {shown(failure.replay_command(path))}\n"
     )

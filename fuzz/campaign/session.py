@@ -30,6 +30,7 @@ from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.overview import Cause, Overview
 from fuzz.overview.building import Conclusion, build_overview
+from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.search.names import DATABASE
@@ -487,7 +488,6 @@ class CampaignSession:
         """Return the campaign in the form of the reports for CI services."""
         state = self._campaign.state
         scenario = self._config.scenario
-        best = sorted(state.best.items())
         facts = {"controller": shown(scenario.label()), "motion": scenario.run.motion}
         numbers = {
             "seed": self._config.seed,
@@ -504,20 +504,27 @@ class CampaignSession:
             if state.times
         }
         failing = self._failing()
-        # The dependencies were tried for the clearest failure of each cause.
-        why = {
-            self._out / cause.file: cause.why
-            for cause in self._overview.causes
-            if cause.why is not None
-        }
+        # The worst cause comes first, and of each the failure to look at, which is explained.
+        found: list[tuple[Failure, Path, Counterfactuals | None]] = []
+        rest = dict(state.best)
+        for cause in self._overview.causes:
+            example = cause.failure
+            is_here = bool(cause.file) and not cause.file.startswith(MEMORY)
+            if example is not None and example.bucket in rest and is_here:
+                del rest[example.bucket]
+                found.append((example, self._out / cause.file, cause.why))
+            own = [rest.pop(bucket) for bucket in cause.classes if bucket in rest]
+            own.sort(key=lambda failure: failure.order)
+            found += [(one, self._path(one.bucket), None) for one in own]
+        found += [(one, self._path(bucket), None) for bucket, one in sorted(rest.items())]
         new = [
             CiFinding.of(
                 one,
-                self._path(bucket),
-                FindingState.NEW if bucket in failing else FindingState.HAZARD,
-                why=why.get(self._path(bucket)),
+                path,
+                FindingState.NEW if one.bucket in failing else FindingState.HAZARD,
+                why=why,
             )
-            for bucket, one in best
+            for one, path, why in found
         ]
         stored = sorted(
             self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])

@@ -158,21 +158,24 @@ class CiFinding:
 
     @property
     def headline(self) -> str:
-        """The controller, and what happened."""
-        return f"{self.who}: {self.what}"
+        """The controller, and what goes wrong; if that is not known, what happened."""
+        return f"{self.who}: {self.explanation or self.what}"
 
     @property
     def explanation(self) -> str:
-        """Why it happens: one or two sentences; empty if nothing is known."""
+        """Why it happens: one or two sentences; empty if nothing is known or confirmed."""
+        if self.state == FindingState.NOT_CONFIRMED:
+            return ""
         depends = f" It {self.why}." if self.why else ""
         return f"{self.sentence}{depends}".strip()
 
     @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
-        cause = f"\n{self.cause}: {self.explanation}" if self.cause else ""
-        about = f"{self.headline}{cause}\nclass {self.bucket}; {self.size}"
-        return f"{about}\n{self.frames}{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
+        happened = f"{self.what}\n" if self.explanation else ""
+        cause = f"cause {self.cause}, " if self.cause else ""
+        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.size}"
+        return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ def markdown(report: Report) -> str:
         ]
     if report.findings:
         lines += [
-            "| | class | cause | controller | what happens | world | file |",
+            "| | what goes wrong | what happens | controller | world | class | file |",
             "| --- | --- | --- | --- | --- | --- | --- |",
         ]
         lines += [_row(finding) for finding in report.findings]
@@ -49,11 +49,11 @@ def escaped(text: str) -> str:
 def _row(finding: CiFinding) -> str:
     cells = (
         finding.state,
-        finding.bucket,
-        finding.cause,
-        finding.who,
+        finding.explanation,
         finding.what,
+        finding.who,
         finding.size,
+        finding.bucket,
         finding.place,
     )
     return f"| {' | '.join(map(escaped, cells))} |"
@@ -61,7 +61,7 @@ def _row(finding: CiFinding) -> str:
 
 def _fold(finding: CiFinding) -> str:
     """Return the complete finding in a fold, open if it makes the command exit with code 1."""
-    title = html.escape(f"{finding.bucket}, {finding.state}")
+    title = html.escape(f"{finding.explanation or finding.what} {finding.bucket}, {finding.state}")
     fold = "<details open>" if finding.fails else "<details>"
     text = html.escape(finding.text)
     return f"{fold}<summary>{title}</summary>\n\n<pre>\n{text}\n</pre>\n\n</details>"

@@ -1,5 +1,7 @@
 """SARIF 2.1.0 for GitHub's code scanning: a rule for each class, a result for each failure.
 
+The title of a rule says what goes wrong; its id is the class.
+
 Source: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", 2020.
 """
 
@@ -88,15 +90,16 @@ def _rule(finding: CiFinding) -> dict[str, Any]:
     name = _rule_id(finding)
     verdict = finding.state if finding.state == FindingState.NOT_CONFIRMED else finding.verdict
     meaning = _MEANINGS.get(verdict, _OTHERWISE)
+    sentence = "" if finding.state == FindingState.NOT_CONFIRMED else finding.sentence
     how = "The world's file contains a proof. The result gives the command that replays it."
     return {
         "id": name,
         "name": "".join(word.capitalize() for word in name.split("-")),
-        "shortDescription": {"text": _message(f"{verdict}: {name}.")},
+        "shortDescription": {"text": _message(sentence or f"{verdict}: {name}.")},
         "fullDescription": {"text": _message(meaning)},
         "help": {
             "text": _message(f"{meaning} {how}"),
-            "markdown": f"**{escaped(name)}**\n\n{meaning}\n\n{how}",
+            "markdown": f"**{escaped(sentence or name)}**\n\n{meaning}\n\n{how}",
         },
         "defaultConfiguration": {"level": "error"},
         "properties": {
@@ -138,8 +141,8 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
 
 
 def _sentences(finding: CiFinding) -> str:
-    why = f" {finding.explanation}" if finding.explanation else ""
-    return f"{finding.headline}.{why} World of {finding.size}: {finding.replay}"
+    happened = f" Verdict: {finding.what}" if finding.explanation else ""
+    return f"{finding.headline}{happened}. World of {finding.size}: {finding.replay}"
 
 
 def _location(place: Place) -> dict[str, Any]:

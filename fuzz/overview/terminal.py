@@ -253,7 +253,8 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     parts = []
     if natural is not None and natural.worlds and cause.natural is not None:
         of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
-        parts.append(f"{cause.natural or 'none'} of {of} natural worlds" if of else "")
+        of_all = f"{cause.natural or 'none'} of {counted(of, 'natural world')}"
+        parts.append(of_all if of else "")
     # The search proves and classifies only some of the runs that fail in the same way.
     met = _verdicts(cause)
     if met:

@@ -2,6 +2,7 @@
 contain.
 """
 
+import itertools
 import json
 import shutil
 from dataclasses import replace
@@ -49,7 +50,8 @@ TWO = report(finding(LOOP), finding(STALLED, FindingState.KNOWN))
 
 def test_junit_fails_what_is_new_and_skips_what_is_known():
     new, known = read_junit(junit(TWO)).findall("testcase")
-    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: loop forever")
+    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: It bounces")
+    assert "\nloop forever" in new.find("failure").text
     assert (
         "\nS start  G target" in new.find("failure").text
         and "worldgen replay failures/" in new.find("failure").text
@@ -103,6 +105,15 @@ def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
     run = read_sarif(sarif(report(*TWO.findings, *TWO.findings), project))
     assert len(run["tool"]["driver"]["rules"]) == 2 and len(run["results"]) == 4
     assert [result["level"] for result in run["results"]] == ["error", "note"] * 2
+
+
+def test_sarif_says_what_goes_wrong_before_it_names_the_class(project):
+    run = read_sarif(sarif(report(finding(LOOP)), project))
+    (rule,) = run["tool"]["driver"]["rules"]
+    sentence = "It bounces from wall to wall on a path that repeats."
+    assert rule["shortDescription"]["text"] == sentence
+    message = run["results"][0]["message"]["text"]
+    assert message.startswith(f"thesis-1 under stepped: {sentence} Verdict: loop forever")
 
 
 def test_a_fingerprint_is_the_class_and_not_the_world(project):
@@ -200,9 +211,9 @@ def test_words_of_strangers_break_no_report(project):
 
 def test_a_summary_has_a_row_and_a_picture_for_each_class():
     rows, folds = read_markdown(markdown(TWO))
-    assert [row[0] for row in rows] == ["new", "known"] and rows[0][1] == read_world(
-        LOOP
-    ).failure.details["class"]
+    assert [row[0] for row in rows] == ["new", "known"]
+    assert rows[0][1] == "It bounces from wall to wall on a path that repeats."
+    assert rows[0][5] == read_world(LOOP).failure.details["class"]
     assert "S start  G target" in folds[0] and "1 new class of failures, 1 known" in markdown(TWO)
 
 
@@ -247,6 +258,20 @@ def test_a_controller_that_is_not_here_is_reported_without_its_way(project):
         "S start  G target\n"
         in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
     )
+
+
+def test_a_campaign_reports_the_worst_cause_first_and_its_example_with_what_it_depends_on(project):
+    options = ("--units", 1, "--examples", 40, "--seed", 1, "--no-shrink", "--out", "out")
+    found = worldgen("fuzz", "--controller", "vfh", *options, "--junit", "j.xml", "--json")
+    cases = read_junit(Path("j.xml").read_bytes()).findall("testcase")
+    facts = [
+        {one.attrib["name"]: one.attrib["value"] for one in case.iter("property")} for case in cases
+    ]
+    groups = [cause for cause, _ in itertools.groupby(one["cause"] for one in facts)]
+    assert groups == [one["cause"] for one in json.loads(found.out)["causes"]]
+    assert len(groups) > 1 and len(facts) > len(groups)
+    assert "arrives" in facts[0]["why"]
+    assert " It arrives" in cases[0].find("failure").attrib["message"]
 
 
 def test_a_report_that_is_there_is_refused_before_the_work(project):

@@ -85,13 +85,18 @@ function topOf(failure, [before, after]) {
       step(before, "Previous", "p"),
       step(after, "Next", "n"),
     ),
-    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.bucket),
-    el("p", { class: "words" }, `${failure.controller} under ${failure.motion}: ${failure.words}`),
-    el("p", { class: "words" }, el("b", {}, failure.cause.replaceAll("-", " ")), `: ${failure.sentence} ${failure.advice}`),
+    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.cause.replaceAll("-", " ")),
+    el("p", { class: "words" }, `${failure.sentence} ${failure.advice}`),
     failure.repeats ? el("p", { class: "words why" }, `It ${failure.repeats}.`) : null,
     failure.why
       ? el("p", { class: "words why" }, `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.`)
       : null,
+    el(
+      "p",
+      { class: "words quiet" },
+      `${failure.controller} under ${failure.motion}: ${failure.words}. Class `,
+      el("span", { class: "class" }, failure.bucket),
+    ),
     failure.shrunk
       ? null
       : el("p", { class: "notice" }, "This world is as it was found, so some of its walls may not matter. worldgen shrink makes it small."),
