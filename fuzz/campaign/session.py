@@ -503,20 +503,8 @@ class CampaignSession:
             for part in ("search", "shrinking")
             if state.times
         }
+        # List what is new, then the known failures that were met.
         failing = self._failing()
-        # The worst cause comes first, and of each the failure to look at, which is explained.
-        found: list[tuple[Failure, Path, Counterfactuals | None]] = []
-        rest = dict(state.best)
-        for cause in self._overview.causes:
-            example = cause.failure
-            is_here = bool(cause.file) and not cause.file.startswith(MEMORY)
-            if example is not None and example.bucket in rest and is_here:
-                del rest[example.bucket]
-                found.append((example, self._out / cause.file, cause.why))
-            own = [rest.pop(bucket) for bucket in cause.classes if bucket in rest]
-            own.sort(key=lambda failure: failure.order)
-            found += [(one, self._path(one.bucket), None) for one in own]
-        found += [(one, self._path(bucket), None) for bucket, one in sorted(rest.items())]
         new = [
             CiFinding.of(
                 one,
@@ -524,7 +512,7 @@ class CampaignSession:
                 FindingState.NEW if one.bucket in failing else FindingState.HAZARD,
                 why=why,
             )
-            for one, path, why in found
+            for one, path, why in self._in_order()
         ]
         stored = sorted(
             self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])
@@ -535,6 +523,24 @@ class CampaignSession:
             if state.known[key[2]]
         ]
         return Report("fuzz", (*new, *met), facts)
+
+    def _in_order(self) -> list[tuple[Failure, Path, Counterfactuals | None]]:
+        """Return a failure of each class, its file and what it depends on, if that was tried.
+
+        The worst cause comes first, and of each the failure to look at, which is explained.
+        """
+        found: list[tuple[Failure, Path, Counterfactuals | None]] = []
+        rest = dict(self._campaign.state.best)
+        for cause in self._overview.causes:
+            example = cause.failure
+            is_here = bool(cause.file) and not cause.file.startswith(MEMORY)
+            if example is not None and example.bucket in rest and is_here:
+                del rest[example.bucket]
+                found.append((example, self._out / cause.file, cause.why))
+            own = [rest.pop(bucket) for bucket in cause.classes if bucket in rest]
+            own.sort(key=lambda failure: failure.order)
+            found += [(one, self._path(one.bucket), None) for one in own]
+        return found + [(one, self._path(bucket), None) for bucket, one in sorted(rest.items())]
 
     def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
         return [
