@@ -25,12 +25,15 @@ from fuzz.boundary import (
 )
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.catalogue import own_words
+from sim.controllers.learning import LEARNED
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
 from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import with_options
 from worldgen.support.plain_text import alternatives
 from worldgen.world import Pose, Value, World
 
@@ -73,7 +76,8 @@ class Change:
 
     Args:
         what: ``cell`` (a solid cell is free), ``memory`` (it starts without memory in its loop),
-            ``event`` (a cell does not change), ``option`` (an option of the run is at its default),
+            ``event`` (a cell does not change), ``option`` (an option of the run, or the
+            controller's own, is at its default),
             or the name of one of :data:`fuzz.boundary.AXES`.
         value: The value with which the robot arrives: the cell ``[ix, iy]``, the pose
             ``[x, y, heading]``, the option's name, or a number.
@@ -332,6 +336,13 @@ def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
         usual = scenario.with_run(**switch_sets(scenario.run.motion, others))
         if search.arrives(replace(search.subject, scenario=usual)):
             yield Change("option", name, value)
+    # A controller may have options of its own. What it learned is not one of them.
+    base, words = own_words(scenario.controller)
+    for name, text in words.items():
+        kept = {key: word for key, word in words.items() if key != name}
+        plain = replace(scenario, controller=with_options(base, kept))
+        if name != LEARNED and search.arrives(replace(search.subject, scenario=plain)):
+            yield Change("option", name, text or True)
 
 
 def _with_world(subject: Subject, **changes: object) -> Subject:

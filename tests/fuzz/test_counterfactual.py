@@ -247,3 +247,11 @@ def test_an_option_on_which_the_failure_depends_is_named():
     found = counterfactuals(failure_of(world, Scenario.parse("bug2+turn_limit=1")))
     options = [change for change in found.changes if change.what == "option"]
     assert options == [Change("option", "turn_limit", 1.0)]
+
+
+def test_an_option_of_the_controller_itself_is_named():
+    world = generate("maze", 1)
+    found = counterfactuals(failure_of(world, Scenario.parse("topological+places=4")))
+    options = [change for change in found.changes if change.what == "option"]
+    assert options == [Change("option", "places", "4")]
+    assert "without +places=4" in found.describe()
