@@ -9,9 +9,12 @@ from dataclasses import dataclass, field, replace
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
-from fuzz.triage.cause import Cause, joined
+from fuzz.triage.cause import Cause, Severity, joined
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.run_facts import RunFacts
+
+# Errors in any world, however unusual it is.
+_ERRORS = (Severity.THROUGH_WALLS, Severity.THROUGH_ROBOTS, Severity.CONTROLLER_ERROR)
 
 
 @dataclass(frozen=True)
@@ -111,13 +114,17 @@ def in_order(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
     """Sort causes: by severity, then by frequency in natural worlds, then in all worlds.
 
     Natural worlds come first because a search goes where failures are: its counts say more about
-    the search than about the controller.
+    the search than about the controller. So a cause that no natural world shows comes after those
+    that some show, unless it is an error in any world.
     """
     order = list(Cause)
-    return sorted(
-        causes,
-        key=lambda one: (one.cause.severity, -(one.natural or 0), -one.met, order.index(one.cause)),
-    )
+
+    def key(one: CauseTotals) -> tuple[bool, Severity, int, int, int]:
+        is_curious = one.natural == 0 and one.cause.severity not in _ERRORS
+        place = order.index(one.cause)
+        return is_curious, one.cause.severity, -(one.natural or 0), -one.met, place
+
+    return sorted(causes, key=key)
 
 
 def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) -> list[CauseTotals]:

@@ -34,7 +34,7 @@ from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
 
 
-def test_causes_come_by_severity_and_then_by_frequency_in_natural_worlds():
+def test_causes_come_by_severity_and_frequency_in_natural_worlds():
     rare = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 900})
     often = CauseTotals(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
     worst = CauseTotals(Cause.STEPS_OVER_A_WALL, ("c",), {"tunnel": 1})
@@ -43,9 +43,21 @@ def test_causes_come_by_severity_and_then_by_frequency_in_natural_worlds():
     assert [one.cause for one in ordered] == [
         Cause.STEPS_OVER_A_WALL,
         Cause.PUSHES_A_WALL,
-        Cause.CIRCLES_A_WALL,
         Cause.WANDERS,
+        Cause.CIRCLES_A_WALL,
     ]
+
+
+def test_a_cause_that_no_natural_world_shows_comes_late():
+    burned = CauseTotals(Cause.DRIVES_INTO_A_HAZARD, ("a",), {"burned": 4})
+    tunnel = CauseTotals(Cause.STEPS_OVER_A_WALL, ("b",), {"tunnel": 1})
+    pushes = CauseTotals(Cause.PUSHES_A_WALL, ("c",), {"loop": 145})
+    assert in_order([pushes, burned, tunnel]) == [tunnel, burned, pushes]
+    # An error that breaks the rules of the simulation is one wherever it happens.
+    found = with_natural([pushes, burned, tunnel], {Cause.PUSHES_A_WALL: 45})
+    assert [one.cause for one in found] == [tunnel.cause, pushes.cause, burned.cause]
+    caught = with_natural([pushes, burned], dict.fromkeys((burned.cause, pushes.cause), 1))
+    assert caught[0].cause == burned.cause
 
 
 def test_buckets_are_grouped_with_how_often_they_were_met():
