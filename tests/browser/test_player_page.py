@@ -201,3 +201,68 @@ _LOOK_AT = """async (film) => {
   for (let k = 0; k < first.length; k += 4) changed += Math.abs(first[k] - last[k]) > 40;
   return [video.videoWidth, video.videoHeight, changed, video.currentTime];
 }"""
+
+
+def test_the_timeline_is_zoomed_with_its_marks_whether_or_not_the_plots_are_shown(
+    browser, tmp_path
+):
+    world, controller, settings = thesis_failure("thesis-1-loop-104.grid")
+    page, _ = page_of(browser, tmp_path, world, controller, **settings)
+    last = ends_of_bar(page)[1]
+    width = width_of_period(page)
+    page.locator(".plots-part").evaluate("part => part.open = false")
+    page.keyboard.press(">")
+    low, high = ends_of_bar(page)
+    assert 0 < low < high == last
+    assert page.locator(".below-timeline .view").inner_text().startswith(f"steps {low:,} to ")
+    assert width_of_period(page) > 1.2 * width
+    # The wheel zooms too, and the bar follows the time.
+    page.locator("#scrub").hover()
+    page.mouse.wheel(0, -100)
+    assert ends_of_bar(page)[0] > low
+    page.keyboard.press("Home")
+    assert ends_of_bar(page)[0] == 0 and ends_of_bar(page)[1] < last
+    page.keyboard.press("|")
+    assert ends_of_bar(page) == (0, last)
+    assert width_of_period(page) == width
+    page.close()
+
+
+def ends_of_bar(page):
+    """Return the first and the last step that the scrub bar shows."""
+    bar = page.locator("#scrub")
+    return int(bar.get_attribute("min")), int(bar.get_attribute("max"))
+
+
+def width_of_period(page):
+    """Return the width of the period's mark above the scrub bar, in its own units."""
+    return float(page.locator(".scrub .period").get_attribute("width"))
+
+
+@pytest.mark.parametrize("height", [1050, 560], ids=["a-wall-a-pixel", "several-walls-a-pixel"])
+def test_a_large_maze_has_no_pattern_of_its_own(browser, tmp_path, height):
+    page, _ = page_of(browser, tmp_path, large_maze(), "turn-right", steps=5)
+    page.set_viewport_size({"width": 1280, "height": height})
+    page.reload()
+    page.wait_for_timeout(500)
+    picture = shown(page).mean(axis=2)
+    middle, side = [size // 2 for size in picture.shape], min(picture.shape) // 4
+    part = picture[tuple(slice(at - side, at + side) for at in middle)]
+    window = np.hanning(2 * side)
+    window = window[:, None] * window
+    waves = np.abs(np.fft.fft2((part - part.mean()) * window)) * 2 / window.sum()
+    across = np.fft.fftfreq(2 * side)
+    # waves of 3 to 100 pixels, which are wider than what the maze consists of
+    wide = np.abs(np.hypot(across[:, None], across) - 0.17) < 0.16
+    assert waves[wide].max() < 3.2
+    page.close()
+
+
+def large_maze():
+    """A world of 1000 x 1000 cells: one wall in three, with gaps."""
+    gaps = np.random.default_rng(1).random((1000, 1000)) < 0.5
+    walls = np.zeros((1000, 1000), np.bool_)
+    walls[::3] = gaps[::3]
+    walls[:, ::3] |= gaps[:, ::3]
+    walls[1:3, 1:3] = walls[-5:, -5:] = False
+    return World(walls, Pose(0.15, 0.15, 0.0), Target(99.8, 99.8, 0.05), robot_radius=0.04)

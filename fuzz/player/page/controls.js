@@ -1,12 +1,12 @@
-// The controls below the stage: scrub bar, clock buttons, layers and camera.
+// The controls below the stage: timeline, clock buttons, layers and camera.
 
-import { openWorld } from "#player/decode.js";
-import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
+import { choice, el, grouped, icon, keyButton } from "#player/dom.js";
 import { legendOf } from "#player/legend.js";
 import { hasMap } from "#player/picture/memory.js";
 import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
 import { makePlots } from "#player/plots.js";
 import { saveMenu } from "#player/saving.js";
+import { makeTimeline } from "#player/timeline.js";
 
 export const LAYERS = {
   trail: ["Trail", "t"],
@@ -43,11 +43,13 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
     player.draw();
     return player;
   }
-  parts.plots = makePlots(player, (step) => jumpTo(player, step));
-  player.zoomTime = parts.plots.zoom;
+  const jump = (step) => jumpTo(player, step);
+  parts.timeline = makeTimeline(player, jump);
+  parts.plots = makePlots(player, parts.timeline, jump);
+  player.zoomTime = parts.timeline.zoom;
   under.replaceChildren(
-    scrubBar(player, parts),
-    parts.plots.element,
+    parts.timeline.element,
+    el("div", { class: "below-timeline" }, parts.plots.element, parts.timeline.buttons),
     controls(player, parts),
     layers(player, parts),
     legendOf(drawn),
@@ -80,43 +82,6 @@ function viewButtons(player, parts) {
 export function toggleFollow(player) {
   if (player.follow) player.fit();
   else player.robot();
-}
-
-function scrubBar(player, parts) {
-  parts.scrub = el("input", {
-    type: "range",
-    min: 0,
-    max: player.last,
-    step: 1,
-    id: "scrub",
-    "aria-label": "Step",
-    oninput: (event) => jumpTo(player, Number(event.target.value)),
-  });
-  return el("div", { class: "scrub" }, scrubMarks(player), parts.scrub);
-}
-
-// Above the bar: the period of a loop, the important steps, the world's events.
-function scrubMarks(player) {
-  const { run, world } = player.drawn,
-    share = (step) => (1000 * Math.min(step, player.last)) / Math.max(1, player.last);
-  const bar = (name, from, to, y, height, ...children) =>
-    svg("rect", { class: name, x: from, y, width: to - from, height }, children);
-  const tick = (name, at, half, y, ...children) => bar(`tick ${name}`, at - half, at + half, y, 14 - y, children);
-  return svg(
-    "svg",
-    { viewBox: "-8 0 1016 14", preserveAspectRatio: "none", "aria-hidden": "true" },
-    bar("rail", 0, 1000, 11, 2),
-    run.loop ? bar("period", share(run.loop[0]), share(run.loop[0] + run.loop[1]), 3, 11) : null,
-    changeSteps(world, run, player.last).map((step) => tick("change", share(step), 0.75, 8)),
-    run.marks.map(({ step, kind, text }) => tick(kind, share(step), 1.5, 0, svg("title", {}, `step ${step}: ${text}`))),
-  );
-}
-
-function changeSteps(world, run, last) {
-  const { events } = openWorld(world);
-  if (!events) return [];
-  const pixels = new Set([...events.ms].map((ms) => Math.round((300 * ms) / (run.dt * 1000 * Math.max(1, last)))));
-  return [...pixels].filter((place) => place <= 300).map((place) => (place * last) / 300);
 }
 
 function controls(player, parts) {
@@ -255,9 +220,8 @@ function showState(player, parts) {
   const { run } = player.drawn;
   if (!run) return;
   const step = Math.min(player.last, Math.floor(player.step + 1e-9));
+  parts.timeline.draw(step, `step ${step} of ${player.last}${momentOf(run, step)}`);
   parts.plots.draw();
-  parts.scrub.value = step;
-  parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${player.last}${momentOf(run, step)}`);
   parts.play.replaceChildren(icon(player.playing ? "pause" : "play"), player.playing ? "Pause" : "Play");
   parts.play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
   parts.speed.value = player.speed;

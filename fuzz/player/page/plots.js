@@ -1,44 +1,32 @@
-// Plots of a run below its timeline; they can be zoomed, and dragging over them moves through time.
+// Plots of a run below its timeline; dragging over them moves through time.
 
 import { openRun, rowAt } from "#player/decode.js";
-import { el, keyButton } from "#player/dom.js";
+import { el } from "#player/dom.js";
 import { palette } from "#player/picture/pen.js";
 import { seriesOf } from "#player/series.js";
+import { onWheel } from "#player/timeline.js";
 
-const HIGH = 30; // pixels of one plot
+const HIGH = 37; // pixels of one plot
+const NAME = 14; // pixels of these for its name, above the curve
 const LEFT = 4; // pixels at both ends, so that the first and the last step can be hit
-const NEAREST = 20; // minimum number of steps to show
 const TALL = 820; // height in pixels of a window that shows the plots by default
 
 /**
  * Makes the plots of a player.
  * @param {Player} player
+ * @param {Timeline} timeline - Its view is the plots' too
  * @param {(step: number) => void} jump
- * @returns {{element: HTMLElement, draw: () => void, zoom: (factor: number) => void}}
+ * @returns {{element: HTMLElement, draw: () => void}}
  */
-export function makePlots(player, jump) {
+export function makePlots(player, { view, zoom }, jump) {
   const { run } = player.drawn;
-  const view = { from: 0, to: Math.max(1, player.last) };
   const canvas = el("canvas", { class: "plots", role: "img", "aria-label": "Speed, distance to the target and clearance over time" });
   const readout = el("span", { class: "quiet", id: "plot-values" });
   const draw = () => {
     if (!run || !element.open || canvas.clientWidth === 0) return;
-    follow(view, player);
     drawPlots(canvas, player, run, view);
     readout.textContent = valuesAt(player, run);
   };
-  const zoom = (factor, at = player.step) => {
-    zoomAt(view, player.last, factor, at);
-    draw();
-  };
-  const whole = () => zoom(0);
-  const buttons = el(
-    "span",
-    { class: "view", role: "group", "aria-label": "Plot zoom" },
-    keyButton("−", "Show more of the run", "<", () => zoom(1 / 2)),
-    keyButton("+", "Show less of the run", ">", () => zoom(2)),
-    keyButton("Whole run", "Show the whole run", "|", whole),
-  );
   const stepAt = (event) => {
     const box = canvas.getBoundingClientRect();
     const share = (event.clientX - box.left - LEFT) / Math.max(1, box.width - 2 * LEFT);
@@ -49,41 +37,13 @@ export function makePlots(player, jump) {
     jump(Math.round(stepAt(event)));
   });
   canvas.addEventListener("pointermove", (event) => event.buttons & 1 && jump(Math.round(stepAt(event))));
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
-      zoom(event.deltaY < 0 ? 1.3 : 1 / 1.3, stepAt(event));
-    },
-    { passive: false },
-  );
+  onWheel(canvas, zoom, (share) => view.from + share * (view.to - view.from));
   const isOpen = typeof innerHeight === "number" && innerHeight >= TALL;
   const element = /** @type {HTMLDetailsElement} */ (
-    el("details", { class: "plots-part", open: isOpen, ontoggle: draw }, el("summary", {}, "Plots: speed, distance, clearance"), canvas, el("div", { class: "line" }, readout, buttons))
+    el("details", { class: "plots-part", open: isOpen, ontoggle: draw }, el("summary", {}, "Plots: speed, distance, clearance"), canvas, readout)
   );
   new ResizeObserver(draw).observe(canvas);
-  return { element, draw, zoom };
-}
-
-// Changes which steps are shown, with one of them in its place; a factor of 0 shows the whole run.
-function zoomAt(view, last, factor, at) {
-  const whole = Math.max(1, last);
-  if (factor === 0) {
-    Object.assign(view, { from: 0, to: whole });
-    return;
-  }
-  const span = Math.min(whole, Math.max(Math.min(NEAREST, whole), (view.to - view.from) / factor));
-  const share = (at - view.from) / (view.to - view.from);
-  const from = Math.min(whole - span, Math.max(0, at - Math.min(1, Math.max(0, share)) * span));
-  Object.assign(view, { from, to: from + span });
-}
-
-// Scrolls the plots to keep the current time in view.
-function follow(view, { step, last }) {
-  const span = view.to - view.from;
-  if (step >= view.from && step <= view.to) return;
-  const from = Math.min(Math.max(1, last) - span, Math.max(0, step - 0.1 * span));
-  Object.assign(view, { from, to: from + span });
+  return { element, draw };
 }
 
 function valuesAt(player, run) {
@@ -120,7 +80,7 @@ function drawPlots(canvas, player, run, view) {
 function drawPlot(context, colours, { name, unit, values, most }, run, { view, across, top, width }) {
   const { at } = openRun(run);
   const low = top + HIGH - 3,
-    scale = (HIGH - 8) / Math.max(most, 1e-9);
+    scale = (HIGH - NAME - 4) / Math.max(most, 1e-9);
   context.strokeStyle = colours.rule;
   context.lineWidth = 1;
   context.beginPath();
@@ -155,9 +115,6 @@ function drawPlot(context, colours, { name, unit, values, most }, run, { view, a
   context.stroke();
   const words = `${name}, up to ${most.toFixed(2)} ${unit}`;
   context.font = "11px system-ui, sans-serif";
-  context.lineWidth = 3;
-  context.strokeStyle = colours.paper;
-  context.strokeText(words, LEFT + 2, top + 11);
   context.fillStyle = colours.quiet;
   context.fillText(words, LEFT + 2, top + 11);
 }

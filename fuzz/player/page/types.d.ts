@@ -76,8 +76,8 @@ interface OpenWorld {
   /** Cells at some time, and the number of events that they include. */
   now?: Uint8Array | null;
   done: number;
-  /** What happens next to each cell, and which floor has burnt, at `done`. */
-  coming?: { next: Uint8Array; burnt: Uint8Array; done: number };
+  /** What happens next to each cell, which cells open later, and which have burnt, at `done`. */
+  coming?: { next: Uint8Array; opens: Uint8Array; burnt: Uint8Array; done: number };
   /** In a world that is being edited: a box of all cells changed after a version,
    * null for all cells. */
   boxSince?: (version: number) => Box | null;
@@ -429,8 +429,8 @@ interface Pose {
 
 type Layer = "changes" | "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
 
-/** The visible parts of a scene; `grid` is visible unless it is false. */
-type Shown = Partial<Record<Layer | "grid" | "cells", boolean>>;
+/** The visible parts of a scene; `grid` and the bar `scale` are visible unless they are false. */
+type Shown = Partial<Record<Layer | "grid" | "scale" | "cells", boolean>>;
 
 interface OtherRobot {
   run: DrawnRun;
@@ -500,10 +500,22 @@ interface Player extends Clock, Camera {
   /** Null for the whole world. */
   view: View | null;
   follow: boolean;
-  /** Shows less of the run in the plots, more with a factor below 1, the whole run with 0. */
+  /** Shows less of the run in the timeline, more with a factor below 1, the whole run with 0. */
   zoomTime?: (factor: number) => void;
   draw(): void;
   update(): void;
+}
+
+/** The scrub bar, and the part of the run that it and the plots show. */
+interface Timeline {
+  element: HTMLElement;
+  buttons: HTMLElement;
+  /** The first and the last step that are shown. */
+  view: { from: number; to: number };
+  /** As `Player.zoomTime`; the step `at` stays in its place. */
+  zoom(factor: number, at?: number): void;
+  /** Shows a step, in `words` for a screen reader. */
+  draw(step: number, words: string): void;
 }
 
 interface Clock {

@@ -5,30 +5,34 @@ import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { rimOf } from "#player/picture/pen.js";
 
 // The next change of a cell: its new state plus one, because 0 means no change.
-const OPENS = FREE + 1,
-  CLOSES = SOLID + 1,
+const CLOSES = SOLID + 1,
   BURNS = BURNING + 1;
 const HATCHED = 3; // pixels per cell above which hatching can be told from a plain colour
 const APART = 6; // pixels between two lines of hatching
 const MOST_LABELS = 6; // limit on labelled places where a timed path waits for a wall to open
 
 /**
- * Returns the next change of each cell (0: none), and which free cells have burnt.
+ * Returns the next change of each cell (0: none), which cells become free at some later time, and
+ * which have burnt.
  * @param {OpenWorld} open - As cellsAt has left it for the current time
- * @returns {{next: Uint8Array, burnt: Uint8Array}}
+ * @returns {{next: Uint8Array, opens: Uint8Array, burnt: Uint8Array}}
  */
 function comingIn(open, width) {
   const { events, done } = open;
   if (open.coming && open.coming.done === done) return open.coming;
   const next = new Uint8Array(open.cells.length),
+    opens = new Uint8Array(open.cells.length),
     burnt = new Uint8Array(open.cells.length);
   if (events) {
     const { ix, iy, state } = events;
     // the earliest stays
-    for (let k = state.length - 1; k >= done; k -= 1) next[iy[k] * width + ix[k]] = state[k] + 1;
+    for (let k = state.length - 1; k >= done; k -= 1) {
+      next[iy[k] * width + ix[k]] = state[k] + 1;
+      if (state[k] === FREE) opens[iy[k] * width + ix[k]] = 1;
+    }
     for (let k = 0; k < done; k += 1) burnt[iy[k] * width + ix[k]] = state[k] === BURNING ? 1 : burnt[iy[k] * width + ix[k]];
   }
-  open.coming = { next, burnt, done };
+  open.coming = { next, opens, burnt, done };
   return open.coming;
 }
 
@@ -57,13 +61,14 @@ export function drawBurnt(pen, world, cells) {
 export function drawComing(pen, world, cells) {
   const { open } = world;
   if (!open?.events) return;
-  const { next } = comingIn(open, world.width);
+  const { next, opens } = comingIn(open, world.width);
   const { colours } = pen;
   hatch(pen, world, (k) => next[k] === BURNS && cells[k] === FREE, colours.fire, 1);
-  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] === FREE, colours.wall, 1);
-  const opens = (k) => next[k] === OPENS && cells[k] === SOLID;
-  wash(pen, world, opens, colours.floor); // so that the hatching stands out from walls
-  hatch(pen, world, opens, colours.start, -1);
+  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] !== SOLID, colours.wall, 1);
+  // a wall that burns away opens too
+  const frees = (k) => opens[k] === 1 && cells[k] === SOLID;
+  wash(pen, world, frees, colours.floor); // so that the hatching stands out from walls
+  hatch(pen, world, frees, colours.start, -1);
 }
 
 // Adds the rectangles of visible cells to the path; returns whether there are any.

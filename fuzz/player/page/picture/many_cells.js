@@ -4,6 +4,7 @@
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 
 const MANY = 100_000; // visible cells; fewer are drawn individually, with sharp edges
+const SMALL = 2 / 3; // pixels of the screen per cell below which a wall and a gap share a pixel
 const pictures = new WeakMap(); // by the array of cells
 
 /**
@@ -19,17 +20,46 @@ export function drawManyCells(pen, world, cells) {
     up = Math.min(world.height, pen.height / pen.scale);
   if (across * up < MANY && scale >= 1) return false;
   const { context } = pen;
+  const picture = pictureOf(pen, world, cells),
+    pixels = scale * ratioOf(context); // of the screen, for each cell
   context.save();
   context.imageSmoothingEnabled = scale < 1;
-  context.imageSmoothingQuality = "high"; // otherwise a browser skips pixels, and a maze gets a pattern
-  const picture = halved(pictureOf(pen, world, cells), scale * ratioOf(context));
-  context.drawImage(picture, px(0), py(world.height), world.width * scale, world.height * scale);
+  if (pixels < SMALL && !world.open?.events) {
+    // at whole pixels, so that nothing is blurred again
+    const small = shrunk(picture, pixels),
+      whole = (place) => Math.round(place * ratioOf(context)) / ratioOf(context);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(small, whole(px(0)), whole(py(world.height)), small.width / ratioOf(context), small.height / ratioOf(context));
+  } else context.drawImage(halved(picture, pixels), px(0), py(world.height), world.width * scale, world.height * scale);
   context.restore();
   return true;
 }
 
 // Returns the number of screen pixels per page pixel.
 const ratioOf = (context) => context.getTransform?.().a || 1;
+
+/** @type {WeakMap<OffscreenCanvas, {drawn: number, pixels: number, small: OffscreenCanvas}>} */
+const smalls = new WeakMap(); // by picture: its last copy in the size of the screen
+
+/**
+ * Returns a picture in the size of the screen, each pixel a weighted average of its surroundings.
+ * Anything coarser gives a maze a pattern that it does not have.
+ * @param {{canvas: OffscreenCanvas, drawn: number}} picture
+ * @param {number} pixels - Of the screen, for each cell
+ * @returns {OffscreenCanvas}
+ */
+function shrunk(picture, pixels) {
+  const { canvas, drawn } = picture,
+    known = smalls.get(canvas);
+  if (known && known.drawn === drawn && known.pixels === pixels) return known.small;
+  const size = (side) => Math.max(1, Math.round(side * pixels));
+  // First enlarge it to a power of two times the size, then take the average of each four pixels.
+  let times = 2 ** Math.ceil(Math.log2(1 / pixels)),
+    small = scaled(canvas, size(canvas.width) * times, size(canvas.height) * times);
+  for (; times > 1; times /= 2) small = scaled(small, small.width / 2, small.height / 2, times === 2);
+  smalls.set(canvas, { drawn, pixels, small });
+  return small;
+}
 
 /** @type {WeakMap<OffscreenCanvas, {drawn: number, levels: OffscreenCanvas[]}>} */
 const halves = new WeakMap(); // by picture: its copies of half size, quarter size and so on
@@ -45,17 +75,24 @@ function halved({ canvas, drawn }, scale) {
   let known = halves.get(canvas);
   if (!known || known.drawn !== drawn) halves.set(canvas, (known = { drawn, levels: [canvas] }));
   const level = Math.max(0, Math.floor(Math.log2(1 / scale)));
-  while (known.levels.length <= level) known.levels.push(halfOf(/** @type {OffscreenCanvas} */ (known.levels.at(-1))));
+  while (known.levels.length <= level) {
+    const { width, height } = known.levels[known.levels.length - 1];
+    // each pixel is the average of four
+    known.levels.push(scaled(known.levels[known.levels.length - 1], Math.ceil(width / 2), Math.ceil(height / 2)));
+  }
   return known.levels[level];
 }
 
-// Returns a picture of half the size, each pixel the average of four.
-function halfOf(picture) {
-  const half = new OffscreenCanvas(Math.ceil(picture.width / 2), Math.ceil(picture.height / 2));
-  const context = /** @type {OffscreenCanvasRenderingContext2D} */ (half.getContext("2d"));
+// Returns a picture in another size; a soft one is the average of four, half a pixel apart.
+function scaled(picture, width, height, isSoft = false) {
+  const canvas = new OffscreenCanvas(width, height);
+  const context = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
   context.imageSmoothingEnabled = true;
-  context.drawImage(picture, 0, 0, half.width, half.height);
-  return half;
+  context.globalCompositeOperation = "lighter"; // sums
+  const apart = isSoft ? [0, 0.5] : [0];
+  context.globalAlpha = 1 / apart.length ** 2;
+  for (const x of apart) for (const y of apart) context.drawImage(picture, x, y, width, height);
+  return canvas;
 }
 
 // changes to draw into the picture individually; if there are more, it is drawn again

@@ -43,7 +43,7 @@ export function drawScene(canvas, scene, view = null) {
   if (run) drawRun(pen, { ...scene, run, step, number }, cells);
   else drawStart(pen, world, true);
   if (scene.show.cells) drawCellsOf(pen, scene);
-  drawScaleBar(pen, world);
+  if (scene.show.scale !== false) drawScaleBar(pen, world);
 }
 
 /**
