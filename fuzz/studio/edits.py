@@ -16,7 +16,9 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequenc
 from pathlib import Path
 from typing import Any
 
+from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
+from worldgen.parameters import split_options
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
 UNKNOWN = "?"
@@ -131,7 +133,7 @@ class Edits:
         return {file: digest_of_file(file) for file in sorted(files | set(self._loaded()))}
 
     def _entry(self, file: str, digest: str) -> dict[str, Any]:
-        """Return the page's entry of a file, with the controllers that may run its code."""
+        """Return the page's entry of a file, with the names of the controllers that may run it."""
         own = [label for label in self._named if file in _own_files(label)]
         beside = [
             label
@@ -142,8 +144,16 @@ class Edits:
             "file": file,
             "name": Path(file).name,
             "digest": digest,
-            "controllers": own or beside or list(self._named),
+            "controllers": sorted({_plain_name(label) for label in own or beside or self._named}),
         }
+
+
+def _plain_name(label: str) -> str:
+    """Return a controller's name without its options."""
+    try:
+        return split_options(label)[0]
+    except InvalidParameter:  # a program's arguments can contain a plus
+        return label
 
 
 @functools.cache

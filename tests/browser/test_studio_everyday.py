@@ -3,9 +3,10 @@
 import pytest
 
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import opened
+from tests.helpers.studio_page import opened, place
 from worldgen import generate
 from worldgen.files.grid import write_world
+from worldgen.timeline import CellState
 
 pytestmark = pytest.mark.gate
 
@@ -53,14 +54,85 @@ def test_time_on_the_board_keys_and_choices_that_stay(browser, gate):
         page.keyboard.press("Control+m")
         assert page.evaluate("document.activeElement.id") == "board"
 
-        # The theme and the set-up survive a reload.
+        # The theme and the set-up, even one that has not been run, survive a reload.
         page.keyboard.press("2")
         page.get_by_label("Steps", exact=True).fill("321")
         page.locator("#run").click()
         page.locator("#run-said:empty").wait_for(state="attached")
         page.locator("#theme").click()
+        page.locator("#play").get_by_label("thesis-3").check()
         page.reload()
         page.locator(".result").first.wait_for()
         assert page.get_by_label("Steps", exact=True).input_value() == "321"
         assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+        assert page.locator("#play").get_by_label("thesis-3").is_checked()
         assert page.complaints == []
+
+
+def test_space_plays_whatever_was_clicked_before(browser, gate):
+    with opened(browser, gate) as page:
+        page.locator("#board").focus()
+        page.keyboard.press("2")
+        page.locator(".result").first.wait_for()
+        plays = page.locator("#play-pause[aria-label=Pause]")
+        stands = page.locator("#play-pause[aria-label=Play]")
+        robot = page.locator("#play").get_by_label("thesis-3")
+
+        def plays_after(act):
+            page.keyboard.press("Home")
+            stands.wait_for()
+            act()
+            page.keyboard.press("Space")
+            plays.wait_for(timeout=5000)
+            page.locator("#stage").click()
+            page.keyboard.press("Space")
+
+        plays_after(robot.click)
+        assert robot.is_checked()
+        plays_after(lambda: page.locator("#play .motion select").select_option("stepped"))
+        plays_after(page.get_by_label("Steps", exact=True).click)
+        plays_after(page.locator("#run").focus)
+        # After Tab, Space presses what has the focus.
+        page.locator("#theme").focus()
+        page.keyboard.press("Shift+Tab")
+        page.keyboard.press("Tab")
+        page.keyboard.press("Space")
+        page.locator("html[data-theme=dark]").wait_for(timeout=5000)
+        assert stands.count() == 1
+
+
+def test_a_wall_that_burns_away_is_hatched_on_the_board(browser, gate):
+    world = generate("fire", 3)
+    x, y = first_door(world)
+    with opened(browser, gate) as page:
+        page.get_by_label("Path", exact=True).uncheck()
+        page.wait_for_timeout(300)
+        where = [*place(page, x + 0.05, y + 0.05), *place(page, x + 0.95, y + 0.95)]
+        assert colours_in(page, where) > 3
+        page.locator("#board-time").focus()
+        page.keyboard.press("End")
+        page.wait_for_timeout(300)
+        # Only floor, burnt or not, and its grid.
+        assert colours_in(page, where) <= 3
+
+
+def first_door(world):
+    """Return a wall cell that a fire opens."""
+    _, columns, rows, states = world.timeline.columns
+    opens = states == CellState.FREE
+    found = zip(columns[opens].tolist(), rows[opens].tolist(), strict=True)
+    return next((ix, iy) for ix, iy in found if world.walls[iy, ix])
+
+
+def colours_in(page, box):
+    """Return how many colours the board has in a box in the window."""
+    return page.evaluate(
+        """([left, bottom, right, top]) => {
+          const canvas = document.querySelector("#board");
+          const { x, y } = canvas.getBoundingClientRect();
+          const context = canvas.getContext("2d");
+          const image = context.getImageData(left - x, top - y, right - left, bottom - top);
+          return new Set(new Uint32Array(image.data.buffer)).size;
+        }""",
+        box,
+    )

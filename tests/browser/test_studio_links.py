@@ -57,6 +57,81 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
 
 
 @pytest.mark.gate
+def test_a_link_shows_the_same_in_a_fresh_browser_or_says_what_is_missing(browser, tmp_path):
+    (tmp_path / "found").mkdir()
+    shutil.copy(CORPORA / "thesis/config-05.grid", tmp_path)
+    shutil.copy(CORPORA / "thesis-faults/thesis-1-loop-104.grid", tmp_path / "found")
+    with studio_of(tmp_path) as gate:
+        with opened(browser, gate) as page:
+            base = page.url.partition("#")[0]
+            page.locator("#start-menu summary").click()
+            page.locator("[data-example=trap]").first.click()
+            page.wait_for_function("() => location.hash.includes('family=trap')")
+            page.locator(".status", has_text="30 x 30 cells").wait_for()
+            words = page.locator(".status .place").inner_text()
+            made = page.url.partition("#")[2]
+            # Drawing on makes it another world.
+            page.locator("#board").focus()
+            page.keyboard.press("Space")
+            page.keyboard.press("Space")
+            page.wait_for_function("() => !location.hash.includes('family')")
+
+        def fresh(link, until):
+            with opened(browser, gate, until=None) as page:
+                page.goto(f"{base}#{link}")
+                page.locator(*until[:1], **until[1]).first.wait_for(timeout=60_000)
+                assert page.complaints == []
+                return page.locator(until[0]).first.inner_text()
+
+        assert fresh(made, (".status .place", {"has_text": "30 x 30 cells"})) == words
+        # A link without robots runs the usual one.
+        assert "loop" in fresh("play?world=config-05.grid", (".result", {}))
+        gone = fresh(
+            "play?world=config-05.grid&robots=gone,thesis-1", ("#gone", {"has_text": "gone"})
+        )
+        assert gone.startswith("This studio cannot run gone from the link.")
+        nothing = "campaign?folder=found&failure=found/nothing.grid"
+        assert fresh(nothing, (".wall-part .notice", {"has_text": "is not in found"}))
+        assert fresh("campaign?folder=lost", ("#campaign .said", {"has_text": "no folder lost"}))
+
+
+@pytest.mark.gate
+def test_a_message_about_a_link_goes_with_the_next_world(browser, tmp_path):
+    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        page.goto(f"{page.url.partition('#')[0]}#draw?world=nothing.grid")
+        page.locator("#gone", has_text="nothing.grid").wait_for()
+        page.locator("#start-menu summary").click()
+        page.locator("[data-example=maze]").first.click()
+        page.locator("#gone").wait_for(state="hidden")
+
+
+@pytest.mark.gate
+def test_on_a_phone_the_menu_and_every_place_of_the_tour_can_be_seen(browser, tmp_path):
+    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True}
+    with studio_of(tmp_path) as gate, opened(browser, gate, **phone) as page:
+        page.locator("#start-menu summary").click()
+        box = page.locator("#start-menu .menu").bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 390
+        page.locator("#take-tour").click()
+        for number in range(1, 9):
+            page.locator(".tour", has_text=f"{number} of 8").wait_for()
+            if number == 5:
+                page.locator(".result").wait_for()
+            page.wait_for_timeout(300)
+            middle = page.locator(".toured").evaluate(
+                """(shown) => {
+                  const { top, bottom } = shown.getBoundingClientRect();
+                  return (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2;
+                }"""
+            )
+            card = page.locator(".tour").bounding_box()
+            assert 0 < middle < 844, number
+            assert not card["y"] < middle < card["y"] + card["height"], number
+            page.locator("#tour-next").click()
+        assert page.complaints == []
+
+
+@pytest.mark.gate
 def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tmp_path):
     write_world(generate("crossing", 3), tmp_path / "fleet.grid")
     with studio_of(tmp_path, file="fleet.grid") as gate, opened(browser, gate) as page:

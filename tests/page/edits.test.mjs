@@ -34,7 +34,7 @@ test("a file has been edited if its contents differ, even from an earlier connec
 
 test("a robot with options runs the code of its controller", () => {
   assert.ok(runsOneOf("./mine.py:Robot+slip=0.1", ["./mine.py:Robot"]));
-  assert.ok(runsOneOf("./mine.py:Robot", ["./mine.py:Robot+slip=0.1"]));
+  assert.ok(runsOneOf("behaviours+priority=./mine.py:Robot,wander", ["./mine.py:Robot"]));
   assert.ok(!runsOneOf("bug1", ["./mine.py:Robot"]));
 });
 

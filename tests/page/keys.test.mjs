@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { element, press } from "./stand_in.mjs";
+import { element, point, press } from "./stand_in.mjs";
 import { showTabs } from "#studio/shared/fields.js";
 import { listen } from "#studio/shared/keys.js";
 import { TOOLS } from "#studio/draw/tools.js";
@@ -81,22 +81,30 @@ test("on the Play page, keys play, step and switch layers", () => {
   assert.equal(does(" "), "");
 });
 
-test("Space plays after a click on a button or a box, and presses a control that was reached with Tab", () => {
+test("Space plays after a click on a button, a box or a list, and presses a control that was reached with Tab", () => {
   page = "play";
   const box = element("box", "input");
   box.type = "checkbox";
-  for (const one of [box, element("theme")]) {
+  for (const one of [box, element("theme"), element("speed", "select")]) {
+    point(document.body, "pointerdown", [0, 0]);
     assert.equal(does(" ", {}, one), "play true");
-    one.byKeys = true;
+    press("Tab");
     assert.equal(does(" ", {}, one), "");
-    one.byKeys = false;
   }
+  point(document.body, "pointerdown", [0, 0]);
 });
 
 test("a key of one page does nothing on another", () => {
   page = "campaign";
   assert.deepEqual(["b", "g", " ", "Delete"].map((key) => does(key)), ["", "", "", ""]);
   assert.deepEqual([does("s", CTRL), does("z", CTRL)], ["", ""]);
+});
+
+test("Space plays from a number's field too, because a number has no spaces", () => {
+  page = "play";
+  const field = element("steps", "input");
+  field.type = "number";
+  assert.deepEqual([does(" ", {}, field), does("ArrowLeft", {}, field)], ["play true", ""]);
 });
 
 test("in a field, keys type letters, and Ctrl+Z belongs to the field", () => {

@@ -30,6 +30,8 @@ const MOTIONS = [
   { name: "swept", thesis: false, about: "exact", options: [] },
 ];
 
+let panels = 0; // each has a folder of its own, so that no set-up is kept for the next one
+
 function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
   const asked = [];
   const model = new Model(blank(9, 9), () => {});
@@ -37,7 +39,7 @@ function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
     asked.push([kind, message]);
     return answer(kind, message);
   };
-  const studioPart = { model, connection: { ask }, offered: { controllers, motions: MOTIONS, time_step: 0.015 }, limits: LIMITS };
+  const studioPart = { model, folder: `folder ${(panels += 1)}`, showLink: () => {}, connection: { ask }, offered: { controllers, motions: MOTIONS, time_step: 0.015 }, limits: LIMITS };
   const runs = [];
   const robots = makeRobots(studioPart, () => runs.push(robots.message()));
   document.body.append(robots.element);

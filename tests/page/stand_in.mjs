@@ -247,8 +247,7 @@ function isOne(element, compound) {
     if (name && !element.classList.contains(name)) return false;
     if (attribute && (value === undefined ? !element.hasAttribute(attribute) : element.getAttribute(attribute) !== value)) return false;
     if (other && element.matches(other)) return false;
-    // byKeys: set by a test
-    if (state && !(state === "focus-visible" ? element.byKeys : element[state])) return false;
+    if (state && !element[state]) return false;
   }
   return true;
 }

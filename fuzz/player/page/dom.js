@@ -89,17 +89,6 @@ export function choice(pairs, chosen, change) {
 }
 
 /**
- * Returns a robot's name without its options, as split_options in worldgen/parameters.py does.
- * @param {string} name
- * @returns {string}
- */
-export function plainName(name) {
-  const plain = name.match(/^([\w-]+|.+\.py:[A-Za-z_]\w*|[\w.]+:[A-Za-z_]\w*)(?=\+|$)/s);
-  // Any other name may itself contain a plus; the options at its end have no slash in their values.
-  return plain?.[0] ?? name.replace(/(\+[A-Za-z][\w-]*(=[^+/\\]*)?)+$/, "");
-}
-
-/**
  * Returns a robot's name with its options; a line may break before each option.
  * @param {string} name
  * @returns {Content[]}

@@ -34,11 +34,11 @@ export function keyTable(rows) {
   return el("table", {}, el("tbody", {}, rows.map(row)));
 }
 
-/** @type {WeakSet<EventTarget>} */
-// the element that a click focused; :focus-visible cannot tell, because any key makes it true
-const clicked = new WeakSet();
-addEventListener("click", ({ detail }) => detail > 0 && document.activeElement && clicked.add(document.activeElement));
-addEventListener("focusout", ({ target }) => target && clicked.delete(target));
+// whether the user last moved the focus by Tab, not by pointer;
+// :focus-visible cannot tell, because any key makes it true
+let tabbed = false;
+addEventListener("keydown", ({ key }) => (tabbed ||= key === "Tab"), { capture: true });
+addEventListener("pointerdown", () => (tabbed = false), { capture: true });
 
 /**
  * Returns true if the focused element needs a key itself, such as a text field, a slider or a
@@ -48,11 +48,13 @@ addEventListener("focusout", ({ target }) => target && clicked.delete(target));
  * @returns {boolean}
  */
 export function keepsKey(target, key) {
+  const isPressed = target.matches("button, a, summary, select, input[type=checkbox], input[type=radio]");
+  // After a click, Space is free for the clock; after Tab, it presses what has the focus. A number
+  // has no spaces.
+  if (key === " " && (isPressed || target.matches("input[type=range], input[type=number]"))) return isPressed && tabbed;
   if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
-  if (target.matches("input[type=radio]")) return /^( |Enter|Arrow)/.test(key);
-  // After a mouse click, Space is free for the clock; after Tab, it presses the focused button.
-  if (key === " ") return target.matches("button, a, summary, input") && target.matches(":focus-visible") && !clicked.has(target);
+  if (target.matches("input[type=radio]")) return /^(Enter|Arrow)/.test(key);
   return key === "Enter" && target.matches("button, a, summary, input");
 }
 

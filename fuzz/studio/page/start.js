@@ -17,7 +17,7 @@ import { Model, emptyWorld, worldOf } from "#studio/draw/model.js";
 import { makePlay } from "#studio/play/play.js";
 import { listenToBoard } from "#studio/draw/pointer.js";
 import { makeProver } from "#studio/draw/proof.js";
-import { linkTo, readLink } from "#studio/shared/links.js";
+import { linkTo, madeIn, madeOf, readLink } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeTour } from "#studio/shared/tour.js";
 
@@ -48,6 +48,7 @@ const studio = {
     route(); // now, because the next action may need the page before the browser reports the change
   },
   show,
+  generate,
   showName,
   showLink,
   // cancels the current stroke first
@@ -63,6 +64,9 @@ let keeping = 0;
 const codeFiles = new Map(); // digest of each file of the user's code
 let followed = false; // whether the link that the page was opened with has been followed
 let refused = false; // whether the server refused the last attempt to save
+let misled = false; // whether a message about the last link is visible
+/** @type {{entry: object | null, shows: Record<string, string>} | null} */
+let made = null; // the last generated world: its place in the history, and what a link to it contains
 
 // Redraws everything after changes, at most once per frame.
 function changed() {
@@ -100,7 +104,9 @@ function showLink() {
   if (!followed) return; // the link that the page was opened with is still to be followed
   const page = studio.page();
   const own = { campaign: studio.campaign, compare: studio.compare }[page];
-  const shows = own ? own.link() : { world: studio.model.world.name, ...(page === "play" ? studio.play.link() : {}) };
+  const { world, past } = studio.model;
+  const shown = made && made.entry === past.at(-1) ? made.shows : { world: world.name };
+  const shows = own ? own.link() : { ...shown, ...(page === "play" ? studio.play.link() : {}) };
   const link = linkTo(page, shows);
   if (link !== location.hash) history.replaceState(null, "", `${location.pathname}${link}`);
 }
@@ -109,6 +115,8 @@ function showLink() {
 async function followLink() {
   const { page, shows } = readLink(location.hash);
   followed = true;
+  if (misled) notice("");
+  misled = false;
   if (page === "campaign") {
     studio.campaign.follow(shows);
     return;
@@ -117,20 +125,41 @@ async function followLink() {
     studio.compare.follow(shows);
     return;
   }
-  if (page === "play") studio.play.follow(shows);
-  if (!shows.world || shows.world === studio.model.world.name) {
-    if (page === "play") studio.play.run();
-    return;
-  }
   try {
-    await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
-    // a failure's file names its own robot, and so does a link with robots
-    if (page === "play") studio.play.follow(shows);
+    if (shows.family) await generate(madeIn(shows), `${shows.family} ${shows.world_seed}`);
+    else if (shows.world && shows.world !== studio.model.world.name)
+      await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
-    if (error instanceof Refused) notice(error.message);
+    if (error instanceof Refused) mislead(error.message);
   }
-  if (page === "play") studio.play.run();
+  if (page !== "play") return;
+  // now, because a failure's file names its own robot, and so does a link with robots
+  const unknown = studio.play.follow(shows);
+  if (unknown.length > 0) mislead(`This studio cannot run ${unknown.map(shortName).join(", ")} from the link. Start it with --controller, or choose another robot.`);
+  studio.play.run();
+}
+
+// Says why a link cannot be followed, until another one is, or another world is opened.
+function mislead(words) {
+  misled = true;
+  notice([byId("gone").dataset.words, words].filter(Boolean).join(" "));
+}
+
+/**
+ * Generates a world and shows it.
+ * @param {{family: string, seed: string, parameters: object, difficulty?: number, where?: string}} message
+ * @param {string} label
+ * @param {(part: any) => void} [progress]
+ * @returns {Promise<OpenedMessage>}
+ */
+async function generate(message, label, progress) {
+  const answer = await studio.connection.ask("generate", message, progress);
+  show(answer, "", label);
+  const searched = message.difficulty !== undefined || message.where !== undefined;
+  made = searched ? null : { entry: studio.model.mark(), shows: madeOf(message) };
+  showLink();
+  return answer;
 }
 
 // Shows the subject of the current page: the drawn world, or the folder whose failures are shown.
@@ -162,6 +191,8 @@ function show(answer, name, label) {
   if (name) studio.model.markSaved(name, world.source, world.file, studio.model.mark());
   if (answer.failure) studio.play.prefer(answer.failure);
   else studio.play.forget();
+  if (misled) notice(""); // the message about the last link no longer applies
+  misled = false;
   say(`Opened ${label}`);
 }
 

@@ -329,6 +329,11 @@ interface Studio {
   page(): string;
   go(page: string): void;
   show(answer: OpenedMessage, name: string, label: string): void;
+  generate(
+    message: { family: string; seed: string; parameters: object; difficulty?: number; where?: string },
+    label: string,
+    progress?: (part: any) => void,
+  ): Promise<OpenedMessage>;
   showName(): void;
   /** Keeps the address a link to what the page shows. */
   showLink(): void;

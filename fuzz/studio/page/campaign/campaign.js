@@ -123,6 +123,7 @@ async function list(campaign) {
   campaign.states = new Map(answer.campaigns.map((state) => [state.folder, state]));
   const names = [...campaign.states.keys(), ...answer.folders.map(({ name }) => name), ...answer.archives];
   const running = answer.campaigns.find((state) => state.running);
+  const gone = campaign.folder && !names.includes(campaign.folder) ? [`There is no folder ${campaign.folder} with failures.`] : [];
   if (campaign.folder === null || !names.includes(campaign.folder)) {
     const kept = keptOf(campaign.studio.folder, CHOSEN);
     campaign.folder = running ? running.folder : names.includes(kept) ? kept : (names[0] ?? null);
@@ -130,7 +131,7 @@ async function list(campaign) {
   campaign.isListed = true;
   campaign.form.refresh();
   showFolders(campaign);
-  return answer.faults.map(refusalWords).join(" ");
+  return [...gone, ...answer.faults.map(refusalWords)].join(" ");
 }
 
 // Chooses the folder that a link names, and the failure once the folder has been read.
@@ -240,6 +241,7 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
     campaign.wall.show(answer);
     const wanted = answer.failures.find(({ name }) => name === campaign.wanted);
     if (wanted) campaign.wall.choose(wanted);
+    else if (campaign.wanted) campaign.wall.refuse(`${campaign.wanted} is not in ${folder || "the opened folder"}.`);
     campaign.wanted = null;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;

@@ -1,6 +1,6 @@
 // The page that compares several controllers over several worlds, as `worldgen compare` does.
 
-import { breakable, el, grouped, plainName, plural, say, shortName } from "#player/dom.js";
+import { breakable, el, grouped, plural, say, shortName } from "#player/dom.js";
 import { makeTable } from "#studio/compare/table.js";
 import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
 import { messageOf } from "#studio/draw/model.js";
@@ -8,7 +8,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { fileWords, runsOneOf } from "#studio/shared/edits.js";
 import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
-import { joinNames, splitNames } from "#studio/shared/links.js";
+import { isOfferedAs, joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const KEPT = "compare"; // key for the choices, in the browser's storage
@@ -127,7 +127,7 @@ function offeredTo({ offered, state }) {
 function showRobots(compare) {
   const { parts, state } = compare;
   const names = offeredTo(compare).map(({ name }) => name);
-  state.chosen = state.chosen.filter((one) => names.includes(one) || names.includes(plainName(one)) || one.startsWith("behaviours"));
+  state.chosen = state.chosen.filter((one) => isOfferedAs(one, names));
   if (state.chosen.length === 0) state.chosen = names.slice(0, 3);
   const own = [...new Set([...compare.studio.play.own(), ...state.chosen])].filter((one) => !names.includes(one));
   const box = (name) =>
@@ -219,7 +219,7 @@ async function open(compare, row, column) {
   try {
     if (world.file) {
       if (studio.model.world.name !== world.file || studio.model.unsaved) studio.show(await studio.connection.ask("open", { name: world.file }), world.file, world.file);
-    } else if (world.family) studio.show(await studio.connection.ask("generate", { family: world.family, seed: world.seed, parameters: {} }), "", `the example ${world.family}`);
+    } else if (world.family) await studio.generate({ family: world.family, seed: world.seed ?? "1", parameters: {} }, `the example ${world.family}`);
     else if (studio.model.version !== version) studio.show({ world: world.world }, "", "the world that was compared");
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;

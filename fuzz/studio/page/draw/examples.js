@@ -22,8 +22,7 @@ export function exampleButtons(studio, told) {
     try {
       told("Generating …");
       studio.go("draw"); // now, because the user may be on another page when the answer comes
-      const answer = await studio.connection.ask("generate", { family, seed, parameters: {} });
-      studio.show(answer, "", `the example ${name}`);
+      await studio.generate({ family, seed, parameters: {} }, `the example ${name}`);
       told(`${about}. Press 2 to watch a robot in it.`);
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;

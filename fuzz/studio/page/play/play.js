@@ -109,18 +109,18 @@ function begin(play) {
   else if (play.player) play.player.draw();
 }
 
-// Returns what a link to the shown run contains; nothing before the first run.
-function linkOf({ message }) {
+// Returns what a link to the set-up contains; nothing before the first run.
+function linkOf({ message, robots }) {
   if (!message) return {};
-  const { controllers, motion, seed } = message;
+  const { controllers, motion, seed } = robots.message();
   return { robots: joinNames(controllers), motion, seed: seed || null };
 }
 
 // Takes the robots that a link or a comparison names, and their time step; `more` has settings that
-// a link does not change.
+// a link does not change. Returns the robots that cannot run here.
 function follow(play, { robots, motion, seed, step, ...more }) {
   play.wantedStep = step === undefined ? null : Number(step);
-  if (robots) play.robots.follow({ robots: splitNames(robots), motion, seed: Number(seed ?? 0) }, more);
+  return play.robots.follow({ robots: robots ? splitNames(robots) : [], motion, seed: Number(seed ?? 0) }, more);
 }
 
 // Handles edited files: marks results of the old code as outdated, and runs them again.

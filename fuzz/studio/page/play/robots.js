@@ -1,10 +1,11 @@
 // The panel for choosing robots and their settings.
 
-import { breakable, el, plainName, plural, shortName } from "#player/dom.js";
+import { breakable, el, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { messageOf, robotsIn } from "#studio/draw/model.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
+import { isOfferedAs } from "#studio/shared/links.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
@@ -67,7 +68,6 @@ export function makeRobots(studio, run, drive, more) {
     element,
     running: (message) => {
       robots.ran = JSON.stringify(message);
-      if (!robots.lent) keepSetup(robots);
       showDue(robots);
     },
     refresh: () => refresh(robots),
@@ -177,9 +177,11 @@ function addOwn(robots, label) {
   showList(robots);
 }
 
-// Shows that the chosen settings differ from those of the shown runs;
+// Shows that the chosen settings differ from those of the shown runs, and keeps them for a reload;
 // nothing runs until the user presses Run.
 function showDue(robots) {
+  if (!robots.lent && robots.offered) keepSetup(robots);
+  robots.studio.showLink();
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
   robots.parts.due.textContent = due ? "Not run yet." : "";
 }
@@ -414,23 +416,24 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Takes the robots, the motion model, the seed and other settings from a link; ignores any that are
-// not offered.
+// Takes the robots, the motion model, the seed and other settings from a link; returns the robots
+// that are not offered.
 function follow(robots, { robots: names, motion, seed }, more) {
   const { state, studio } = robots;
   refresh(robots);
-  if (!studio.offered) return;
+  if (!studio.offered || names.length === 0) return [];
   forget(robots);
   if (motion !== state.motion && studio.offered.motions.some(({ name }) => name === motion)) setMotion(robots, motion);
-  const offered = new Set(offeredTo(robots).map(({ name }) => name));
-  const known = names.filter((name) => offered.has(name) || offered.has(plainName(name)) || name.startsWith("behaviours")).slice(0, studio.limits.robots);
+  const offered = offeredTo(robots).map(({ name }) => name);
+  const known = names.filter((name) => isOfferedAs(name, offered)).slice(0, studio.limits.robots);
   if (known.length > 0) state.chosen = known;
-  for (const name of known) if (!offered.has(name) && !state.own.includes(name)) state.own.push(name);
+  for (const name of known) if (![...offered, ...state.own].includes(name)) state.own.push(name);
   if (Number.isSafeInteger(seed) && seed >= 0) state.seed = seed;
   if (more.options) Object.assign(state, { time_step: more.time_step, steps: more.steps ?? "", options: { ...more.options }, still: false });
   showNumbers(robots);
   showOptions(robots);
   showList(robots);
+  return names.filter((name) => !state.chosen.includes(name));
 }
 
 // Drops the failure's seed and steps when another world is opened,

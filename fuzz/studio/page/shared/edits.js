@@ -1,7 +1,6 @@
 // Notices that a file of a controller's code has been edited,
 // from the server's report on the files.
 
-import { plainName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
@@ -18,13 +17,14 @@ function editedIn(known, files) {
 }
 
 /**
- * Returns whether a robot runs one of some controllers, perhaps with other options.
+ * Returns whether a robot runs one of some controllers, perhaps with options or as one of its
+ * behaviours.
  * @param {string} robot
- * @param {string[]} controllers
+ * @param {string[]} controllers - Their names without options, as the server sends them
  * @returns {boolean}
  */
 export function runsOneOf(robot, controllers) {
-  return controllers.some((controller) => plainName(controller) === plainName(robot));
+  return controllers.some((controller) => robot.includes(controller));
 }
 
 /**

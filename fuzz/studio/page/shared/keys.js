@@ -34,7 +34,7 @@ const PLAYING = [
   ["Home End", "Go to the start, to the end"],
   ["l", "Repeat one period of a loop"],
   ["e", "Go to the next marked step"],
-  ["> < |", "Plots: less of the run, more of it, all of it"],
+  ["> < |", "Timeline: less of the run, more of it, all of it"],
   ["r", "Follow the robot"],
   ["b", "Show or hide the flow chart of the robot's behaviours"],
   ["h", "Drive a robot by hand, with the arrow keys; Escape stops"],

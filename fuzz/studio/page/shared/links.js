@@ -1,6 +1,8 @@
 // Links to what a page shows: a world, a run in it, a folder of failures, one failure. They only
 // work in a browser that has access.
 
+import { Refused } from "#studio/shared/refusals.js";
+
 /**
  * Returns the page of a link and what to show on it.
  * @param {string} hash - Of the address, such as "#play?world=trap.grid&robots=bug1"
@@ -27,6 +29,39 @@ export function joinNames(names) {
  */
 export function splitNames(text) {
   return text.split(",").map((name) => name.replaceAll("%2C", ",").replaceAll("%25", "%"));
+}
+
+/**
+ * Returns whether a robot can be one of those offered, perhaps with options of its own.
+ * @param {string} robot
+ * @param {string[]} offered - Names of controllers
+ * @returns {boolean}
+ */
+export function isOfferedAs(robot, offered) {
+  return offered.some((name) => robot === name || robot.startsWith(`${name}+`)) || robot.startsWith("behaviours");
+}
+
+/**
+ * Returns what a link to a generated world contains.
+ * @param {{family: string, seed: string, parameters: object}} message - The request to generate it
+ * @returns {Record<string, string>}
+ */
+export function madeOf({ family, seed, parameters }) {
+  const changed = JSON.stringify(parameters);
+  return { family, world_seed: seed, parameters: changed === "{}" ? "" : changed };
+}
+
+/**
+ * Returns the request to generate the world of a link.
+ * @param {Record<string, string>} shows
+ * @returns {{family: string, seed: string, parameters: object}}
+ */
+export function madeIn({ family, world_seed: seed = "1", parameters }) {
+  try {
+    return { family, seed, parameters: JSON.parse(parameters || "{}") };
+  } catch {
+    throw new Refused("The link's parameters cannot be read; copy the whole link.");
+  }
 }
 
 /**

@@ -1,7 +1,7 @@
 // A one-minute tour: what the pages are for, one sentence and one place at a time. The user can
 // leave it at any step.
 
-import { el } from "#player/dom.js";
+import { byId, el } from "#player/dom.js";
 
 const STOPS = [
   ["draw", "#board", "Draw walls on the board with the mouse, a finger or the arrow keys and Space. The right button erases."],
@@ -31,6 +31,15 @@ export function makeTour(studio) {
     words,
     el("div", { class: "line" }, count, el("span", { class: "actions" }, el("button", { type: "button", onclick: () => go(-1) }, "End"), back, next)),
   );
+  // Moves the place into view; the sentence is at the bottom, unless it would hide the place there.
+  const lead = () => {
+    const shown = document.querySelector(".toured");
+    if (!shown || element.hidden) return;
+    shown.scrollIntoView({ block: "center" });
+    const { top, bottom } = shown.getBoundingClientRect();
+    element.classList.toggle("above", (top + bottom) / 2 > innerHeight - element.offsetHeight - 24);
+  };
+  new ResizeObserver(lead).observe(byId("main")); // a run that ends moves what is below it
   const go = (at) => {
     for (const one of document.querySelectorAll(".toured")) one.classList.remove("toured");
     state.at = at;
@@ -42,8 +51,10 @@ export function makeTour(studio) {
     }
     const [page, place, text] = stop;
     studio.go(page);
+    if (place === "#tab-maker") studio.draw.panel("maker");
     document.querySelector(place)?.classList.add("toured");
     words.textContent = text;
+    lead();
     count.textContent = `${at + 1} of ${STOPS.length}`;
     back.disabled = at === 0;
     next.textContent = at + 1 === STOPS.length ? "Done" : "Next";
