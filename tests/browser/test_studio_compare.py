@@ -65,6 +65,7 @@ def test_nothing_chosen_is_said_and_a_comparison_can_be_stopped(browser, gate):
         page.locator("#run-compare").click()
         page.locator("#compare-said.bad", has_text="No world is chosen").wait_for()
         page.get_by_label("The examples").check()
+        assert page.locator("#compare-said").inner_text().startswith("Choose robots and worlds")
         page.locator("#compare").get_by_label("turn-random").check()
         page.get_by_label("Runs per random robot").fill("1000")
         page.locator("#run-compare").click()

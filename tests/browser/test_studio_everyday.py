@@ -92,6 +92,14 @@ def test_space_plays_whatever_was_clicked_before(browser, gate):
         plays_after(lambda: page.locator("#play .motion select").select_option("stepped"))
         plays_after(page.get_by_label("Steps", exact=True).click)
         plays_after(page.locator("#run").focus)
+        # A message goes with its error.
+        page.get_by_label("Steps", exact=True).fill("0")
+        page.locator("#run").click()
+        said = page.locator("#run-said", has_text="a setting is not valid")
+        said.wait_for()
+        page.get_by_label("Steps", exact=True).fill("321")
+        page.keyboard.press("Tab")
+        said.wait_for(state="hidden", timeout=5000)
         # After Tab, Space presses what has the focus.
         page.locator("#theme").focus()
         page.keyboard.press("Shift+Tab")

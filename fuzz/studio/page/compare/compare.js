@@ -14,6 +14,8 @@ import { Refused } from "#studio/shared/refusals.js";
 const KEPT = "compare"; // key for the choices, in the browser's storage
 const USUAL = { chosen: ["turn-right", "bug2", "vfh"], sources: ["examples"], seeds: 20 };
 
+const EMPTY = "Choose robots and worlds, then press Compare.";
+
 /**
  * Makes the page.
  * @param {HTMLElement} section
@@ -24,7 +26,7 @@ export function makeCompare(section, studio) {
   /** @type {any} */
   const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null };
   const parts = {
-    said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, "Choose robots and worlds, then press Compare."),
+    said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, EMPTY),
     form: el("form", { id: "compare-form", class: "panel", novalidate: true, onsubmit: (event) => (event.preventDefault(), run(compare)) }, el("p", { class: "quiet" }, "Loading the choices …")),
     run: el("button", { type: "submit", class: "main", id: "run-compare" }, "Compare"),
     stop: el("button", { type: "button", id: "stop-compare", hidden: true, onclick: () => compare.running?.stop() }, "Stop"),
@@ -153,9 +155,11 @@ function showWorlds(compare) {
   parts.worlds.replaceChildren(...sourcesOf(files).map(box));
 }
 
-function toggle({ state }, what, name, on) {
+function toggle(compare, what, name, on) {
+  const { state, parts } = compare;
   state[what] = state[what].filter((one) => one !== name);
   if (on) state[what].push(name);
+  if (parts.said.classList.contains("bad")) tell(compare, EMPTY); // the message no longer applies
 }
 
 function tell({ parts }, words, isBad = false) {

@@ -19,6 +19,7 @@ import { runsOneOf } from "#studio/shared/edits.js";
 
 const SLOW = 1500; // ms after which a run can be stopped
 const PREPARING = "Preparing: the studio starts a process, loads the controllers and proves the world.";
+const WRONG = "Not run: a setting is not valid. Press Run to go to it.";
 const NONE_RAN = "No robot ran, so only the world is shown.";
 const PARTED = "No robot of this size can reach the target: the cut in the picture separates it from the start.";
 
@@ -54,6 +55,7 @@ export function makePlay(section, studio) {
     el("div", { class: "middle" }, el("div", { class: "sight" }, parts.stage, play.arbitration.element), el("div", { class: "told" }, parts.instruments, play.arbitration.button), parts.under),
     el("div", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
+  play.robots.element.addEventListener("change", () => parts.said.textContent === WRONG && play.robots.good(false) && tell(play, "", false));
   dragToMove(parts.stage, play);
   parts.stage.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
   new ResizeObserver(() => (play.player || play.bare)?.draw()).observe(parts.canvas);
@@ -217,14 +219,12 @@ function finish(play) {
 
 // Marks results of another world, shown or in progress, as outdated; runs nothing.
 function showWrong(play, version) {
-  const { parts } = play;
   if (play.under !== version) {
     play.asked += 1;
     endRun(play);
     showStale(play, play.version !== version);
   }
-  parts.said.className = "said bad";
-  parts.said.textContent = "Not run: a setting is not valid. Press Run to go to it.";
+  tell(play, WRONG, true);
 }
 
 function showStale({ parts }, stale) {
