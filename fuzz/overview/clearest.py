@@ -42,6 +42,7 @@ class Clarity:
         others: Number of its other robots. Each has to be understood, and only shrinking shows
             whether it matters.
         is_degenerate: True if the robot seems to be at its target from the start, or covers it.
+        is_tangled: True if the period fills the picture with lines.
         is_unshrunk: True if it has walls that do not matter.
         flaws: Number of the other reasons against it.
         windings: Number of doublings by which the period's path is longer than a path around its
@@ -51,6 +52,7 @@ class Clarity:
 
     others: int
     is_degenerate: bool
+    is_tangled: bool
     is_unshrunk: bool
     flaws: int
     windings: int
@@ -83,14 +85,15 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     episode = failure.run(through_walls=failure.is_breach)
     behaviour = behaviour_of(world, episode)
     windings = 0
+    is_tangled = False
     if behaviour is not None:
         around = 4.0 * max(behaviour.extent, 1.0)
         windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
         is_degenerate |= cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
-        flaws += behaviour.length > _TANGLE * max(world.width, world.height)
+        is_tangled = behaviour.length > _TANGLE * max(world.width, world.height)
     others = len(world.others)
     is_unshrunk = not failure.is_shrunk
-    return Clarity(others, is_degenerate, is_unshrunk, flaws, windings, failure.order)
+    return Clarity(others, is_degenerate, is_tangled, is_unshrunk, flaws, windings, failure.order)
 
 
 def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:

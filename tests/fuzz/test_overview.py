@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import click
 import pytest
@@ -131,6 +132,21 @@ def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
     assert shrunk.is_shrunk
     found = found_by("Still")
     assert not found.is_shrunk and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+
+
+def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_picture(monkeypatch):
+    found = found_by("Still")
+    record = replace(found.record, details={**found.record.details, "shrunk_from": 9})
+    shrunk = replace(found, world=certified(hall(9, 5, start=(0.75, 0.25))), record=record)
+    assert clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+
+    def behaviour_of(world, episode):
+        length = 31.0 * 9 if world.width == 9 else 1.0
+        return SimpleNamespace(extent=1.0, length=length, nearest=9.0)
+
+    monkeypatch.setattr("fuzz.overview.clearest.behaviour_of", behaviour_of)
+    assert found.world.width != 9
+    assert clearest([found, shrunk], Cause.STANDS_STILL) is found
 
 
 def overview_of(best, found, known=None):
