@@ -84,11 +84,19 @@ def compare(
 
 
 def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> list[CauseTotals]:
-    """Return causes, each marked as new or known."""
+    """Return causes, each marked as new or known; not those that only natural worlds show.
+
+    An earlier campaign had other failures in its folder, not the natural worlds that it ran.
+    """
     new = set(comparison.new_causes)
-    return [
-        replace(one, state="new" if new.issuperset(one.cause.parts) else "still") for one in causes
-    ]
+    still = set(comparison.still_causes)
+
+    def state(cause: Cause) -> str:
+        if new.issuperset(cause.parts):
+            return "new"
+        return "" if still.isdisjoint(cause.parts) else "still"
+
+    return [replace(one, state=state(one.cause)) for one in causes]
 
 
 def _sorted(causes: Iterable[Cause]) -> tuple[Cause, ...]:

@@ -20,7 +20,7 @@ from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
 from sim.runners.stopping import in_time
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
-from worldgen.support.plain_text import counted, in_degrees
+from worldgen.support.plain_text import counted, in_degrees, rounded
 from worldgen.world import World
 
 # A longer list of moves is harder to read than a summary.
@@ -188,7 +188,8 @@ def describe_period(world: World, episode: Episode) -> str:
     last = part.last
     first = last - part.period if part.period else part.first
     length = float(np.hypot(np.diff(trace.x), np.diff(trace.y))[first:last].sum())
-    size = f"({(last - first) * trace.time_step:.3g} s, {length:.2g} m)"
+    seconds = rounded((last - first) * trace.time_step, 3)
+    size = f"({seconds} s, {rounded(length, 2)} m)"
     steps = f"{counted(last - first, 'step')} {size}"
     again = f"the same {steps}" if last - first > 1 else f"the same step {size}"
     bearings = WallBearings(world, trace, at_once=reacts_at_once(trace))
@@ -259,7 +260,8 @@ def _describe(move: _Move, radius: float) -> str:
         return touch + ("pushes against it" if move.pushes else "stays there")
     if _side(move.turn) == 0:
         return (
-            f"{touch}drives {move.length:.2g} m {'backwards' if move.backwards else 'straight on'}"
+            f"{touch}drives {rounded(move.length, 2)} m "
+            f"{'backwards' if move.backwards else 'straight on'}"
         )
     side = "left" if move.turn > 0.0 else "right"
     amount = f"{in_degrees(abs(move.turn))} {side}"
@@ -269,7 +271,7 @@ def _describe(move: _Move, radius: float) -> str:
         amount += f" in {move.steps} steps"
     if move.length < _ON_THE_SPOT * radius:
         return f"{touch}turns {amount}"
-    drives = f"drives {move.length:.2g} m" + (" backwards" if move.backwards else "")
+    drives = f"drives {rounded(move.length, 2)} m" + (" backwards" if move.backwards else "")
     return f"{touch}turns {amount} and {drives}"
 
 

@@ -93,6 +93,9 @@ def test_a_joined_cause_is_new_only_if_all_of_it_is():
     known = compare("baseline", now, {"b": Cause.RETURNS_TO_THE_WALL}, {})
     assert with_states([first], new)[0].state == "new"
     assert with_states([first], known)[0].state == "still"
+    # What only natural worlds show was not looked for in an earlier campaign's folder.
+    (natural,) = with_natural([], {Cause.WANDERS: 1})
+    assert with_states([natural], known)[0].state == ""
 
 
 def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from worldgen.support.plain_text import alternatives, in_degrees, rounded_angle
+from worldgen.support.plain_text import alternatives, in_degrees, rounded, rounded_angle
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,12 @@ def test_an_angle_has_three_digits_and_at_most_two_decimals(angle, text):
 
 def test_a_choice_names_each_once():
     assert [alternatives("abc"[:n]) for n in range(4)] == ["", "a", "a or b", "a, b or c"]
+
+
+def test_a_long_path_has_no_exponent():
+    assert [rounded(length, 2) for length in (0.0, 0.0451, 1.26, 112.3, 4567.0)] == [
+        "0", "0.045", "1.3", "110", "4,600",
+    ]  # fmt: skip
 
 
 def test_a_tiny_angle_among_others_is_zero():

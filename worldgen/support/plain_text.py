@@ -53,6 +53,11 @@ def alternatives(names: Sequence[str]) -> str:
     return " or ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
+def rounded(number: float, digits: int) -> str:
+    """Return a number with this many digits, and without an exponent: ``0.045``, ``110``."""
+    return f"{float(f'{number:.{digits}g}'):,g}"
+
+
 def rounded_angle(angle: float) -> str:
     """Return degrees with three digits, at most two of them decimals: ``2.58``, ``1,234``."""
     if abs(angle) >= 999.5:
