@@ -130,7 +130,6 @@ def build_overview(
         runs.causes = Counter({one.cause: one.natural for one in causes if one.natural})
 
     # Find the clearest world of each cause, and its dependencies.
-    is_over = None if seconds is None else _after(began, seconds, 1.0)
     examples = {} if runs is None else runs.examples
     until = None if seconds is None else began + _SHRINKING_TIME * seconds
     shown = with_worlds(
@@ -145,7 +144,7 @@ def build_overview(
                 lambda failure: _shrunk(failure, until) if config.shrink else failure,
             )
         ),
-        is_over,
+        None if seconds is None else began + seconds,
         with_code=conclusion.with_code,
     )
 
@@ -170,10 +169,14 @@ def _after(began: float, seconds: float | None, share: float) -> Callable[[], bo
     return lambda: time.monotonic() >= end
 
 
+def _passed(end: float | None) -> Callable[[], bool] | None:
+    return None if end is None else lambda: time.monotonic() >= end
+
+
 def with_worlds(
     causes: Iterable[CauseTotals],
     files_of: Callable[[Cause], Sequence[WorldFile]],
-    is_over: Callable[[], bool] | None = None,
+    end: float | None = None,
     *,
     with_code: bool = True,
 ) -> list[CauseTotals]:
@@ -182,13 +185,20 @@ def with_worlds(
     Args:
         causes: The causes, the worst first.
         files_of: Returns the failures that have a cause.
-        is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
+        end: When there is no more time, by ``time.monotonic``; if omitted, the amount of work is
+            fixed.
         with_code: False to leave out what runs inside the controller.
     """
     found = []
-    for number, one in enumerate(causes):
-        cause = _with_worlds(one, files_of(one.cause), is_over)
-        if number < _MOST_EXPLAINED and cause.failure is not None:
+    all_causes = list(causes)
+    most = min(len(all_causes), _MOST_EXPLAINED)
+    for number, one in enumerate(all_causes):
+        cause = _with_worlds(one, files_of(one.cause), _passed(end))
+        if number < most and cause.failure is not None:
+            # A failure with hundreds of changes must not take the time of the others.
+            begins = time.monotonic()
+            share = None if end is None else (end - begins) / (most - number)
+            is_over = _passed(None if share is None else begins + share)
             cause = replace(
                 cause,
                 shown=_shown(cause.failure, is_over, with_code=with_code),

@@ -101,6 +101,6 @@ def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(e
 
 def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(equal):
     files = [WorldFile(failure, f"{9 - number}.grid") for number, failure in enumerate(equal)]
-    causes = with_worlds(causes_in(equal), lambda _: files, is_over=lambda: True)
+    causes = with_worlds(causes_in(equal), lambda _: files, end=0.0)
     assert [(one.file, one.smallest) for one in causes] == [("9.grid", "9.grid")]
     assert clearest(reversed(equal), cause_of(equal[0])) is equal[0]

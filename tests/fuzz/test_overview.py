@@ -1,6 +1,7 @@
 """The overview of a campaign groups, sorts and compares causes."""
 
 import json
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -15,8 +16,14 @@ from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
-from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
-from fuzz.overview.building import Conclusion, build_overview, with_own_files
+from fuzz.overview import Cause, CauseTotals, building, causes_of, read_overview
+from fuzz.overview.building import (
+    Conclusion,
+    WorldFile,
+    build_overview,
+    with_own_files,
+    with_worlds,
+)
 from fuzz.overview.causes import in_order, with_joined, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare, with_states
@@ -150,6 +157,25 @@ def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_pi
     monkeypatch.setattr("fuzz.overview.clearest.behaviour_of", behaviour_of)
     assert found.world.width != 9
     assert clearest([found, shrunk], Cause.STANDS_STILL) is found
+
+
+def test_one_explanation_does_not_take_the_time_of_the_others(monkeypatch):
+    still = found_by("Still")
+    names = (Cause.STANDS_STILL, Cause.CIRCLES_A_WALL, Cause.MISSES_THE_TARGET)
+    failures = {cause: still.noting(cause=cause.value) for cause in names}
+    causes = causes_of({cause.value: one for cause, one in failures.items()}, {})
+    spent = []
+
+    def explained(failure, is_over):
+        began = time.monotonic()
+        while not is_over():
+            time.sleep(0.01)
+        spent.append(time.monotonic() - began)
+
+    monkeypatch.setattr(building, "explained", explained)
+    end = time.monotonic() + 3.0
+    with_worlds(causes, lambda cause: [WorldFile(failures[cause], f"{cause}.grid")], end)
+    assert len(spent) == 3 and min(spent) > 0.2
 
 
 def overview_of(best, found, known=None):
