@@ -364,10 +364,10 @@ class CampaignSession:
         classes = counted(
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
         )
+        if live.phase == Phase.SHRINKING:
+            return f"shrinking {counted(live.shrinking, 'failure')}, {classes}{to_shrink}"
         # A run that does not arrive is a failure only once it and a path to the target are proved.
-        return (
-            f"{counted(live.worlds, 'world')}, {live.failed} did not arrive, {classes}{to_shrink}"
-        )
+        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {classes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Discovery):

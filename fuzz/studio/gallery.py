@@ -48,7 +48,9 @@ class WallAnswers(Opened):
     _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _causes: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _recorded: dict[str, tuple[str, bool]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def failures(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the failures in and below a folder; unreadable ones are reported, not raised."""
@@ -72,6 +74,7 @@ class WallAnswers(Opened):
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
                     "class": entry.facts.bucket,
                     "cause": self._cause(entry),
+                    "shrunk": self._record(entry)[1],
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,
                     "motion": entry.facts.motion,
@@ -91,19 +94,24 @@ class WallAnswers(Opened):
         }
 
     def _cause(self, entry: CorpusEntry) -> str:
-        """Return the cause that a failure's record names; empty if it names none.
+        """Return the cause that a failure's record names; empty if it names none."""
+        return self._record(entry)[0]
+
+    def _record(self, entry: CorpusEntry) -> tuple[str, bool]:
+        """Return the cause in a failure's record, and whether the failure has been shrunk.
 
         No run is needed for it, because a folder may hold thousands of failures.
         """
         key = entry.facts.digest
-        if key not in self._causes:
+        if key not in self._recorded:
             try:
                 failure = Failure.found_in(read_world(entry.path))
             except (OSError, WorldgenError):  # replaced a moment ago
-                return ""
-            recorded = "" if failure is None else failure.record.details.get(CAUSE, "")
-            self._causes[key] = recorded if recorded in set(Cause) else ""
-        return self._causes[key]
+                return "", True
+            cause = "" if failure is None else failure.record.details.get(CAUSE, "")
+            is_shrunk = failure is not None and failure.is_shrunk
+            self._recorded[key] = (cause if cause in set(Cause) else "", is_shrunk)
+        return self._recorded[key]
 
     def look(self, message: Request, part: object) -> dict[str, Any]:
         """Return a failure's world and run, to be drawn, and a description of what happened."""

@@ -29,6 +29,7 @@ from sim.runners.python_act import Stops, act_in_core
 from sim.runners.renewal import has_shared_state_changed, reset_anew
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
+from worldgen.plugins.user_modules import without_private_names
 from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
 from worldgen.world import World
@@ -139,7 +140,7 @@ def crash_of(error: BaseException, controller: object) -> ControllerError:
 
 def _in_short(text: str) -> str:
     """Return a text on one line, and in every run the same: addresses differ from run to run."""
-    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(text.split()))
+    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(without_private_names(text).split()))
     return text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
 
 

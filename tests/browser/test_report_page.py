@@ -12,6 +12,7 @@ from tests.helpers.browser import page_in
 from tests.helpers.campaign_folder import (
     CORPUS,
     LOOP,
+    STALLED,
     TUNNEL,
     campaign_folder,
     explain_the_loop,
@@ -31,6 +32,18 @@ HOSTILE = (
     "\u202e☃"
 )
 PLACES = ["", "loop", "#campaign"]
+
+BLANK = """canvas => !canvas.getContext('2d')
+  .getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean)"""
+
+# Whether the lowest row with the colour of walls is as wide as the highest one.
+LOWER_CORNERS = """canvas => {
+  const { width, height } = canvas, { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+  const isWall = (x, y) => data[4 * (y * width + x)] === 59 && data[4 * (y * width + x) + 1] === 67;
+  const count = (y) => [...Array(width).keys()].filter((x) => isWall(x, y)).length;
+  const rows = [...Array(height).keys()].map(count).map((n, y) => [n, y]).filter(([n]) => n > 40);
+  return rows.at(0)[0] === rows.at(-1)[0];
+}"""
 
 
 def burning_failure():
@@ -224,7 +237,7 @@ def test_fire_is_drawn_while_it_burns_and_the_floor_stays_burnt(page):
 
 _BURNING_CELL = """() => {
   const c = document.getElementById("stage"), s = c.width / c.clientWidth, pen = c.getContext("2d");
-  const h = c.clientHeight, w = c.clientWidth, k = Math.min((w - 32) / 8, (h - 32) / 6);
+  const h = c.clientHeight - 18, w = c.clientWidth, k = Math.min((w - 32) / 8, (h - 32) / 6);
   return [...pen.getImageData((w / 2 + 2.5 * k) * s, (h / 2 + 1.5 * k) * s, 1, 1).data].join();
 }"""
 
@@ -347,6 +360,67 @@ def test_the_first_screen_answers_without_scrolling(page):
     assert painted > 8
 
 
+@pytest.fixture(params=["stalled-a"])
+def two_causes(browser, tmp_path, request):
+    """The report of a campaign whose stalled robot wanders, and is of the given class."""
+    folder = campaign_folder(tmp_path / "c")
+    other = renamed(read_world(folder / STALLED), request.param)
+    details = {**other.failure.details, "cause": "wanders"}
+    (folder / STALLED).unlink()
+    write_world(replace(other, failure=replace(other.failure, details=details)), folder / STALLED)
+    write_report([folder], tmp_path / "r.html")
+    with page_in(browser) as page:
+        page.goto((tmp_path / "r.html").as_uri())
+        yield page
+
+
+def test_each_cause_has_its_example_and_only_one_is_open(two_causes):
+    page = two_causes
+    answer = page.locator(".answer", has_text="wanders")
+    commands = answer.locator(".cause .command")
+    assert [one.is_visible() for one in commands.all()] == [True, False]
+    answer.get_by_role("button", name="Example of wanders").click()
+    assert [one.is_visible() for one in commands.all()] == [False, True]
+    assert answer.locator(".pictures:visible").count() == 1
+    assert answer.locator(".pictures canvas:visible").first.evaluate(BLANK) is False
+
+    # Paper shows all of them, and the campaign.
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    assert [one.is_visible() for one in commands.all()] == [True, True]
+    assert page.locator("#campaign").is_visible()
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert [one.is_visible() for one in commands.all()] == [False, True]
+    assert not page.locator("#campaign").is_visible()
+
+
+@pytest.mark.parametrize("two_causes", ["loop-a"], indirect=True)
+def test_cards_of_one_class_under_two_causes_name_each_other(two_causes):
+    twins = two_causes.locator(".card", has_text="loop-a")
+    assert twins.count() == 2
+    assert twins.filter(has_text="this class is also under wanders").count() == 1
+    assert twins.filter(has_text="this class is also under bounces").count() == 1
+
+
+def test_a_picture_on_paper_keeps_its_proportions_and_its_theme_is_light(page):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function("document.documentElement.dataset.theme === 'dark'")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    canvas = page.locator(".pictures canvas").first
+    assert canvas.evaluate("one => getComputedStyle(one).objectFit") == "contain"
+    assert page.evaluate("document.documentElement.dataset.theme") == "light"
+
+
+def test_the_scale_bar_is_below_the_world(page):
+    """The solid ground around a world is in one colour to its last corner."""
+    canvas = page.locator(".card canvas").first
+    canvas.scroll_into_view_if_needed()
+    page.wait_for_timeout(500)
+    assert canvas.evaluate(LOWER_CORNERS) is True
+
+
 def test_a_cause_leads_to_its_clearest_failure_with_the_reason_and_a_test(page):
     link = page.locator(".cause .name").first
     name = link.inner_text()
@@ -415,7 +489,7 @@ def test_lines_state_and_reactions_are_on_the_first_screen_and_with_each_failure
         assert runs.get_attribute("class") == "ran" and "never" not in runs.inner_text()
         idle = answer.locator(".code tr", has_text="turn = 1.0").first
         assert idle.get_attribute("class") == "unused" and "never" in idle.inner_text()
-        assert "in all runs of this report" in answer.locator(".evidence").inner_text()
+        assert "in all runs of this report" in answer.inner_text()
         assert "left by 90 degrees" in answer.locator(".reactions").inner_text()
         page.locator(".card").first.click()
         page.locator("#stage").wait_for()

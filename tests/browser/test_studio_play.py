@@ -353,3 +353,17 @@ def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, 
                 page.locator(f"#{field.get_attribute('id')}-fault").wait_for()
             field.fill("1")
         assert page.locator(".result").all_inner_texts() == before
+
+
+@pytest.mark.gate
+def test_on_a_phone_the_results_are_below_the_picture_and_above_the_list_of_robots(browser, gate):
+    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    with opened(browser, gate, **phone) as page:
+        page.get_by_role("link", name="Play").click()
+        page.locator(".result").first.wait_for()
+        top = {
+            part: page.locator(part).first.bounding_box()["y"]
+            for part in ("#stage", ".result", ".setup")
+        }
+        assert top["#stage"] < top[".result"] < top[".setup"]
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -26,6 +26,8 @@ def folder(tmp_path_factory):
     for name, cause in CAUSES.items():
         world = read_world(found / name)
         details = {**world.failure.details, "cause": cause}
+        if name == STALLED:
+            del details["shrunk_from"]
         record = replace(world.failure, details=details)
         write_world(replace(world, failure=record), found / name, force=True)
     explain_the_loop(found, [{"what": "cell", "value": [2, 1]}])
@@ -49,6 +51,14 @@ def test_the_worst_failure_comes_first_and_what_cannot_be_sensed_last(page, fold
     page.locator("[data-filter=sort]").select_option("size")
     sizes = [read_world(folder / name).walls.size for name in shown(page)]
     assert sizes == sorted(sizes)
+
+
+def test_what_is_not_shrunk_is_said_to_be_as_found(page):
+    unshrunk = page.locator(".card", has_text="as found, not shrunk")
+    assert unshrunk.count() == 1
+    unshrunk.click()
+    page.locator("#failure-panel", has_text="as found, not shrunk").wait_for()
+    assert STALLED in unshrunk.get_attribute("data-failure")
 
 
 def test_the_explained_failure_has_its_cells_marked(page, folder):

@@ -3,6 +3,7 @@
 And what the studio refuses to run.
 """
 
+import asyncio
 import json
 import os
 import shlex
@@ -22,6 +23,7 @@ from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
 from fuzz.studio.campaigns.state import campaign_state
+from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.messages import message_of
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -488,3 +490,18 @@ def test_a_record_that_no_campaign_wrote_is_passed_over(stored, changes):
 def test_a_folder_without_a_campaign_gets_no_record(tmp_path):
     give_up(tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_hears_of_a_running_campaign_while_only_time_passes(tmp_path, monkeypatch):
+    elapsed = iter((1.0, 1.5, 2.0))
+    monkeypatch.setattr("fuzz.studio.campaigns.watching._EVERY", 0.0)
+    watching = Watching(Folder(tmp_path))
+    monkeypatch.setattr(
+        watching, "_state", lambda _: {"running": True, "elapsed": next(elapsed), "worlds": 3}
+    )
+
+    async def heard():
+        states = watching.ask("watch", {})
+        return [(await anext(states))[0] for _ in range(3)]
+
+    assert asyncio.run(heard()) == ["part", "part", "part"]

@@ -20,8 +20,9 @@ def check_in_place(canvas, world, cell):
     canvas.scroll_into_view_if_needed()
     seen = canvas.evaluate(YELLOW)
     edge = 2 * (9 if seen["width"] < 400 else 16)
-    scale = min((seen["width"] - edge) / world.width, (seen["height"] - edge) / world.height)
+    height = seen["height"] - 18  # the scale bar is below the world
+    scale = min((seen["width"] - edge) / world.width, (height - edge) / world.height)
     across = seen["width"] / 2 + (cell[0] + 0.5 - world.width / 2) * scale
-    down = seen["height"] / 2 - (cell[1] + 0.5 - world.height / 2) * scale
+    down = height / 2 - (cell[1] + 0.5 - world.height / 2) * scale
     assert seen["count"] > 20
     assert seen["middle"] == pytest.approx([across, down], abs=1.5)

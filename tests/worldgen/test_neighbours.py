@@ -88,6 +88,13 @@ def test_a_name_as_text_that_two_folders_have_is_refused(tmp_path):
         mine(tmp_path / "two", by_name, "0")
 
 
+def test_an_error_names_a_neighbour_as_the_user_does(tmp_path):
+    (tmp_path / "helper_of_mine.py").write_text("")
+    with raises(InvalidParameter, "code-failed") as found:
+        mine(tmp_path, "from helper_of_mine import SPEED", "SPEED")
+    assert "import name 'SPEED' from 'helper_of_mine'" in found.value.facts["reason"]
+
+
 def test_a_neighbour_s_class_can_be_pickled(tmp_path):
     (tmp_path / "net_of_mine.py").write_text("class Net:\n    pass\n")
     robot = mine(tmp_path, "import net_of_mine", "net_of_mine.Net()")

@@ -1,16 +1,20 @@
 """Outlines, pixels' shares, and drawn lines."""
 
+import io
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from worldgen.render.caption import BAR, scale_bar
 from worldgen.render.coverage import coverage
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.polyline import arc_length, arrow_places, corners, dashes, simplified
+from worldgen.render.sheet import Panel, draw_sheet
+from worldgen.world import Pose, Target, World
 
 
 @st.composite
@@ -130,3 +134,14 @@ def test_a_scale_bar_is_round_and_takes_a_seventh_to_a_third_of_the_width(expone
     bar = scale_bar(BAR * width)
     assert width / 7.2 <= bar <= 0.35 * width
     assert f"{bar:e}"[0] in "125" and float(f"{bar:.0e}") == bar
+
+
+def test_the_scale_bar_of_a_sheet_covers_nothing_of_the_map():
+    """The rim of solid ground below the map is whole, and the bar is below it."""
+    world = World(np.zeros((6, 6), bool), Pose(0.15, 0.15), Target(0.45, 0.45, 0.05))
+    sheet = Image.open(io.BytesIO(draw_sheet([Panel(world, "w", ())], []))).convert("L")
+    dark = np.asarray(sheet) < 100
+    rim = np.flatnonzero(dark.sum(axis=1) > 250)
+    bar = np.flatnonzero(dark[rim.max() + 1 :].any(axis=1))
+    assert dark[rim.max()].sum() == dark[rim.min()].sum()
+    assert bar.size > 5

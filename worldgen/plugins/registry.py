@@ -19,7 +19,13 @@ from worldgen.files.whole import expanded
 from worldgen.parameters import without_class_options
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
-from worldgen.plugins.user_modules import SourceLoader, forget_folder, import_in, package_of
+from worldgen.plugins.user_modules import (
+    SourceLoader,
+    forget_folder,
+    import_in,
+    package_of,
+    without_private_names,
+)
 from worldgen.support.known_names import unknown_name
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
@@ -108,7 +114,7 @@ def user_code(doing: str) -> Iterator[None]:
             "{doing} failed: {kind}: {reason}",
             doing=doing,
             kind=type(error).__name__,
-            reason=str(error),
+            reason=without_private_names(str(error)),
         ) from error
 
 

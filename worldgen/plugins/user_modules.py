@@ -15,6 +15,7 @@ import importlib
 import importlib.abc
 import importlib.machinery
 import importlib.util
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,6 +24,7 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 
+_PACKAGE = "_worldgen_user_folder_"  # the private names begin with this; a digest follows
 _OURS = ("worldgen", "sim", "fuzz", "worldgen_plugins")
 _FOLDERS: dict[str, Path] = {}  # by the private name of the package
 _READ: dict[str, str] = {}  # digest of each source file, as it was last read
@@ -57,11 +59,16 @@ def sources_read() -> dict[str, str]:
     return dict(_READ)
 
 
+def without_private_names(text: str) -> str:
+    """Return a message of Python's import system with the modules' names as the user wrote them."""
+    return re.sub(rf"{_PACKAGE}[0-9a-f]{{16}}\.", "", text)
+
+
 def package_of(folder: Path) -> str:
     """Return the private name of a folder's package, and create the package on the first call."""
     folder = folder.resolve()
     # The name is derived from the folder, so two folders with equal file names don't collide.
-    name = f"_worldgen_user_folder_{hashlib.sha256(str(folder).encode()).hexdigest()[:16]}"
+    name = f"{_PACKAGE}{hashlib.sha256(str(folder).encode()).hexdigest()[:16]}"
     if name not in sys.modules:
         package = ModuleType(name, f"The files in {folder}.")
         package.__path__ = [str(folder)]

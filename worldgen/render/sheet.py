@@ -34,6 +34,8 @@ _GAP = 14
 _LINE = 22
 # Margin, px.
 _TYPE = 15
+# Height of the scale bar below a map, px.
+_BAR_ROOM = 20
 # Size of the text at a scale bar, px.
 _SMALL_TYPE = 12
 # Width of a robot's path, px.
@@ -139,13 +141,14 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     text = max(font.getlength(line) for line in (panel.title, *panel.notes))
     # A narrow world keeps its text.
     width = max(chart.width, min(math.ceil(text), pixels))
-    image = Image.new("RGB", (width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
+    below = _LINE + chart.height + _BAR_ROOM
+    image = Image.new("RGB", (width, below + _LINE * len(panel.notes)), PAPER)
     image.paste(chart, (0, _LINE))
     pen = ImageDraw.Draw(image)
-    _draw_scale(pen, frame, chart.width, _LINE + chart.height)
+    _draw_scale(pen, frame, chart.width, below)
     pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
     for k, note in enumerate(panel.notes):
-        baseline = _LINE + chart.height + (k + 1) * _LINE - 6
+        baseline = below + (k + 1) * _LINE - 6
         pen.text(
             (0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls"
         )
@@ -153,18 +156,15 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
 
 
 def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int) -> None:
-    """Draw a bar of a round length, with its unit, into the lower left corner of a map."""
+    """Draw a bar of a round length, with its unit, below a map."""
     metres = scale_bar(BAR * width / frame.scale)
     length = metres * frame.scale
     font = ImageFont.load_default(_SMALL_TYPE)
     words = f"{metres:g} m"
-    # A plate keeps bar and text legible over walls and paths.
-    right = length + font.getlength(words) + 16
-    pen.rectangle((2, bottom - 18, right, bottom - 3), fill=rgb(PAPER))
     low = bottom - 7
-    bar = ((6, low - 5), (6, low), (6 + length, low), (6 + length, low - 5))
+    bar = ((1, low - 5), (1, low), (1 + length, low), (1 + length, low - 5))
     pen.line(bar, fill=rgb(INK), width=2)
-    pen.text((12 + length, low + 1), words, fill=rgb(INK), font=font, anchor="ls")
+    pen.text((7 + length, low + 1), words, fill=rgb(INK), font=font, anchor="ls")
 
 
 def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:

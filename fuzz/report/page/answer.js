@@ -36,7 +36,7 @@ export const COLOURS = {
 // the user.
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
 
-// Causes that are described; the names of the others follow. The first has its example too,
+// Causes that are described; the names of the others follow. One of them at a time has its example,
 // so that everything fits on one screen.
 const MOST_SHOWN = 3;
 
@@ -50,7 +50,6 @@ export function makeAnswer(section, data) {
   const all = [...data.failures, ...data.extras];
   const find = (path) => all.find((failure) => failure.path === path);
   const several = data.answers.length > 1;
-  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several, data.campaigns[answer.campaign])));
   const redraw = () => {
     for (const canvas of section.querySelectorAll("canvas")) {
       const failure = all.find((one) => one.id === canvas.dataset.id);
@@ -58,15 +57,22 @@ export function makeAnswer(section, data) {
       if (drawn) drawSmall(canvas, drawn, { touched: true, cells: true });
     }
   };
+  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several, data.campaigns[answer.campaign], redraw)));
   return { redraw };
 }
 
-function answerPart(answer, find, several, campaign) {
+function answerPart(answer, find, several, campaign, redraw) {
   const own = answer.causes.filter(isCounted);
   const worst = own[0];
   const causes = own.length ? own : answer.causes;
   const others = answer.causes.filter((cause) => !causes.includes(cause));
-  const failure = worst && find(worst.file);
+  const shown = causes.slice(0, MOST_SHOWN).map((cause) => makeCause(cause, answer, find(cause.file)));
+  const choose = (chosen) => {
+    for (const one of shown) one.open(one === chosen);
+    redraw();
+  };
+  for (const one of shown) one.button.addEventListener("click", () => choose(one));
+  choose(shown.find(({ button }) => !button.hidden));
   return el(
     "div",
     { class: "answer" },
@@ -78,11 +84,7 @@ function answerPart(answer, find, several, campaign) {
         "div",
         {},
         verdictPart(worst, answer, campaign),
-        el(
-          "ol",
-          { class: "causes" },
-          causes.slice(0, MOST_SHOWN).map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
-        ),
+        el("ol", { class: "causes" }, shown.map(({ item }) => item)),
         causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
         survivorsPart(campaign),
@@ -90,14 +92,9 @@ function answerPart(answer, find, several, campaign) {
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
       ),
-      failure ? picturePart(failure) : null,
+      ...shown.map(({ example }) => example),
     ),
-    el(
-      "div",
-      { class: "evidence" },
-      failure ? insidePart(failure.inside) : null,
-      reactionsPart(answer.reactions, "What it does by what is around it, in all runs of this report"),
-    ),
+    el("div", { class: "evidence" }, reactionsPart(answer.reactions, "What it does by what is around it, in all runs of this report")),
   );
 }
 
@@ -193,13 +190,22 @@ function coverage(natural) {
   );
 }
 
-function causeItem(cause, answer, failure, first) {
+/* Makes a cause: its item in the list, the button that opens its example, and the example's pictures
+   and evidence, which have places of their own. */
+function makeCause(cause, answer, failure) {
   const often = [];
   if (answer.natural && answer.natural.worlds && cause.natural !== null && cause.severity !== "unsensed")
     often.push(`${cause.natural || "none"} of ${plural(answer.natural.worlds, "natural world")}`);
   often.push(cause.met > 0 ? `examined: ${verdictsOf(cause)}` : "not met by the search");
   const name = cause.cause.replaceAll("-", " ");
-  return el(
+  const button = el("button", { type: "button", class: "small", hidden: !failure, "aria-label": `Example of ${name}` }, "Example");
+  const more = el("div", { class: "folded" }, whyPart(cause, failure), failure ? commandPart(failure) : null);
+  const example = el(
+    "div",
+    { class: "example folded" },
+    failure ? [el("h3", { class: "on-paper" }, name), picturePart(failure), el("div", { class: "evidence" }, insidePart(failure.inside))] : null,
+  );
+  const item = el(
     "li",
     { class: "cause" },
     el(
@@ -209,12 +215,17 @@ function causeItem(cause, answer, failure, first) {
       failure ? el("a", { href: `#${failure.id}`, class: "name" }, name) : el("span", { class: "name" }, name),
       cause.state === "new" ? el("span", { class: "new" }, "new") : null,
       el("span", { class: "quiet" }, often.join("; ")),
+      button,
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
     cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
-    first ? whyPart(cause, failure) : null,
-    first && failure ? commandPart(failure) : null,
+    more,
   );
+  const open = (is) => {
+    more.hidden = example.hidden = !is && failure !== undefined;
+    button.setAttribute("aria-pressed", String(is));
+  };
+  return { item, button, example, open };
 }
 
 // State that a class keeps from one run to the next is a fault of its own, whatever else it does.

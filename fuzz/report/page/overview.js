@@ -61,7 +61,7 @@ export function makeOverview(section, failures, causes = new Map()) {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
     const colours = wanted.group === "cause" ? causes.entries() : [];
     const first = new Map([...colours].map(([cause, colour]) => [cause.replaceAll("-", " "), colour]));
-    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], several, first));
+    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several, twinWords(failure, failures)), first));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
@@ -157,7 +157,7 @@ function verdictChips(failures, wanted, refresh) {
 }
 
 // Groups whose names are in `first` come in that order and have its colours, the others follow.
-function groupsOf(failures, nameOf, several, first) {
+function groupsOf(failures, nameOf, cardOf, first) {
   if (failures.length === 0)
     return [el("p", { class: "quiet" }, "No failure matches. Clear the search, or choose other verdicts.")];
   const groups = new Map();
@@ -178,13 +178,22 @@ function groupsOf(failures, nameOf, several, first) {
       el(
         "ul",
         { class: "cards" },
-        members.map((failure) => el("li", {}, card(failure, several))),
+        members.map((failure) => el("li", {}, cardOf(failure))),
       ),
     ),
   );
 }
 
-function card(failure, several) {
+// A class has two cards if the smallest world is not the clearest of its cause, or if its worlds have
+// different causes.
+function twinWords(failure, failures) {
+  const twins = failures.filter((one) => one !== failure && ["bucket", "controller", "motion"].every((name) => one[name] === failure[name]));
+  const causes = [...new Set(twins.map((one) => one.cause))].filter((cause) => cause !== failure.cause);
+  if (causes.length) return `this class is also under ${causes.join(", ").replaceAll("-", " ")}`;
+  return twins.length ? `one of ${twins.length + 1} worlds of this class` : "";
+}
+
+function card(failure, several, twins) {
   const { run } = failure.now;
   const facts = [
     `${failure.size}, ${grouped(failure.solid)} solid`,
@@ -206,7 +215,9 @@ function card(failure, several) {
       ),
       several ? el("div", { class: "facts" }, `${failure.controller}, ${failure.motion}`) : null,
       failure.shrunk ? null : el("div", { class: "facts" }, "as found, not shrunk"),
+      twins ? el("div", { class: "facts" }, twins) : null,
       failure.confirmed ? null : el("div", { class: "facts bad" }, "not confirmed here"),
+      el("div", { class: "facts on-paper" }, el("code", {}, failure.replay)),
     ),
   );
 }

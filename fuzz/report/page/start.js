@@ -96,6 +96,30 @@ function route() {
   }
 }
 
+// Prepares the page for paper, which is light and cannot unfold anything, and returns how to undo
+// it. The campaign follows the list of failures.
+function preparePaper() {
+  const { theme } = document.documentElement.dataset;
+  const isList = !views.overview.hidden;
+  const folded = [...document.querySelectorAll("main details:not([open])")];
+  const hidden = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".folded[hidden]"))];
+  if (isList && data.campaigns.length > 0) hidden.push(views.campaign);
+  const draw = () => {
+    redraw();
+    if (isList) page.overview?.drawAll();
+  };
+  document.documentElement.dataset.theme = "light";
+  for (const one of folded) one.setAttribute("open", "");
+  for (const one of hidden) one.hidden = false;
+  draw();
+  return () => {
+    document.documentElement.dataset.theme = theme;
+    for (const one of folded) one.removeAttribute("open");
+    for (const one of hidden) one.hidden = true;
+    draw();
+  };
+}
+
 function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
@@ -109,15 +133,9 @@ function start() {
   addEventListener("hashchange", route);
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
-  // Small pictures are drawn when they come into view, which on paper they all do.
-  addEventListener("beforeprint", () => {
-    page.overview?.drawAll();
-    // Paper cannot unfold anything.
-    for (const folded of document.querySelectorAll("main details:not([open])")) folded.setAttribute("open", "for-print");
-  });
-  addEventListener("afterprint", () => {
-    for (const unfolded of document.querySelectorAll("details[open='for-print']")) unfolded.removeAttribute("open");
-  });
+  let restore = () => {};
+  addEventListener("beforeprint", () => (restore = preparePaper()));
+  addEventListener("afterprint", () => restore());
   route();
   page.answer.redraw();
 }

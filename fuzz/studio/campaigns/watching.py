@@ -15,7 +15,6 @@ from worldgen.errors import InvalidParameter, Message, WorldgenError
 _EVERY = 0.5  # s between checks of a campaign
 _ENDS = 2.0  # s to wait for a campaign that was stopped; it may end later
 _LOOK = 0.05  # s between checks for its end
-_OFTEN = 6  # checks without a change after which the state is sent anyway, because time passes
 
 
 class Watching:
@@ -40,7 +39,6 @@ class Watching:
             then ``("answer", {"state": state})`` or ``("error", refusal)``.
         """
         before: dict[str, Any] = {}
-        quiet = 0
         while True:
             try:
                 state = await asyncio.to_thread(
@@ -65,11 +63,9 @@ class Watching:
             if state is None or kind == "stop" or not state["running"]:
                 yield "answer", {"state": state}
                 return
-            # The elapsed time changes constantly, so it alone does not count as a change.
-            changed = state | {"elapsed": 0.0} != before or quiet >= _OFTEN
-            before = state | {"elapsed": 0.0}
-            quiet = 0 if changed else quiet + 1
-            yield ("part", {"state": state}) if changed else ("turn", {})
+            # While it runs, at least the elapsed time changes, so that the page's clock ticks.
+            yield ("part", {"state": state}) if state != before else ("turn", {})
+            before = state
             await asyncio.sleep(_EVERY)
 
     def warm(self) -> None:

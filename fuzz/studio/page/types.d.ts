@@ -293,6 +293,8 @@ interface WallFailure {
   width: number;
   height: number;
   solid: number;
+  /** False for a world as it was found. */
+  shrunk: boolean;
   events: number;
   /** Its place among the folder's failures, the simplest first. */
   place: number;

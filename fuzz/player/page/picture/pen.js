@@ -3,6 +3,7 @@
 
 const LEAST_SCALE = 0.05; // pixels per cell, if a canvas has no space left between its edges
 const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
+export const BAR_ROOM = 18; // pixels below a world that is shown in full, for the scale bar
 
 /** @returns {Record<string, string>} */
 export function palette() {
@@ -11,6 +12,7 @@ export function palette() {
 }
 
 /**
+ * Returns the view of a whole world, above its scale bar.
  * @param {{width: number, height: number}} world
  * @param {number} width
  * @param {number} height
@@ -18,11 +20,8 @@ export function palette() {
  */
 export function fitView(world, width, height) {
   const edge = 2 * edgeOf(width);
-  return {
-    x: world.width / 2,
-    y: world.height / 2,
-    scale: Math.max(LEAST_SCALE, Math.min((width - edge) / world.width, (height - edge) / world.height)),
-  };
+  const scale = Math.max(LEAST_SCALE, Math.min((width - edge) / world.width, (height - edge - BAR_ROOM) / world.height));
+  return { x: world.width / 2, y: world.height / 2 - BAR_ROOM / 2 / scale, scale };
 }
 
 // Returns the margin in pixels around a world that is shown in full.

@@ -1,10 +1,10 @@
 // The scale of a picture: a bar of a round length with its unit.
 
-import { palette } from "#player/picture/pen.js";
+import { BAR_ROOM, palette } from "#player/picture/pen.js";
 
 const WIDEST = 0.3; // share of the picture's width that the bar may take
 const LEAST = 24; // pixels: a shorter bar is useless
-const HIGH = 15; // pixels of the plate behind the bar and its text
+const HIGH = BAR_ROOM - 3; // pixels of the plate behind the bar and its text
 
 /**
  * Returns the longest round length, in metres, that fits into some pixels: 1, 2 or 5 times a power
@@ -47,7 +47,7 @@ export function drawScaleBar(pen, world) {
   const words = lengthWords(metres);
   context.font = "11px system-ui, sans-serif";
   const wide = long + 10 + context.measureText(words).width;
-  // A plate keeps bar and text legible over walls and paths.
+  // A plate keeps bar and text legible over walls and paths when the view is zoomed.
   context.globalAlpha = 0.8;
   context.fillStyle = colours.paper;
   context.fillRect(3, height - HIGH - 3, wide + 8, HIGH);

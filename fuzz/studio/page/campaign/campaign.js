@@ -251,7 +251,12 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
 
 // Begins or resumes a campaign and shows it; `begins` is called when it can be stopped.
 async function start(campaign, kind, message, begins) {
-  const { state } = await campaign.studio.connection.ask(kind, message, begins);
+  const isEmpty = campaign.folder === null;
+  if (isEmpty) campaign.wall.wait("Beginning: the campaign's process is being started. Nothing has been tried yet.");
+  const { state } = await campaign.studio.connection.ask(kind, message, begins).catch((error) => {
+    if (isEmpty) campaign.wall.show(null);
+    throw error;
+  });
   campaign.folder = state.folder;
   keep(campaign.studio.folder, CHOSEN, state.folder);
   await list(campaign);

@@ -46,7 +46,7 @@ function show(panel, failure) {
   const changed = el("p", { class: "notice", hidden: true }, OTHER_RUN);
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
-    ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}`],
+    ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}${failure.shrunk ? "" : "; as found, not shrunk"}`],
     ["First seen", failure.seen ? new Date(failure.seen * 1000).toLocaleString("sv") : "unknown"],
     ["File", failure.name],
   ];

@@ -205,7 +205,9 @@ function goalPart(form) {
     parts.amount.max = limits[value];
     isGood(parts.amount);
     parts.amount.setAttribute("aria-label", value === "units" ? "Units" : "Seconds");
+    hint.hidden = value !== "units";
   };
+  const hint = el("small", { class: "quiet", hidden: state.budget !== "units" }, "A unit is a small search of its own, of many worlds. With a number of units, the result depends only on the seed.");
   parts.amount = number(state[state.budget], (value) => (state[state.budget] = value), { low: 1, high: limits[state.budget], step: 1 });
   parts.amount.required = true;
   parts.amount.title = "Enter a whole number of at least 1.";
@@ -215,7 +217,7 @@ function goalPart(form) {
     ["seconds", "Seconds"],
     ["units", "Units of work"],
   ];
-  return el("div", { class: "budget" }, radios(form, "budget", "How long", pairs, set), parts.amount);
+  return el("div", {}, el("div", { class: "budget" }, radios(form, "budget", "How long", pairs, set), parts.amount), hint);
 }
 
 function knownPart({ parts, campaign }, checked) {

@@ -6,7 +6,7 @@ import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js"
 import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
-const ACTIVITIES = { preparing: "Preparing", searching: "Searching", explaining: "Explaining", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
+const ACTIVITIES = { preparing: "Preparing", searching: "Searching", shrinking: "Shrinking", explaining: "Explaining", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
 // What became of a class; only kept ones have a picture.
 const FATES = { kept: "", known: "known", waiting: "to be shrunk", lost: "not kept", unread: "…" };
 
@@ -34,7 +34,7 @@ export function makeStatus(campaign) {
     "div",
     { class: "tables" },
     table("Failures by class", ["Class", "Met", "Smallest"], parts.classes),
-    table("Strategies", ["Strategy", "Units", "Worlds", "Failed", "New"], parts.strategies),
+    table("Strategies", ["Strategy", "Worlds", "Failed", "New classes"], parts.strategies),
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
   const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null, offered: "null" };
@@ -76,7 +76,7 @@ function show(status, state) {
   const now = strategiesNow(status);
   const mark = (name) => (now.has(name) ? [name, el("b", { class: "now" }, " now")] : name);
   /** @type {(strategy: CampaignState["strategies"][0]) => [Content, ...Content[]]} */
-  const row = (strategy) => [mark(strategy.strategy), strategy.units, strategy.worlds, strategy.failures, strategy.classes];
+  const row = (strategy) => [mark(strategy.strategy), strategy.worlds, strategy.failures, strategy.classes];
   parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
   parts.tables.hidden = state.strategies.length === 0;
 }
@@ -160,17 +160,15 @@ function line(status, classes) {
 
 // Shows what a campaign is doing, or how it ended. Shrinking also runs during the search.
 function activityWords({ activity, shrinking }) {
-  return activity === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : ACTIVITIES[activity];
+  return activity === "shrinking" && shrinking > 0 ? `Shrinking ${plural(shrinking, "failure")}` : ACTIVITIES[activity];
 }
 
 function budgetWords({ budget, units, running, elapsed, activity }) {
   if (activity === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
-  if (activity === "explaining") return `running natural worlds, and trying what the failures depend on; ${plural(units, "unit")}`;
+  if (activity === "explaining") return "running natural worlds, and trying what the failures depend on";
   if (budget.units) return `unit ${units} of ${budget.units}`;
-  const shown = plural(units, "unit");
-  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over; finishing current work, ${shown}`;
-  if (running && elapsed !== null) return `${Math.round(elapsed)} of ${budget.seconds} s, ${shown}`;
-  return plural(units, "unit");
+  if (!running || elapsed === null) return `${budget.seconds} s`;
+  return elapsed > budget.seconds ? `the ${budget.seconds} s are over; finishing current work` : `${Math.round(elapsed)} of ${budget.seconds} s`;
 }
 
 function short(count) {

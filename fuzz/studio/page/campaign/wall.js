@@ -195,6 +195,7 @@ function cardOf(wall, failure) {
   card.querySelector(".text").replaceChildren(
     el("span", { class: "kind" }, verdictDot(failure.verdict), failure.cause ? causeWords(failure.cause) : failure.class),
     failure.cause ? el("span", { class: "quiet class" }, failure.class) : "",
+    failure.shrunk ? "" : el("span", { class: "quiet unshrunk" }, "as found, not shrunk"),
     el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
   );
   return [key, card];

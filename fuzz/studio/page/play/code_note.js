@@ -42,7 +42,7 @@ export function makeCodeNote(studio, run) {
     /* Shows that a run has begun after the edit. */
     ran: () => {
       if (element.hidden) return;
-      words.textContent = `${what}. The results come from the current code.`;
+      words.textContent = `${what}. What is shown comes from the current code.`;
       element.className = "code-note quiet";
       again.hidden = true;
     },
