@@ -405,7 +405,7 @@ def test_cards_of_one_class_under_two_causes_name_each_other(two_causes):
 def test_a_picture_on_paper_keeps_its_proportions_and_its_theme_is_light(page):
     page.set_viewport_size({"width": 1280, "height": 800})
     page.emulate_media(color_scheme="dark")
-    page.wait_for_function("document.documentElement.dataset.theme === 'dark'")
+    page.wait_for_function("() => document.documentElement.dataset.theme === 'dark'")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
     canvas = page.locator(".pictures canvas").first
