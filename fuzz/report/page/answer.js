@@ -72,7 +72,9 @@ function answerPart(answer, find, several, campaign, redraw) {
     redraw();
   };
   for (const one of shown) one.button.addEventListener("click", () => choose(one));
-  choose(shown.find(({ button }) => !button.hidden));
+  const examples = shown.filter(({ button }) => !button.hidden);
+  choose(examples[0]);
+  if (examples.length === 1) examples[0].button.hidden = true; // there is nothing to choose
   return el(
     "div",
     { class: "answer" },
