@@ -95,7 +95,7 @@ test("a timed campaign says how much time it has left, and when that has run out
     made.show({ ...RUNNING, budget: { seconds: 30, units: null }, ...more });
     return /(seed 1)(.*?)900/.exec(line())[2];
   };
-  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over; finishing current work, 2 units", "2 units"]);
+  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s", "the 30 s are over; finishing current work", "30 s"]);
 });
 
 test("the best so far is the smallest failure, or the longest path if there is none yet", () => {

@@ -54,12 +54,22 @@ test("the answer has advice for every cause, and a command if no change was trie
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
   for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "Never tried: gaps of 2 to 3 robot radii; paths with no quarter turns."])
     assert.ok(shown.textContent.includes(words), words);
-  // Only the first cause shows what its example depends on.
-  assert.ok(!shown.textContent.includes("arrives if cell (1, 1) is free"));
-  answer.causes.reverse();
-  answer.causes[0].file = "one.grid";
-  makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
-  assert.ok(shown.textContent.includes("In its example it arrives if cell (1, 1) is free."));
+});
+
+test("one cause at a time shows its example, the first until another one is chosen", () => {
+  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 3 }, natural: null, classes: ["a"], why: "", ...more });
+  const causes = [cause("circles-a-wall", { file: "one.grid" }), cause("wanders", { file: "two.grid", why: "arrives if cell (1, 1) is free" }), cause("stands-still", { file: "" })];
+  const failures = [failure("one", "loop", 20), failure("two", "loop", 30)];
+  const shown = element("answer");
+  makeAnswer(shown, { failures, extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes, natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
+  const folded = () => shown.querySelectorAll(".cause .folded").map((one) => one.hidden);
+  const pressed = () => shown.querySelectorAll(".cause button[aria-pressed]").map((one) => one.getAttribute("aria-pressed"));
+  assert.deepEqual([folded().slice(0, 2), pressed().slice(0, 2)], [[false, true], ["true", "false"]]);
+  const second = shown.querySelectorAll(".cause")[1];
+  assert.ok(second.textContent.includes("In its example it arrives if cell (1, 1) is free."));
+  second.querySelector("button").click();
+  assert.deepEqual([folded().slice(0, 2), pressed().slice(0, 2)], [[true, false], ["false", "true"]]);
+  assert.equal(shown.querySelectorAll(".cause")[2].querySelector("button").hidden, true);
 });
 
 test("verdicts and a search filter the cards, and a note says if none match", () => {
