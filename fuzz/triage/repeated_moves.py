@@ -30,6 +30,7 @@ _MOST_MOVES = 8
 # above the second it turns around.
 _STRAIGHT = 2.0
 _AROUND = 160.0
+_NOTICED = 0.1  # degrees; a smaller total is no turn
 
 # Share of a step's length that must lead against the heading for the robot to drive backwards: a
 # wall may bend the step.
@@ -285,19 +286,23 @@ def _summary(bearings: WallBearings, trace: Trace, first: int, last: int) -> str
     turns = _reactions(bearings, trace, first, last)
     touches = trace.bump[first:last]
     if not touches.any():
-        return f"it turns {_in_all(turns)} in all, and touches no wall"
+        return f"it {_in_all(turns)}, and touches no wall"
     share = max(round(100 * int(touches.sum()) / (last - first)), 1)
     often = f"it touches a wall in {share} % of its steps{_sides(bearings, steps[touches])}"
     if touches.all():
-        return f"{often}, and turns {_in_all(turns)} in all"
-    at_walls = _in_all(turns[touches])
-    return f"{often}; it turns {at_walls} there, and {_in_all(turns[~touches])} in between"
+        return f"{often}, and {_in_all(turns)}"
+    at_walls = _in_all(turns[touches], "there")
+    return f"{often}; it {at_walls}, and {_in_all(turns[~touches], 'in between')}"
 
 
-def _in_all(turns: Floats) -> str:
-    left = float(np.abs(turns[turns > 0.0]).sum())
-    right = float(np.abs(turns[turns < 0.0]).sum())
-    return f"{in_degrees(left)} left and {in_degrees(right)} right"
+def _in_all(turns: Floats, where: str = "in all") -> str:
+    """Return how far some steps turn in total: ``turns 30 degrees left in all``."""
+    sides = {"left": turns[turns > 0.0], "right": turns[turns < 0.0]}
+    total = {side: float(np.abs(own).sum()) for side, own in sides.items()}
+    parts = [
+        f"{in_degrees(degrees)} {side}" for side, degrees in total.items() if degrees >= _NOTICED
+    ]
+    return f"turns {' and '.join(parts)} {where}" if parts else f"does not turn {where}"
 
 
 def _sides(bearings: WallBearings, touched: Ints) -> str:

@@ -153,6 +153,11 @@ def picture(page):
     return page.evaluate("document.querySelector('#stage').toDataURL()")
 
 
+def test_the_first_screen_says_why_failures_are_not_confirmed(page):
+    words = page.locator("#totals + .bad").inner_text()
+    assert "not confirmed: " in words and "./gone.py" in words
+
+
 def test_nothing_is_asked_of_any_other_file_or_host(page, address):
     open_failure(page, "loop-a")
     page.goto(f"{address}#campaign")

@@ -1,7 +1,7 @@
 // Starts the page: selects the view by address, and sets up keys and colours.
 
 import { short } from "#player/archive.js";
-import { byId, el, grouped } from "#player/dom.js";
+import { byId, el, grouped, plural } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { COLOURS, makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
@@ -48,6 +48,14 @@ function showTotals() {
   if (others > 0)
     items.push(some(others, "world without a failure ignored", "worlds without a failure ignored"));
   byId("totals").append(...items.map(([before, value, after]) => el("span", {}, before, el("b", {}, value), after)));
+  if (failures.length > confirmed) byId("totals").after(el("p", { class: "bad" }, unconfirmed(failures.filter((failure) => !failure.confirmed))));
+}
+
+// Most often one reason explains all, such as a controller that is in another folder.
+function unconfirmed(failures) {
+  const reasons = new Set(failures.map((failure) => failure.reason));
+  const more = reasons.size > 1 ? `, and ${plural(reasons.size - 1, "other reason")}` : "";
+  return `${plural(failures.length, "failure is", "failures are")} not confirmed: ${[...reasons][0]}${more}.`;
 }
 
 function showTabs(current) {
