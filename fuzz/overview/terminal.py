@@ -218,10 +218,11 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     who = click.style(shown(headline.who), bold=True)
     worst = own[0].cause.severity
     words = own[0].cause.phrase
-    if worst == Severity.NEVER_ARRIVES:
+    if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
         # It never arrives in the failures, but that is not what it does in general.
         natural = None if overview.natural is None else overview.natural.table()
-        words = how_often_it_arrives(natural)
+        often = how_often_it_arrives(natural)
+        words = f"{often}, and {words}" if worst == Severity.HARMED else often
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
     failed = click.style(words, fg=_COLOURS[worst], bold=True)

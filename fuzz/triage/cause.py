@@ -223,7 +223,9 @@ _ADVICE = {
         "Check how much clearance it requires at walls and in turns: its radius must be enough."
     ),
     Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
-    Cause.PUSHES_A_WALL: "Check what it does after a bump: does it turn, and does it keep turning?",
+    Cause.PUSHES_A_WALL: (
+        "Check what it does after a bump: does it turn away, and what makes it turn back?"
+    ),
     Cause.TURNS_BACK_AND_FORTH: (
         "Look for two decisions that undo each other, and for an angle that is not wrapped to half "
         "a turn."
@@ -236,8 +238,8 @@ _ADVICE = {
         "Check the condition under which it leaves a wall: one condition explains both."
     ),
     Cause.BOUNCES_BETWEEN_WALLS: (
-        "Add memory, chance or wall following: a robot that turns by the same rule at each wall "
-        "repeats itself."
+        "A robot that turns by the same rule at each wall repeats itself: add memory, chance or "
+        "wall following, or check why what it has does not help."
     ),
     Cause.TRAPPED_BEHIND_A_WALL: (
         "It needs a way out of places where every direct move leads away from the target: follow "

@@ -446,6 +446,11 @@ def test_counts_never_contradict_each_other(tmp_path):
         (Cause.INVALID_COMMAND, "its controller sends invalid commands; 1 cause"),
         (Cause.CUTS_A_CORNER, "goes through walls; 1 cause"),
         (Cause.WANDERS, "sometimes runs out of time; 1 cause"),
+        (Cause.CIRCLES_A_WALL, "does not always arrive; 1 cause"),
+        (
+            Cause.CAUGHT_BY_A_CHANGE,
+            "does not always arrive, and runs into a hazard that it can sense; 1 cause",
+        ),
     ],
 )
 def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):

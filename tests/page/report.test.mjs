@@ -72,6 +72,13 @@ test("one cause at a time shows its example, the first until another one is chos
   assert.equal(shown.querySelectorAll(".cause")[2].querySelector("button").hidden, true);
 });
 
+test("a hazard that it can sense does not hide how often it arrives", () => {
+  const burned = { cause: "caught-by-a-change", sentence: "It burns.", advice: "Mend it.", severity: "harmed", state: "", met: 3, verdicts: { burned: 3 }, natural: null, classes: ["a"], file: "", why: "" };
+  const shown = element("answer");
+  makeAnswer(shown, { failures: [], extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes: [burned], natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
+  assert.equal(shown.querySelector(".headline").textContent, "It rarely arrives, and runs into a hazard that it can sense.");
+});
+
 test("verdicts and a search filter the cards, and a note says if none match", () => {
   const chip = list.querySelectorAll(".chips button").find((one) => one.textContent === "tunnel 2");
   chip.click();

@@ -10,7 +10,6 @@ const PHRASES = {
   "through-walls": "It goes through walls",
   "through-robots": "It drives through other robots",
   "controller-error": "Its controller fails",
-  harmed: "It runs into hazards that it can sense",
   "too-slow": "It is too slow in some worlds",
   questionable: "It breaks a rule that you set",
 };
@@ -158,6 +157,7 @@ function doubtPart(campaign) {
 
 function headline(worst, answer) {
   if (worst.severity === "never-arrives") return `It ${answer.arrives}`;
+  if (worst.severity === "harmed") return `It ${answer.arrives}, and runs into a hazard that it can sense`;
   return OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity];
 }
 
