@@ -15,7 +15,7 @@ Causes that one condition explains are joined, as in a campaign's summary.
 
 The rules for causes were written while looking at worlds of :data:`DESIGN`, half of the faults,
 found with seed 1. No world of the other half was looked at, and none that the default seed finds.
-The size of the room that shows who follows walls was chosen with all faults.
+The room that shows which controllers get around walls was chosen with all faults.
 """
 
 from __future__ import annotations

@@ -136,11 +136,15 @@ def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) ->
 
 
 def with_joined(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
-    """Return causes with those that have one reason joined, see :attr:`Cause.parts`."""
-    own = {one.cause: one for one in causes}
+    """Return causes with those that have one reason joined, see :attr:`Cause.parts`.
+
+    A cause that only shrinking found says nothing about the others.
+    """
+    own = list(causes)
+    shown = joined([one.cause for one in own if not one.is_only_shrunk])
     groups: dict[Cause, list[CauseTotals]] = {}
-    for part, whole in joined(own).items():
-        groups.setdefault(whole, []).append(own[part])
+    for one in own:
+        groups.setdefault(shown.get(one.cause, one.cause), []).append(one)
     return in_order(_sum(whole, parts) for whole, parts in groups.items())
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.table import ChangesRow, ComparisonRow
-from fuzz.triage.cause import Cause
+from fuzz.triage.cause import Cause, joined
 from worldgen.support.plain_text import counted
 
 
@@ -69,8 +69,10 @@ def compare(
         fixed: By class, the cause of known failures that no longer fail.
     """
     known = still.keys() | fixed.keys()
-    causes_before = set(still.values()) | set(fixed.values())
-    causes_now = set(now.values()) | set(still.values())
+    # Causes have the names under which the campaign shows them.
+    shown = joined({*now.values(), *still.values(), *fixed.values()})
+    causes_before = {shown[cause] for cause in (*still.values(), *fixed.values())}
+    causes_now = {shown[cause] for cause in (*now.values(), *still.values())}
     return RegressionView(
         against,
         new=tuple(sorted(now.keys() - known)),
@@ -92,9 +94,10 @@ def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> li
     still = set(comparison.still_causes)
 
     def state(cause: Cause) -> str:
-        if new.issuperset(cause.parts):
-            return "new"
-        return "" if still.isdisjoint(cause.parts) else "still"
+        names = {cause, *cause.parts}
+        if names & still:
+            return "still"
+        return "new" if names & new else ""
 
     return [replace(one, state=state(one.cause)) for one in causes]
 

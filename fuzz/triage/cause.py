@@ -167,8 +167,7 @@ _SENTENCES = {
         "{It} gets close to the target on a clear path, but passes it again and again."
     ),
     Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and never leaves it.",
-    Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall for the target too early and comes back to the "
-    "same wall.",
+    Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall too early and comes back to the same wall.",
     Cause.LEAVES_WALLS_WRONGLY: (
         "{It} leaves some walls too early and comes back, and never leaves others."
     ),
@@ -232,8 +231,10 @@ _ADVICE = {
     ),
     Cause.MISSES_THE_TARGET: "Check how it slows down and aims close to the target.",
     Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it never holds here.",
-    Cause.RETURNS_TO_THE_WALL: "Check the condition under which it leaves a wall: it must be "
-    "closer to the target each time.",
+    Cause.RETURNS_TO_THE_WALL: (
+        "Check what makes it leave a wall: it must get closer to the target each time, or remember "
+        "the wall."
+    ),
     Cause.LEAVES_WALLS_WRONGLY: (
         "Check the condition under which it leaves a wall: one condition explains both."
     ),

@@ -2,7 +2,7 @@
 
 A robot whose gap is too narrow often repeats the same moves as a robot behind a wall. A smaller
 robot distinguishes the two: it arrives in the first case. A robot that comes back to a wall has
-left it too early if it can follow walls, and bounces off it otherwise; a room with one wall
+left it too early if it can get around walls, and bounces off it otherwise; a room with one wall
 distinguishes these.
 """
 
@@ -53,8 +53,12 @@ _AROUND = 6
 _OFF_MIDDLE = 0.3
 _HEADINGS = (0.0, 2.0, -2.0, 3.0)  # rad; the wall is in direction 0
 
-# Cells to drive in that room, at top speed; and the steps at most, however short they are.
-_DRIVES = 100
+# Cells that it has to stay beside the wall; the nearer end is 7.7 cells from where it meets the wall.
+_BESIDE_IT = 6.5
+
+# Cells that a robot at top speed can drive in that room, which gives slower ones time too; and the
+# steps at most, however short they are.
+_DRIVES = 300
 _MOST_STEPS = 20_000
 
 # Largest radius of the robot in that room, in cells: a larger robot gets larger cells.
@@ -87,11 +91,11 @@ class OtherWorlds:
             # The changed robot does not fit at the start, or its wheels would not fit the robot.
             return False
 
-    def follows_walls(self, world: World) -> bool:
-        """Return True if the robot goes along a wall in its way until the wall ends.
+    def gets_around_walls(self, world: World) -> bool:
+        """Return True if the robot goes along a wall in its way until near the wall's end.
 
-        It is tried in a room with one wall between start and target, from several start headings: a
-        robot that bounces may stay near a wall by chance.
+        Wall followers and planners do. It is tried in a room with one wall between start and
+        target, from several start headings: a robot that bounces may stay near a wall by chance.
 
         Args:
             world: A world of the scenario; its robot and its cells decide the size of the room.
@@ -108,10 +112,10 @@ class OtherWorlds:
         )
         # Nothing tells when a program is edited, so it is tried each time.
         if is_process_name(self.controller):
-            return run.follows_wall()
+            return run.gets_around()
         file = CONTROLLERS.source(self.controller)
         edited = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
-        return _known_to_follow(run, (edited, *sources_read().items()))
+        return _known_to_get_around(run, (edited, *sources_read().items()))
 
 
 @dataclass(frozen=True)
@@ -132,14 +136,15 @@ class _RunInRoom:
     radius: float
     speed: float
 
-    def follows_wall(self) -> bool:
+    def gets_around(self) -> bool:
         for heading in _HEADINGS:
             room = self._room(heading)
             try:
                 trace = simulate(room, self.controller, self.options, record=True).trace
             except WorldgenError:
+                # Its options do not fit such a room.
                 return False
-            if trace is None or _longest_beside_a_wall(room, trace) < _LONG / 2 * self.side:
+            if trace is None or _longest_beside_a_wall(room, trace) < _BESIDE_IT * self.side:
                 return False
         return True
 
@@ -159,9 +164,14 @@ class _RunInRoom:
 
 
 @functools.lru_cache(maxsize=64)
-def _known_to_follow(run: _RunInRoom, code: tuple[object, ...]) -> bool:
-    """Return whether a robot follows walls; asked again once the user's code has changed."""
-    return run.follows_wall()
+def _known_to_get_around(run: _RunInRoom, code: tuple[object, ...]) -> bool:
+    """Return whether a robot gets around a wall; computed again once the user's code has changed.
+
+    Args:
+        run: The scenario.
+        code: Equal as long as the code is the same.
+    """
+    return run.gets_around()
 
 
 def fails_by_timing(world: World, arrives: Callable[[World], bool]) -> bool:

@@ -266,8 +266,10 @@ def _of_behaviour(world: World, seen: RepeatedPart, others: OtherWorlds | None) 
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL
     if seen.touching >= _RARELY:
-        follows = _follows_walls(world, others)
-        return Cause.RETURNS_TO_THE_WALL if follows else Cause.BOUNCES_BETWEEN_WALLS
+        if others is None:
+            return Cause.UNKNOWN
+        gets_around = others.gets_around_walls(world)
+        return Cause.RETURNS_TO_THE_WALL if gets_around else Cause.BOUNCES_BETWEEN_WALLS
 
     # Away from walls. A robot that stays near the place where it is nearest is held there.
     if seen.is_blocked and seen.farthest <= seen.nearest + _NEARBY:
@@ -275,10 +277,3 @@ def _of_behaviour(world: World, seen: RepeatedPart, others: OtherWorlds | None) 
     if seen.about_faces >= _OFTEN_AROUND:
         return Cause.TURNS_BACK_AND_FORTH
     return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES
-
-
-def _follows_walls(world: World, others: OtherWorlds | None) -> bool:
-    try:
-        return others is not None and others.follows_walls(world)
-    except OutOfTime:
-        return False

@@ -91,6 +91,9 @@ def test_two_causes_that_one_condition_explains_are_one():
     )
     assert first.table().parts == ["circles-a-wall", "returns-to-the-wall"]
     assert pushes.table().parts == []
+    # A cause that only shrinking found is not joined.
+    shrunk = CauseTotals(Cause.RETURNS_TO_THE_WALL, ("b",), {"loop": 0}, natural=0)
+    assert with_joined([circles, shrunk]) == [circles, shrunk]
 
 
 def test_a_joined_cause_is_new_only_if_all_of_it_is():
@@ -100,6 +103,9 @@ def test_a_joined_cause_is_new_only_if_all_of_it_is():
     known = compare("baseline", now, {"b": Cause.RETURNS_TO_THE_WALL}, {})
     assert with_states([first], new)[0].state == "new"
     assert with_states([first], known)[0].state == "still"
+    # The comparison names causes as the summary does.
+    assert "new: 1 cause (leaves-walls-wrongly)" in new.describe()
+    assert "still there: 1 cause (leaves-walls-wrongly)" in known.describe()
     # What only natural worlds show was not looked for in an earlier campaign's folder.
     (natural,) = with_natural([], {Cause.WANDERS: 1})
     assert with_states([natural], known)[0].state == ""

@@ -1,4 +1,4 @@
-"""Tests of the room with one wall, which tells wall followers from robots that bounce."""
+"""Tests of the room with one wall: robots that get around it, and robots that bounce off it."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def room(cell_size: float = 0.2, radius: float = 0.07) -> World:
     )
 
 
-def follows(controller: str, world: World) -> bool:
+def gets_around(controller: str, world: World) -> bool:
     scenario = Scenario.parse(controller)
-    return OtherWorlds(scenario.controller, scenario.run).follows_walls(world)
+    return OtherWorlds(scenario.controller, scenario.run).gets_around_walls(world)
 
 
 @pytest.mark.parametrize(("cell_size", "radius"), [(0.2, 0.07), (0.1, 0.2), (0.5, 0.1)])
@@ -47,7 +47,10 @@ def follows(controller: str, world: World) -> bool:
         ("wall-left", True),
         ("wall-right", True),
         ("tangent-bug", True),
+        # Planners go around walls, too.
         ("mapper", True),
+        ("vfh", True),
+        ("three-layer", True),
         ("fuzz.faults:bug1_lost_wall_wrong_side", True),
         ("naive", False),
         ("turn-right", False),
@@ -57,8 +60,8 @@ def follows(controller: str, world: World) -> bool:
         ("potential-field", False),
     ],
 )
-def test_a_robot_follows_walls_at_any_size(controller, expected, cell_size, radius):
-    assert follows(controller, room(cell_size, radius)) is expected
+def test_a_robot_gets_around_a_wall_at_any_size(controller, expected, cell_size, radius):
+    assert gets_around(controller, room(cell_size, radius)) is expected
 
 
 FOLLOWER = """
@@ -85,21 +88,21 @@ def test_an_edited_controller_is_tried_again(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(FOLLOWER.replace("TURN", "math.radians(25)"))
     name = f"{file}:Robot"
-    assert follows(name, room())
+    assert gets_around(name, room())
     file.write_text(FOLLOWER.replace("TURN", "math.pi"))
     os.utime(file, ns=(1, 1))
     CONTROLLERS.forget(str(file))
-    assert not follows(name, room())
+    assert not gets_around(name, room())
 
 
 def test_neither_the_budget_nor_the_seed_of_a_run_changes_the_answer():
     scenario = Scenario.parse("bug2")
     short = replace(scenario.run, steps=1, seed=7)
-    assert OtherWorlds("bug2", short).follows_walls(room())
+    assert OtherWorlds("bug2", short).gets_around_walls(room())
 
 
-def test_a_controller_that_cannot_run_there_follows_nothing():
-    assert not follows("fuzz.faults:vfh_beam_beyond_the_last", room())
+def test_a_controller_that_crashes_there_does_not_get_around():
+    assert not gets_around("fuzz.faults:vfh_beam_beyond_the_last", room())
 
 
 @pytest.mark.parametrize(
@@ -111,7 +114,7 @@ def test_a_controller_that_cannot_run_there_follows_nothing():
         ("turn-right", Cause.BOUNCES_BETWEEN_WALLS, Cause.RETURNS_TO_THE_WALL),
     ],
 )
-def test_only_a_wall_follower_leaves_a_wall_too_early(controller, right, wrong):
+def test_only_a_robot_that_gets_around_walls_leaves_one_too_early(controller, right, wrong):
     files = sorted((SHIPPED / controller).rglob("loop-*.grid"))
     causes = {cause_of(Failure.read(file)) for file in files}
     assert right in causes and wrong not in causes
