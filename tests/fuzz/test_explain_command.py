@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from fuzz.failure import Failure
+from fuzz.overview.explanation import explain_failure
 from fuzz.triage.judging import failure_of
 from sim.scenario import Scenario
 from tests.fuzz.test_counterfactual import CHANCE, FIRE, WALL
@@ -11,6 +13,8 @@ from tests.fuzz.test_report import data_of
 from tests.helpers.command_line import worldgen
 from worldgen import generate
 from worldgen.files.grid import write_world
+
+BREACH = WALL.parents[3] / "thesis-faults" / "thesis-1-breach.grid"
 
 BREAKS = """
 from sim import Command
@@ -81,6 +85,19 @@ def test_another_controller_is_explained_by_its_own_run(crashed):
     turned = worldgen("explain", WALL, "--controller", "potential-field")
     assert "potential-field under swept" in turned.out
     assert "bounces-between-walls" not in turned.out
+
+
+def test_a_controller_that_cannot_be_run_has_neither_verdict_nor_cause():
+    result = worldgen("explain", WALL, "--controller", "nosuch", "--json")
+    (row,) = json.loads(result.out)["failures"]
+    assert result.code == 2 and "nosuch" in row["problem"]
+    assert (row["verdict"], row["cause"], row["goes_wrong"]) == ("", "", "")
+
+
+def test_another_controller_has_not_the_recorded_cause_of_a_breach():
+    failure = Failure.read(BREACH).noting(cause="crashes")
+    assert explain_failure(failure).cause == "crashes"
+    assert explain_failure(failure, "turn-left").cause != "crashes"
 
 
 def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tmp_path):
