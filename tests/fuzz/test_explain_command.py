@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from fuzz.ci import CiFinding, FindingState
+from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.overview.explanation import explain_failure
 from fuzz.triage.judging import failure_of
@@ -70,6 +72,24 @@ def test_a_crash_is_explained_by_its_error(crashed):
     lines = worldgen("explain", crashed).out.splitlines()
     assert "crash (ValueError: too far, breaks.py:9)" in lines[0]
     assert lines[1] == "  crashes: Its code raises an error."
+
+
+def test_the_headline_of_a_crash_is_its_error(crashed, tmp_path):
+    failure = Failure.read(crashed)
+    found = CiFinding.of(failure, crashed, FindingState.NEW)
+    error = "crash (ValueError: too far, breaks.py:9)"
+    assert found.headline.endswith(f"breaks.py:Breaks under swept: {error}")
+    assert found.text.count(error) == 1 and not found.explanation
+    assert describe(failure, crashed).splitlines()[0] == found.headline
+    page = tmp_path / "page.html"
+    assert worldgen("report", crashed, "--out", page).code == 0
+    (shown,) = data_of(page)["failures"]
+    assert shown["words"] == error and not shown["sentence"]
+
+
+def test_the_headline_of_an_unknown_cause_is_what_happened():
+    found = CiFinding.of(Failure.read(WALL).noting(cause="unknown"), WALL, FindingState.NEW)
+    assert ": loop " in found.headline and not found.explanation
 
 
 def test_a_picture_of_several_failures_is_refused_before_any_is_explained(tmp_path):
