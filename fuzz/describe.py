@@ -88,11 +88,13 @@ def describe(
     depends = f"  {who} {why.describe()}.\n" if why else ""
     marked = naming(trail, why.cells if why else ())
     color = wants_color(sys.stdout)
+    happened = f"{record.verdict}{shown(words)}"
+    first = happened if cause.is_vague else cause.sentence_in(world)
     return (
-        f"{shown(failure.who)}: {cause.sentence_in(world)}\n"
+        f"{shown(failure.who)}: {first}\n"
         f"{shown_lines(depends)}"
         f"{f'  {who} {repeats}.{chr(10)}' if repeats else ''}"
-        f"  {record.verdict}{shown(words)}\n"
+        f"{'' if cause.is_vague else f'  {happened}{chr(10)}'}"
         f"{shown_lines(describe_frames(evidence))}"
         f"{_doubt(failure)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"

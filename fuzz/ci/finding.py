@@ -59,7 +59,7 @@ class CiFinding:
         seed: Seed of the run.
         replay: The command that replays it.
         cause: Why the robot fails: a name of :class:`fuzz.triage.cause.Cause`.
-        sentence: The cause as a sentence, with a full stop.
+        sentence: The cause as a sentence, with a full stop; empty if ``what`` says more.
         why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
     """
@@ -142,7 +142,7 @@ class CiFinding:
             seed=record.seed,
             replay=shown(replay),
             cause=cause.value,
-            sentence=cause.sentence_in(world),
+            sentence="" if cause.is_vague else cause.sentence_in(world),
             why=shown(why.describe()) if why else "",
         )
 
@@ -166,13 +166,14 @@ class CiFinding:
         """Why it happens: one or two sentences; empty if nothing is known or confirmed."""
         if self.state == FindingState.NOT_CONFIRMED:
             return ""
-        depends = f" It {self.why}." if self.why else ""
-        return f"{self.sentence}{depends}".strip()
+        if not self.why:
+            return self.sentence
+        return f"{self.sentence or f'{self.what}.'} It {self.why}."
 
     @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
-        happened = f"{self.what}\n" if self.explanation else ""
+        happened = "" if self.what in self.headline else f"{self.what}\n"
         cause = f"cause {self.cause}, " if self.cause else ""
         about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.size}"
         return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"

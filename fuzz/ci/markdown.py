@@ -61,7 +61,9 @@ def _row(finding: CiFinding) -> str:
 
 def _fold(finding: CiFinding) -> str:
     """Return the complete finding in a fold, open if it makes the command exit with code 1."""
-    title = html.escape(f"{finding.explanation or finding.what} {finding.bucket}, {finding.state}")
+    title = html.escape(
+        f"{finding.explanation or f'{finding.what}.'} {finding.bucket}, {finding.state}"
+    )
     fold = "<details open>" if finding.fails else "<details>"
     text = html.escape(finding.text)
     return f"{fold}<summary>{title}</summary>\n\n<pre>\n{text}\n</pre>\n\n</details>"

@@ -141,7 +141,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
 
 
 def _sentences(finding: CiFinding) -> str:
-    happened = f" Verdict: {finding.what}" if finding.explanation else ""
+    happened = "" if finding.what in finding.headline else f" Verdict: {finding.what}"
     return f"{finding.headline}{happened}. World of {finding.size}: {finding.replay}"
 
 

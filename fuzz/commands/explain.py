@@ -81,14 +81,12 @@ def explain(
             continue
         began = Effort.so_far()
         with working(f"explaining {path}"):
-            explanation = explain_failure(failure.driven_by(controller), with_code=not no_code)
+            explanation = explain_failure(failure, controller, with_code=not no_code)
         # A failure is in its campaign's folder, or in the store there.
         folders = [one for one in path.parents[:3] if (one / MEMORY).is_dir()]
         change = controller_change(folders[0]) if folders and controller is None else ""
         rows.append(
-            {"file": str(path), "verdict": explanation.failure.verdict}
-            | explanation.table()
-            | ({"changed": change} if change else {})
+            {"file": str(path)} | explanation.table() | ({"changed": change} if change else {})
         )
         # The run shows something even if no change explains it, as for a controller that crashes.
         if not as_json and (lines := explanation.text()):

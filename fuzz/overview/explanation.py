@@ -8,6 +8,7 @@ from typing import Any
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
+from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import CAUSE, cause_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.drawing.picture import trails_of
@@ -25,7 +26,9 @@ class Explanation:
     """What is known about a failure.
 
     Args:
-        failure: The failure.
+        failure: The failure, as its controller runs now.
+        verdict: The verdict now; empty if its controller cannot be run.
+        cause: Why it fails; ``None`` if its controller cannot be run, or if the robot arrives now.
         words: What happened in its run, to follow the verdict.
         facts: What its run shows.
         why: The single changes after which its robot arrives; ``None`` if they cannot be tried.
@@ -33,6 +36,8 @@ class Explanation:
     """
 
     failure: Failure
+    verdict: str = ""
+    cause: Cause | None = None
     words: str = ""
     facts: RunFacts = field(default_factory=RunFacts)
     why: Counterfactuals | None = None
@@ -40,16 +45,15 @@ class Explanation:
 
     @property
     def sentence(self) -> str:
-        """The cause, in one sentence; empty if the robot arrives now."""
-        return (
-            "" if _arrives(self.failure) else cause_of(self.failure).sentence_in(self.failure.world)
-        )
+        """The cause, in one sentence; empty if there is none."""
+        return "" if self.cause is None else self.cause.sentence_in(self.failure.world)
 
     def table(self) -> dict[str, Any]:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
         untried = {"changes": [], "sentence": "", "problem": self.problem}
         return {
-            "cause": "" if _arrives(self.failure) else cause_of(self.failure).value,
+            "verdict": self.verdict,
+            "cause": self.cause or "",
             "goes_wrong": self.sentence,
             **(untried if self.why is None else self.why.table()),
             **self.facts.table(),
@@ -61,9 +65,9 @@ class Explanation:
             return []
         failure = self.failure
         who = "The fleet" if failure.world.others else "It"
-        lines = [shown(f"{failure.who}: {failure.verdict}{self.words}")]
-        if self.sentence:
-            lines.append(f"{cause_of(failure).value}: {self.sentence}")
+        lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
+        if self.cause is not None:
+            lines.append(f"{self.cause}: {self.sentence}")
         if self.why is not None:
             lines.append(shown(f"{who} {self.why.describe()}."))
         return lines + self.facts.text()
@@ -78,51 +82,60 @@ class Explanation:
         cells = () if self.why is None else self.why.cells
         depends = self.sentence if self.why is None else self.why.describe()
         trail = naming(trails_of(run_to_draw(failure)[0], failure.world), cells)
-        title = f"{failure.verdict}: {depends}"
+        title = f"{self.verdict}: {depends}"
         if suffix == ".svg":
             return render.draw_svg(failure.stored, trail=trail, title=title).encode()
         return render.draw_png(failure.stored, trail=trail, title=title)
 
 
-def explain_failure(failure: Failure, *, with_code: bool = True) -> Explanation:
+def explain_failure(
+    failure: Failure, controller: str | None = None, *, with_code: bool = True
+) -> Explanation:
     """Run a failure and every changed scenario, and return what they show.
 
     Args:
         failure: The failure.
+        controller: A controller to use instead of the recorded one.
         with_code: False to leave out what runs inside the controller.
     """
-    words = ""
-    facts = RunFacts()
+    # Another controller has neither the cause nor the class of the recorded one.
+    if controller is not None:
+        failure = _unclassified(failure.driven_by(controller))
     try:
         episode, words = run_to_draw(failure)
-        failure = _as_run(failure, episode)
-        if _arrives(failure):
-            return Explanation(failure, words, problem="the robot arrives now")
-        facts = run_facts(failure, episode, with_code=with_code)
-        why = counterfactuals(failure)
     except WorldgenError as error:
-        return Explanation(failure, words, facts, problem=str(error))
-    return Explanation(failure, words, facts, why)
+        return Explanation(failure, problem=str(error))
+    failure = _as_run(failure, episode)
+    if failure.verdict in ARRIVALS and failure.oracle is None:
+        problem = "the robot arrives now"
+        return Explanation(failure, failure.verdict, words=words, problem=problem)
+    known = Explanation(failure, failure.verdict, cause_of(failure), words)
+    try:
+        known = replace(known, facts=run_facts(failure, episode, with_code=with_code))
+        return replace(known, why=counterfactuals(failure))
+    except WorldgenError as error:
+        return replace(known, problem=str(error))
 
 
-def _arrives(failure: Failure) -> bool:
-    return failure.verdict in ARRIVALS and failure.oracle is None
+def _unclassified(failure: Failure) -> Failure:
+    """Return a failure without the recorded cause and class."""
+    record = failure.record
+    kept = {name: value for name, value in record.details.items() if name not in (CAUSE, "class")}
+    return replace(failure, record=replace(record, details=kept))
 
 
 def _as_run(failure: Failure, episode: Episode) -> Failure:
     """Return a failure with what happens now, if the controller is another one or has changed."""
-    record = failure.record
     is_judged_otherwise = failure.is_breach or failure.oracle is not None
-    if is_judged_otherwise or episode.trace_digest == record.trace_digest:
+    if is_judged_otherwise or episode.trace_digest == failure.record.trace_digest:
         return failure
-    kept = {name: value for name, value in record.details.items() if name not in (CAUSE, "class")}
+    failure = _unclassified(failure)
     return replace(
         failure,
         record=replace(
-            record,
+            failure.record,
             verdict=episode.verdict,
             trace_digest=episode.trace_digest,
             evidence=evidence_table(episode.evidence),
-            details=kept,
         ),
     )

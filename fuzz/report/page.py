@@ -162,7 +162,7 @@ def _failure(
         "replay": entry.replay_command,
         "explain": f"worldgen explain {shlex.quote(str(entry.path))}",
         "cause": cause.value,
-        "sentence": cause.sentence_in(seen.failure.world),
+        "sentence": "" if cause.is_vague else cause.sentence_in(seen.failure.world),
         "advice": cause.advice,
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),

@@ -118,6 +118,11 @@ class Cause(StrEnum):
         return _SENTENCES[self].format(It="A robot", Its="A robot's")
 
     @property
+    def is_vague(self) -> bool:
+        """True if the run's description, such as an error's message, says more than the sentence."""
+        return self == Cause.UNKNOWN or self.severity == Severity.CONTROLLER_ERROR
+
+    @property
     def phrase(self) -> str:
         """What the robot does, to follow its name: the severity's sentence, unless too general."""
         return _OWN_PHRASES.get(self, self.severity.phrase)

@@ -217,6 +217,11 @@ def test_a_summary_has_a_row_and_a_picture_for_each_class():
     assert "S start  G target" in folds[0] and "1 new class of failures, 1 known" in markdown(TWO)
 
 
+def test_the_title_of_what_has_no_explanation_ends_its_sentence():
+    text = markdown(report(finding(LOOP, FindingState.NOT_CONFIRMED, what="not found")))
+    assert "<summary>not found. loop" in text
+
+
 def test_a_summary_that_grows_too_long_says_what_it_leaves_out():
     text = markdown(report(*[finding(LOOP, picture="#" * 19_000)] * 40))
     assert len(text) < 500_000 and "More pictures would not fit" in text

@@ -4,6 +4,10 @@ import json
 
 import pytest
 
+from fuzz.ci import CiFinding, FindingState
+from fuzz.describe import describe
+from fuzz.failure import Failure
+from fuzz.overview.explanation import explain_failure
 from fuzz.triage.judging import failure_of
 from sim.scenario import Scenario
 from tests.fuzz.test_counterfactual import CHANCE, FIRE, WALL
@@ -11,6 +15,8 @@ from tests.fuzz.test_report import data_of
 from tests.helpers.command_line import worldgen
 from worldgen import generate
 from worldgen.files.grid import write_world
+
+BREACH = WALL.parents[3] / "thesis-faults" / "thesis-1-breach.grid"
 
 BREAKS = """
 from sim import Command
@@ -68,6 +74,24 @@ def test_a_crash_is_explained_by_its_error(crashed):
     assert lines[1] == "  crashes: Its code raises an error."
 
 
+def test_the_headline_of_a_crash_is_its_error(crashed, tmp_path):
+    failure = Failure.read(crashed)
+    found = CiFinding.of(failure, crashed, FindingState.NEW)
+    error = "crash (ValueError: too far, breaks.py:9)"
+    assert found.headline.endswith(f"breaks.py:Breaks under swept: {error}")
+    assert found.text.count(error) == 1 and not found.explanation
+    assert describe(failure, crashed).splitlines()[0] == found.headline
+    page = tmp_path / "page.html"
+    assert worldgen("report", crashed, "--out", page).code == 0
+    (shown,) = data_of(page)["failures"]
+    assert shown["words"] == error and not shown["sentence"]
+
+
+def test_the_headline_of_an_unknown_cause_is_what_happened():
+    found = CiFinding.of(Failure.read(WALL).noting(cause="unknown"), WALL, FindingState.NEW)
+    assert ": loop " in found.headline and not found.explanation
+
+
 def test_a_picture_of_several_failures_is_refused_before_any_is_explained(tmp_path):
     result = worldgen("explain", WALL, FIRE, "--picture", tmp_path / "two.png")
     assert result.code == 2 and result.out == ""
@@ -81,6 +105,19 @@ def test_another_controller_is_explained_by_its_own_run(crashed):
     turned = worldgen("explain", WALL, "--controller", "potential-field")
     assert "potential-field under swept" in turned.out
     assert "bounces-between-walls" not in turned.out
+
+
+def test_a_controller_that_cannot_be_run_has_neither_verdict_nor_cause():
+    result = worldgen("explain", WALL, "--controller", "nosuch", "--json")
+    (row,) = json.loads(result.out)["failures"]
+    assert result.code == 2 and "nosuch" in row["problem"]
+    assert (row["verdict"], row["cause"], row["goes_wrong"]) == ("", "", "")
+
+
+def test_another_controller_has_not_the_recorded_cause_of_a_breach():
+    failure = Failure.read(BREACH).noting(cause="crashes")
+    assert explain_failure(failure).cause == "crashes"
+    assert explain_failure(failure, "turn-left").cause != "crashes"
 
 
 def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tmp_path):

@@ -316,6 +316,13 @@ def test_the_sidecars_values_follow_the_row_of_a_scenario(tmp_path):
     assert facts(import_world(path, robot).world) == facts(world)[1:]
 
 
+def test_a_row_of_an_exported_map_brings_the_robots_from_there(tmp_path):
+    world, path = movingai_with_sidecar(tmp_path, 3)
+    assert facts(import_world(path, ImportedRobot(row=3)).world) == facts(world)[2:]
+    with raises(FormatError, "out-of-range", row=4, rows=3):
+        import_world(path, ImportedRobot(row=4))
+
+
 def test_another_scenario_does_not_get_the_sidecars_robots(tmp_path):
     _, path = movingai_with_sidecar(tmp_path, 3)
     other = (tmp_path / "w.map.scen").rename(tmp_path / "other.scen")

@@ -33,5 +33,10 @@ def test_a_long_path_has_no_exponent():
     ]  # fmt: skip
 
 
+def test_neither_a_huge_nor_a_tiny_number_has_an_exponent():
+    numbers = ((1234567.0, 3), (0.00001234, 2), (-0.0996, 2), (999.6, 3))
+    assert [rounded(*one) for one in numbers] == ["1,230,000", "0.000012", "-0.1", "1,000"]
+
+
 def test_a_tiny_angle_among_others_is_zero():
     assert rounded_angle(-0.001) == "0"

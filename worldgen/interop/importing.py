@@ -41,7 +41,7 @@ class ImportedRobot:
             and a thesis map its program's start.
         ignore_unread: True to judge the map without obstacles that could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
-            world. If omitted, one, or all robots of a map that was exported with several.
+            world. If omitted, one, or all robots from ``row`` of a map that was exported with several.
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
             frame, instead of measured from the grid's lower-left corner.
     """
@@ -258,7 +258,7 @@ def _with_exported_robots(
     except (FormatError, OSError):
         # The sidecar's warning says that the robots are missing.
         return robot
-    return replace(robot, scenario=own, robots=robot.robots or count)
+    return replace(robot, scenario=own, robots=robot.robots or max(count - robot.row + 1, 1))
 
 
 def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:

@@ -55,11 +55,14 @@ def alternatives(names: Sequence[str]) -> str:
 
 def rounded(number: float, digits: int) -> str:
     """Return a number with this many digits, and without an exponent: ``0.045``, ``110``."""
-    return f"{float(f'{number:.{digits}g}'):,g}"
+    _, _, power = f"{number:.{digits - 1}e}".partition("e")
+    decimals = digits - 1 - int(power)
+    fixed = f"{round(number, decimals):,.{max(decimals, 0)}f}"
+    return fixed.rstrip("0").rstrip(".") if decimals > 0 else fixed
 
 
 def rounded_angle(angle: float) -> str:
-    """Return degrees with three digits, at most two of them decimals: ``2.58``, ``1,234``."""
+    """Return degrees with three significant digits and at most two decimals: ``2.58``, ``1,234``."""
     if abs(angle) >= 999.5:
         return f"{angle:,.0f}"
     # Adding zero turns -0 into 0.

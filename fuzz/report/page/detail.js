@@ -86,7 +86,7 @@ function topOf(failure, [before, after]) {
       step(after, "Next", "n"),
     ),
     el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.cause.replaceAll("-", " ")),
-    el("p", { class: "words" }, `${failure.sentence} ${failure.advice}`),
+    el("p", { class: "words" }, `${failure.sentence || `${failure.words}.`} ${failure.advice}`),
     failure.repeats ? el("p", { class: "words why" }, `It ${failure.repeats}.`) : null,
     failure.why
       ? el("p", { class: "words why" }, `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.`)
@@ -94,7 +94,7 @@ function topOf(failure, [before, after]) {
     el(
       "p",
       { class: "words quiet" },
-      `${failure.controller} under ${failure.motion}: ${failure.words}. Class `,
+      `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}. Class `,
       el("span", { class: "class" }, failure.bucket),
     ),
     failure.shrunk
