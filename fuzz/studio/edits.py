@@ -144,26 +144,33 @@ class Edits:
             "file": file,
             "name": Path(file).name,
             "digest": digest,
-            "controllers": sorted({_plain_name(label) for label in own or beside or self._named}),
+            "controllers": sorted(set().union(*map(_plain_names, own or beside or self._named))),
         }
 
 
-def _plain_name(label: str) -> str:
-    """Return a controller's name without its options."""
+def _plain_names(label: str) -> list[str]:
+    """Return a controller's name without its options; of a composition, the user's behaviours."""
+    from sim.controllers.behaviours import catalogue  # noqa: PLC0415 - loads the simulator
+
     try:
-        return split_options(label)[0]
+        if catalogue.is_composition_name(label):
+            return [name for name in catalogue.listed_names(label) if ":" in name]
+        return [split_options(label)[0]]
     except InvalidParameter:  # a program's arguments can contain a plus
-        return label
+        return [label]
 
 
 @functools.cache
 def _own_files(label: str) -> tuple[str, ...]:
     """Return the files that a controller's name contains; empty for one in a module."""
     from fuzz.studio.running import names_of  # noqa: PLC0415 - loads the simulator
+    from sim.controllers.behaviours.catalogue import is_composition_name  # noqa: PLC0415
     from sim.controllers.programs.process import is_process_name  # noqa: PLC0415
     from sim.controllers.shared.object_file import is_library_name, library_file  # noqa: PLC0415
 
     for name in names_of((label,)):
+        if is_composition_name(name):
+            continue  # the user's behaviours in it come separately
         if is_process_name(name):
             # A program starts again with each run. Its script is watched only to report changes.
             try:

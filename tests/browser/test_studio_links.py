@@ -106,6 +106,19 @@ def test_a_message_about_a_link_goes_with_the_next_world(browser, tmp_path):
 
 
 @pytest.mark.gate
+def test_a_link_to_an_unknown_family_says_so_and_opens_no_other_world(browser, tmp_path):
+    shutil.copy(CORPORA / "thesis/config-05.grid", tmp_path)
+    with studio_of(tmp_path, file="config-05.grid") as gate, opened(browser, gate) as page:
+        base = page.url.partition("#")[0]
+        page.goto("about:blank")
+        page.goto(f"{base}#draw?family=nothing&world_seed=1")
+        page.locator("#gone", has_text="nothing").wait_for()
+        page.wait_for_load_state("networkidle")
+        assert page.locator("#gone").is_visible()
+        assert page.locator("#name").inner_text() == "not saved yet"
+
+
+@pytest.mark.gate
 def test_on_a_phone_the_menu_and_every_place_of_the_tour_can_be_seen(browser, tmp_path):
     phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True}
     with studio_of(tmp_path) as gate, opened(browser, gate, **phone) as page:

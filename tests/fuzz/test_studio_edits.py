@@ -176,3 +176,14 @@ def test_each_run_is_of_the_code_as_it_is_now(gate, robot):
     assert broken["error"]["frames"][-1] == {"file": "mine.py", "line": 2, "code": "def act(self:"}
     assert crashed["verdict"] == "crash"
     assert crashed["frames"][-1]["code"] == "return (0.0, 1 / 0), memory"
+
+
+def test_a_file_of_a_behaviour_names_only_the_compositions_that_contain_it(robot):
+    named = [f"behaviours+by=vote:avoid,{robot}:Robot+priority=2", "behaviours:avoid,wander"]
+
+    async def first():
+        async for _, part in Edits(named, lambda: ()).ask("edits", {}):
+            return part["files"]
+
+    (entry,) = asyncio.run(first())
+    assert (entry["file"], entry["controllers"]) == (str(robot), [f"{robot}:Robot"])

@@ -38,6 +38,13 @@ test("a robot with options runs the code of its controller", () => {
   assert.ok(!runsOneOf("bug1", ["./mine.py:Robot"]));
 });
 
+test("a robot whose name only contains a controller's name does not run its code", () => {
+  for (const other of ["mine.py:Bot2", "./other_mine.py:Bot", "other/mine.py:Bot", "behaviours:wander,mine.py:Bots"])
+    assert.ok(!runsOneOf(other, ["mine.py:Bot"]), other);
+  for (const same of ["mine.py:Bot", "mine.py:Bot+slip=0.1", "behaviours:wander,mine.py:Bot+gain=2,avoid", "behaviours+by=vote:mine.py:Bot"])
+    assert.ok(runsOneOf(same, ["mine.py:Bot"]), same);
+});
+
 test("each file is named once", () => {
   assert.equal(fileWords([{ name: "mine.py" }]), "mine.py");
   assert.equal(fileWords([{ name: "a.py" }, { name: "b.py" }, { name: "a.py" }]), "a.py and b.py");

@@ -94,6 +94,17 @@ test("Space plays after a click on a button, a box or a list, and presses a cont
   point(document.body, "pointerdown", [0, 0]);
 });
 
+test("Space presses a button of a dialog even if a script has moved the focus there", () => {
+  page = "play";
+  point(document.body, "pointerdown", [0, 0]);
+  const dialog = element("question", "dialog");
+  const button = document.createElement("button");
+  dialog.append(button);
+  assert.equal(does(" ", {}, button), "");
+  const outside = element("outside", "button");
+  assert.equal(does(" ", {}, outside), "play true");
+});
+
 test("a key of one page does nothing on another", () => {
   page = "campaign";
   assert.deepEqual(["b", "g", " ", "Delete"].map((key) => does(key)), ["", "", "", ""]);

@@ -38,6 +38,19 @@ test("failures are grouped by cause, each group with its number of failures", ()
   assert.deepEqual(headings(), []);
 });
 
+test("a card names the other causes and the number of worlds of its class", () => {
+  const twin = (id, more) => failure(id, "loop", 20, more);
+  list.replaceChildren();
+  makeOverview(list, [twin("a"), twin("b"), twin("c", { cause: "wanders" }), twin("d", { controller: "bug1" })]);
+  const words = (id) => list.querySelector(`#card-${id}`).textContent;
+  assert.match(words("a"), /this class is also under wanders/);
+  assert.match(words("c"), /this class is also under circles a wall/);
+  assert.doesNotMatch(words("d"), /this class|worlds of/);
+  list.replaceChildren();
+  makeOverview(list, [twin("a"), twin("b")]);
+  assert.match(words("b"), /one of 2 worlds of this class/);
+});
+
 test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
   makeOverview(list, FAILURES, new Map([["steps-over-a-wall", "tunnel"], ["circles-a-wall", "loop"], ["wanders", "loop"]]));

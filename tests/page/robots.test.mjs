@@ -255,6 +255,16 @@ test("as many robots can be chosen as the server accepts", () => {
   assert.equal(box("thesis-2").disabled, true);
 });
 
+test("a link with too many robots is not said to have unknown ones", () => {
+  const { robots, studio } = panel();
+  studio.limits = { ...LIMITS, robots: 1 };
+  const follow = (...names) => robots.follow({ robots: names, motion: "stepped", seed: 0 }, {});
+  assert.deepEqual(follow("thesis-1", "thesis-2"), ["At most 1 robot can run at once, so only 1 of the link's 2 will."]);
+  assert.deepEqual(robots.message().controllers, ["thesis-1"]);
+  assert.match(follow("gone", "thesis-1").join(), /^This studio cannot run gone from the link[^A]*$/);
+  assert.deepEqual(follow("thesis-2"), []);
+});
+
 test("resizing keeps the part that was chosen in its place", () => {
   const { model, form, press, sized } = sizes();
   tick(form.querySelectorAll("input[type=radio]").find((one) => one.title === "Upper right"));

@@ -49,9 +49,10 @@ addEventListener("pointerdown", () => (tabbed = false), { capture: true });
  */
 export function keepsKey(target, key) {
   const isPressed = target.matches("button, a, summary, select, input[type=checkbox], input[type=radio]");
-  // After a click, Space is free for the clock; after Tab, it presses what has the focus. A number
-  // has no spaces.
-  if (key === " " && (isPressed || target.matches("input[type=range], input[type=number]"))) return isPressed && tabbed;
+  // After a click, Space is free for the clock; after Tab and in a dialog, which moves the focus
+  // itself, it presses what has the focus. A number has no spaces.
+  if (key === " " && (isPressed || target.matches("input[type=range], input[type=number]")))
+    return isPressed && (tabbed || target.closest("dialog") !== null);
   if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
   if (target.matches("input[type=radio]")) return /^(Enter|Arrow)/.test(key);

@@ -57,11 +57,12 @@ export function makeOverview(section, failures, causes = new Map()) {
   );
   const redraw = () => list.querySelectorAll("canvas").forEach((canvas) => visible.observe(canvas));
   const several = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}`)).size > 1;
+  const classes = classesIn(failures);
   const refresh = () => {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
     const colours = wanted.group === "cause" ? causes.entries() : [];
     const first = new Map([...colours].map(([cause, colour]) => [cause.replaceAll("-", " "), colour]));
-    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several, twinWords(failure, failures)), first));
+    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several, twinWords(failure, classes.get(classOf(failure)))), first));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
@@ -184,10 +185,19 @@ function groupsOf(failures, nameOf, cardOf, first) {
   );
 }
 
+const classOf = ({ bucket, controller, motion }) => [bucket, controller, motion].join("\n");
+
+// Returns the failures of each class.
+function classesIn(failures) {
+  const classes = new Map(failures.map((failure) => [classOf(failure), []]));
+  for (const failure of failures) classes.get(classOf(failure)).push(failure);
+  return classes;
+}
+
 // A class has two cards if the smallest world is not the clearest of its cause, or if its worlds have
 // different causes.
-function twinWords(failure, failures) {
-  const twins = failures.filter((one) => one !== failure && ["bucket", "controller", "motion"].every((name) => one[name] === failure[name]));
+function twinWords(failure, members) {
+  const twins = members.filter((one) => one !== failure);
   const causes = [...new Set(twins.map((one) => one.cause))].filter((cause) => cause !== failure.cause);
   if (causes.length) return `this class is also under ${causes.join(", ").replaceAll("-", " ")}`;
   return twins.length ? `one of ${twins.length + 1} worlds of this class` : "";

@@ -111,7 +111,8 @@ function showLink() {
   if (link !== location.hash) history.replaceState(null, "", `${location.pathname}${link}`);
 }
 
-// Shows what a link names: the world with its robots, or the failure in its folder.
+// Shows what a link names: the world with its robots, or the failure in its folder. Returns why it
+// cannot be followed in full.
 async function followLink() {
   const { page, shows } = readLink(location.hash);
   followed = true;
@@ -119,31 +120,33 @@ async function followLink() {
   misled = false;
   if (page === "campaign") {
     studio.campaign.follow(shows);
-    return;
+    return [];
   }
   if (page === "compare") {
     studio.compare.follow(shows);
-    return;
+    return [];
   }
+  const faults = [];
   try {
     if (shows.family) await generate(madeIn(shows), `${shows.family} ${shows.world_seed}`);
     else if (shows.world && shows.world !== studio.model.world.name)
       await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
-    if (error instanceof Refused) mislead(error.message);
+    if (error instanceof Refused) faults.push(error.message);
   }
-  if (page !== "play") return;
+  if (page !== "play") return faults;
   // now, because a failure's file names its own robot, and so does a link with robots
-  const unknown = studio.play.follow(shows);
-  if (unknown.length > 0) mislead(`This studio cannot run ${unknown.map(shortName).join(", ")} from the link. Start it with --controller, or choose another robot.`);
+  faults.push(...studio.play.follow(shows));
   studio.play.run();
+  return faults;
 }
 
 // Says why a link cannot be followed, until another one is, or another world is opened.
-function mislead(words) {
+function mislead(faults) {
+  if (faults.length === 0) return;
   misled = true;
-  notice([byId("gone").dataset.words, words].filter(Boolean).join(" "));
+  notice([byId("gone").dataset.words, ...faults].filter(Boolean).join(" "));
 }
 
 /**
@@ -259,15 +262,16 @@ async function begun(begins) {
   studio.limits = begins.limits;
   studio.draw.refresh();
   listenToEdits(studio.connection, codeFiles, codeEdited);
+  let faults = []; // of the link
   try {
     const offered = await hello(told);
     told.push(...unusable(offered.controllers));
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
-    const linked = readLink(location.hash).shows.world;
-    const file = linked ? "" : openedBefore() || begins.file;
+    const { shows } = readLink(location.hash);
+    const file = shows.world || shows.family ? "" : openedBefore() || begins.file;
     // nothing has been dropped on the page in the meantime
     const untouched = () => studio.model.past.length === 0;
-    if (first && (untouched() || studio.page() === "campaign")) await followLink();
+    if (first && (untouched() || studio.page() === "campaign")) faults = await followLink();
     followed = true;
     if (first && file && untouched())
       await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) }, untouched);
@@ -276,6 +280,7 @@ async function begun(begins) {
     if (error instanceof Refused) told.push(error.message);
   }
   if (told.length > 0) notice(told.join(" "));
+  mislead(faults);
   studio.play.refresh();
   studio.campaign.refresh();
   studio.compare.refresh();
@@ -400,7 +405,7 @@ function begin() {
     // by now, showLink may have written a link into the address
     const { shows } = readLink(new URL(newURL).hash);
     // another link was put into the address
-    if (followed && Object.keys(shows).length > 0) followLink();
+    if (followed && Object.keys(shows).length > 0) followLink().then(mislead);
     route();
   });
   addEventListener("beforeunload", (event) => {

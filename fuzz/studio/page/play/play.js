@@ -119,7 +119,7 @@ function linkOf({ message, robots }) {
 }
 
 // Takes the robots that a link or a comparison names, and their time step; `more` has settings that
-// a link does not change. Returns the robots that cannot run here.
+// a link does not change. Returns sentences about the robots that cannot run here.
 function follow(play, { robots, motion, seed, step, ...more }) {
   play.wantedStep = step === undefined ? null : Number(step);
   return play.robots.follow({ robots: robots ? splitNames(robots) : [], motion, seed: Number(seed ?? 0) }, more);

@@ -416,8 +416,8 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Takes the robots, the motion model, the seed and other settings from a link; returns the robots
-// that are not offered.
+// Takes the robots, the motion model, the seed and other settings from a link; returns sentences
+// about the robots that it leaves out.
 function follow(robots, { robots: names, motion, seed }, more) {
   const { state, studio } = robots;
   refresh(robots);
@@ -425,7 +425,9 @@ function follow(robots, { robots: names, motion, seed }, more) {
   forget(robots);
   if (motion !== state.motion && studio.offered.motions.some(({ name }) => name === motion)) setMotion(robots, motion);
   const offered = offeredTo(robots).map(({ name }) => name);
-  const known = names.filter((name) => isOfferedAs(name, offered)).slice(0, studio.limits.robots);
+  const unknown = names.filter((name) => !isOfferedAs(name, offered));
+  const all = names.filter((name) => !unknown.includes(name));
+  const known = all.slice(0, studio.limits.robots);
   if (known.length > 0) state.chosen = known;
   for (const name of known) if (![...offered, ...state.own].includes(name)) state.own.push(name);
   if (Number.isSafeInteger(seed) && seed >= 0) state.seed = seed;
@@ -433,7 +435,10 @@ function follow(robots, { robots: names, motion, seed }, more) {
   showNumbers(robots);
   showOptions(robots);
   showList(robots);
-  return names.filter((name) => !state.chosen.includes(name));
+  return [
+    ...(unknown.length > 0 ? [`This studio cannot run ${unknown.map(shortName).join(", ")} from the link. Start it with --controller, or choose another robot.`] : []),
+    ...(all.length > known.length ? [`At most ${plural(known.length, "robot")} can run at once, so only ${known.length} of the link's ${all.length} will.`] : []),
+  ];
 }
 
 // Drops the failure's seed and steps when another world is opened,

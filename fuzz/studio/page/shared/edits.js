@@ -24,7 +24,9 @@ function editedIn(known, files) {
  * @returns {boolean}
  */
 export function runsOneOf(robot, controllers) {
-  return controllers.some((controller) => robot.includes(controller));
+  // a name ends where options, a list or a class begins, so ./mine.py:Bot is not in ./mine.py:Bot2
+  const separated = (name) => `,${name.replaceAll(/[+=:]/g, ",")},`;
+  return controllers.some((controller) => separated(robot).includes(separated(controller)));
 }
 
 /**
