@@ -44,7 +44,7 @@ class Explanation:
     problem: str = ""
 
     @property
-    def sentence(self) -> str:
+    def goes_wrong(self) -> str:
         """The cause, in one sentence; empty if there is none."""
         return "" if self.cause is None else self.cause.sentence_in(self.failure.world)
 
@@ -54,7 +54,7 @@ class Explanation:
         return {
             "verdict": self.verdict,
             "cause": self.cause or "",
-            "goes_wrong": self.sentence,
+            "goes_wrong": self.goes_wrong,
             **(untried if self.why is None else self.why.table()),
             **self.facts.table(),
         }
@@ -67,7 +67,7 @@ class Explanation:
         who = "The fleet" if failure.world.others else "It"
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
         if self.cause is not None:
-            lines.append(f"{self.cause}: {self.sentence}")
+            lines.append(f"{self.cause}: {self.goes_wrong}")
         if self.why is not None:
             lines.append(shown(f"{who} {self.why.describe()}."))
         return lines + self.facts.text()
@@ -80,7 +80,7 @@ class Explanation:
         """
         failure = self.failure
         cells = () if self.why is None else self.why.cells
-        depends = self.sentence if self.why is None else self.why.describe()
+        depends = self.goes_wrong if self.why is None else self.why.describe()
         trail = naming(trails_of(run_to_draw(failure)[0], failure.world), cells)
         title = f"{self.verdict}: {depends}"
         if suffix == ".svg":

@@ -52,6 +52,14 @@ def campaign(breaks, out, *more):
     return worldgen("fuzz", "--controller", breaks, *options, "--out", out, *more)
 
 
+@pytest.mark.parametrize("path", [WALL, CHANCE])
+def test_every_key_in_json_is_documented(path):
+    text = (WALL.parents[4] / "docs/reference/verdicts.md").read_text(encoding="utf-8")
+    documented = text.partition("`explain --json` has")[2].partition("JUnit and SARIF")[0]
+    found = json.loads(worldgen("explain", path, "--json").out)
+    assert all(f"`{key}`" in documented for key in [*found, *found["failures"][0]])
+
+
 def test_a_failure_that_no_change_can_explain_still_has_its_facts_in_json():
     result = worldgen("explain", CHANCE, "--json")
     found = json.loads(result.out)
