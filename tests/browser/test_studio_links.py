@@ -119,6 +119,21 @@ def test_a_link_to_an_unknown_family_says_so_and_opens_no_other_world(browser, t
 
 
 @pytest.mark.gate
+def test_a_link_to_the_generated_world_that_is_shown_generates_nothing(browser, tmp_path):
+    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        base = page.url.partition("#")[0]
+        page.goto(f"{base}#draw?family=trap")
+        page.locator("#said", has_text="Opened trap 1").wait_for(state="attached")
+        page.wait_for_function("() => location.hash.includes('world_seed=1')")
+        page.evaluate("document.getElementById('said').textContent = ''")
+        page.goto(f"{base}#draw?world_seed=1&family=trap")
+        page.wait_for_timeout(1500)
+        assert page.locator("#said").inner_text() == ""
+        page.goto(f"{base}#draw?family=trap&world_seed=2")
+        page.locator("#said", has_text="Opened trap 2").wait_for(state="attached")
+
+
+@pytest.mark.gate
 def test_on_a_phone_the_menu_and_every_place_of_the_tour_can_be_seen(browser, tmp_path):
     phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True}
     with studio_of(tmp_path) as gate, opened(browser, gate, **phone) as page:

@@ -5,6 +5,7 @@ import { test } from "node:test";
 import "./stand_in.mjs";
 import { cellsAt } from "#player/decode.js";
 import { drawBlocked } from "#player/picture/blocked.js";
+import { drawManyCells } from "#player/picture/many_cells.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { drawScene, pictureLabel } from "#player/picture/map.js";
 import { drawMemory, memoryFacts } from "#player/picture/memory.js";
@@ -224,6 +225,23 @@ test("a single robot has no number, and without the trail the path has none", ()
     return pen.context.of("fillText").length;
   };
   assert.deepEqual([count({}), count({ number: 1, show: { ...SHOW, trail: false } })], [0, 1]);
+});
+
+test("a large world is shrunk without a picture larger than itself or twice its size on the screen", () => {
+  const made = [];
+  const Usual = globalThis.OffscreenCanvas;
+  globalThis.OffscreenCanvas = class extends Usual {
+    constructor(width, height) {
+      super(width, height);
+      made.push(width * height);
+    }
+  };
+  const side = 1000,
+    world = { width: side, height: side, open: { done: 0 } };
+  assert.ok(drawManyCells(penOf({ ...room, width: side, height: side }, { scale: 0.3 }), world, new Uint8Array(side * side)));
+  globalThis.OffscreenCanvas = Usual;
+  assert.ok(made.length > 1);
+  assert.ok(made.every((size) => size <= side * side), made.join(" "));
 });
 
 /* Makes a path with many corners, up and down through a large world. */

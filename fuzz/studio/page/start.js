@@ -128,7 +128,8 @@ async function followLink() {
   }
   const faults = [];
   try {
-    if (shows.family) await generate(madeIn(shows), `${shows.family} ${shows.world_seed}`);
+    const message = shows.family ? madeIn(shows) : null;
+    if (message && !isShown(message)) await generate(message, `${message.family} ${message.seed}`);
     else if (shows.world && shows.world !== studio.model.world.name)
       await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
   } catch (error) {
@@ -140,6 +141,11 @@ async function followLink() {
   faults.push(...studio.play.follow(shows));
   studio.play.run();
   return faults;
+}
+
+// Returns whether the page shows the unchanged world of a request to generate it.
+function isShown(message) {
+  return made !== null && made.entry === studio.model.past.at(-1) && linkTo("", made.shows) === linkTo("", madeOf(message));
 }
 
 // Says why a link cannot be followed, until another one is, or another world is opened.

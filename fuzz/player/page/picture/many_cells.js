@@ -53,10 +53,11 @@ function shrunk(picture, pixels) {
     known = smalls.get(canvas);
   if (known && known.drawn === drawn && known.pixels === pixels) return known.small;
   const size = (side) => Math.max(1, Math.round(side * pixels));
-  // First enlarge it to a power of two times the size, then take the average of each four pixels.
-  let times = 2 ** Math.ceil(Math.log2(1 / pixels)),
-    small = scaled(canvas, size(canvas.width) * times, size(canvas.height) * times);
-  for (; times > 1; times /= 2) small = scaled(small, small.width / 2, small.height / 2, times === 2);
+  // First scale a copy of at most twice the size to exactly twice the size, then take the average of
+  // each four pixels.
+  const width = size(canvas.width),
+    height = size(canvas.height);
+  const small = scaled(scaled(halved(picture, pixels), 2 * width, 2 * height), width, height, true);
   smalls.set(canvas, { drawn, pixels, small });
   return small;
 }

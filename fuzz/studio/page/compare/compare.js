@@ -24,7 +24,7 @@ const EMPTY = "Choose robots and worlds, then press Compare.";
  */
 export function makeCompare(section, studio) {
   /** @type {any} */
-  const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null };
+  const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null, isFault: false };
   const parts = {
     said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, EMPTY),
     form: el("form", { id: "compare-form", class: "panel", novalidate: true, onsubmit: (event) => (event.preventDefault(), run(compare)) }, el("p", { class: "quiet" }, "Loading the choices …")),
@@ -156,13 +156,15 @@ function showWorlds(compare) {
 }
 
 function toggle(compare, what, name, on) {
-  const { state, parts } = compare;
+  const { state } = compare;
   state[what] = state[what].filter((one) => one !== name);
   if (on) state[what].push(name);
-  if (parts.said.classList.contains("bad")) tell(compare, EMPTY); // the message no longer applies
+  if (compare.isFault) tell(compare, EMPTY); // the message no longer applies
 }
 
-function tell({ parts }, words, isBad = false) {
+function tell(compare, words, isBad = false) {
+  const { parts } = compare;
+  compare.isFault = isBad;
   parts.said.className = isBad ? "said bad" : "said quiet";
   parts.said.textContent = words;
 }

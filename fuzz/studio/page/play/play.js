@@ -41,13 +41,13 @@ export function makePlay(section, studio) {
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
-  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, wantedStep: null, cut: false, way: false, runs: [], world: null, impossible: "", message: null, looked: 0, version: -1, under: null, asked: 0 };
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, isWrong: false, wantedStep: null, cut: false, way: false, runs: [], world: null, impossible: "", message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.code = makeCodeNote(studio, () => run(play, true));
   play.driving = makeDriving({
     begin: () => beginDriving(play),
     ask: (message) => studio.connection.ask("drive", message),
     show: (robot) => showDriven(play, robot),
-    tell: (words, isBad = false) => tell(play, words, isBad),
+    tell: (words, isBad) => tell(play, words, isBad),
   });
   play.arbitration = makeArbitration(studio);
   play.robots = makeRobots(studio, () => run(play, true), play.driving.button, play.code.setting);
@@ -55,7 +55,7 @@ export function makePlay(section, studio) {
     el("div", { class: "middle" }, el("div", { class: "sight" }, parts.stage, play.arbitration.element), el("div", { class: "told" }, parts.instruments, play.arbitration.button), parts.under),
     el("div", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
-  play.robots.element.addEventListener("change", () => parts.said.textContent === WRONG && play.robots.good(false) && tell(play, "", false));
+  play.robots.element.addEventListener("change", () => play.isWrong && play.robots.good(false) && tell(play, ""));
   dragToMove(parts.stage, play);
   parts.stage.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
   new ResizeObserver(() => (play.player || play.bare)?.draw()).observe(parts.canvas);
@@ -150,8 +150,7 @@ async function run(play, pressed = false) {
   const { asked } = play;
   play.both = false;
   parts.beside.hidden = true;
-  parts.said.className = "said quiet";
-  parts.said.textContent = PREPARING;
+  tell(play, PREPARING);
   showStale(play, play.version !== version || play.isEdited);
   if (!play.player) showBare(play, drawnOf(studio.model.world), PREPARING);
   play.isEdited = false;
@@ -168,17 +167,17 @@ async function run(play, pressed = false) {
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (asked !== play.asked) return;
-    parts.said.className = error instanceof Refused ? "said bad" : "said quiet";
-    parts.said.textContent = error.message;
+    tell(play, error.message, error instanceof Refused);
   } finally {
     clearTimeout(slow);
     if (asked === play.asked) endRun(play);
   }
 }
 
-function tell({ parts }, words, isBad) {
-  parts.said.className = isBad ? "said bad" : "said quiet";
-  parts.said.textContent = words;
+function tell(play, words, isBad = false) {
+  play.isWrong = false; // until showWrong says otherwise
+  play.parts.said.className = isBad ? "said bad" : "said quiet";
+  play.parts.said.textContent = words;
 }
 
 // Runs the chosen robots if needed, and returns the settings of their run for the robot that the
@@ -203,7 +202,7 @@ function showDriven(play, robot) {
 
 function finish(play) {
   const { parts, runs, player } = play;
-  parts.said.textContent = "";
+  tell(play, "");
   play.code.ran();
   play.studio.showLink();
   if (Number.isFinite(play.wantedStep) && player) player.go(play.wantedStep);
@@ -225,6 +224,7 @@ function showWrong(play, version) {
     showStale(play, play.version !== version);
   }
   tell(play, WRONG, true);
+  play.isWrong = true;
 }
 
 function showStale({ parts }, stale) {
@@ -239,7 +239,7 @@ function endRun(play) {
 // Stops the runs that are in progress; finished ones stay.
 function stop(play) {
   play.running.stop();
-  play.parts.said.textContent = "Stopping …";
+  tell(play, "Stopping …");
 }
 
 function hideStop(button) {
@@ -251,13 +251,13 @@ function hideStop(button) {
 function take(play, part, message) {
   if (part.world !== undefined) {
     Object.assign(play, { world: part.world, impossible: part.impossible, message, runs: [], looked: 0 });
-    play.parts.said.textContent = runningWords(message.controllers, 0);
+    tell(play, runningWords(message.controllers, 0));
     if (!play.player) showBare(play, part.world, "The robots are running.");
     return;
   }
   if (part.error) Object.assign(part, { error: refusalWords(part.error), frames: part.error.frames });
   play.runs.push(part);
-  play.parts.said.textContent = runningWords(message.controllers, play.runs.length);
+  tell(play, runningWords(message.controllers, play.runs.length));
   showStale(play, false);
   say(play.runs.map((one) => `${one.name}: ${endingOf(one)}`).join(". "));
   showTable(play);
@@ -375,10 +375,10 @@ function savesOf(play) {
 }
 
 async function keepPicture(play, kind, message) {
-  const { studio, asked, parts } = play;
+  const { studio, asked } = play;
   const name = (studio.model.world.name || "run").replace(/^.*\//, "").replace(/\.grid(\.gz)?$/, "");
   try {
-    if (asked === play.asked) parts.said.textContent = "";
+    if (asked === play.asked) tell(play, "");
     play.saving = studio.connection.ask("picture", { ...message, kind, title: name });
     const answer = await play.saving;
     keep(`${name}.${kind}`, new Blob([bytesOf(answer.data)]));
@@ -386,10 +386,7 @@ async function keepPicture(play, kind, message) {
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     const words = error instanceof Ended ? "Not saved." : error.message;
-    if (asked === play.asked) {
-      parts.said.className = error instanceof Ended ? "said quiet" : "said bad";
-      parts.said.textContent = words;
-    }
+    if (asked === play.asked) tell(play, words, error instanceof Refused);
     return words;
   } finally {
     play.saving = null;
