@@ -139,14 +139,19 @@ def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -
     """Return the cause that keeps several robots from arriving, or the fault of one of them."""
     evidence = episode.evidence
     if isinstance(evidence, JointLoopEvidence):
-        if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
+        kind = standoff(evidence)
+        # Robots that keep moving may not even meet. One that fails alone has its own reason.
+        fail_alone: list[int] = []
+        if kind == Standoff.OSCILLATION and others is not None:
+            fail_alone = [n for n in evidence.waiting if not others.arrives(world.alone(n))]
+        if (known := _BY_STANDOFF.get(kind)) is not None and not fail_alone:
             return known
         # No robot drives into another one, but robots may wait for each other at a distance.
         held = _held_by_others(world, episode, evidence.waiting, evidence.entry, others)
         if held is not None:
             return held
         # The robots do not affect each other, so the first one's own reason decides.
-        number = evidence.waiting[0]
+        number = (fail_alone or evidence.waiting)[0]
         # If nobody moves, only the robots' contacts explain why.
         trace = episode.robots[number - 1].trace
         if episode.verdict == Verdict.DEADLOCK and trace is not None:

@@ -43,6 +43,8 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 from worldgen.world import JointWitness, Pose, Robot, Target, World
 
+SHIPPED = Path(__file__).parents[2] / "corpora/failures"
+
 STRAIGHT = Scenario.parse("tests.helpers.straight:Straight")
 
 
@@ -241,6 +243,29 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
     episode = simulate(apart, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
     assert cause_of_run(apart, episode, arrives(True)) == Cause.PUSHES_A_WALL
+
+
+def test_robots_that_never_meet_do_not_give_way() -> None:
+    path = next((SHIPPED / "turn-right/swept").glob("loop-bumps-end-*.grid"))
+    failure = Failure.read(path)
+    room = failure.world
+    # The same room twice, with a wall between: each robot loops on its own.
+    wall = np.ones((room.height, 3), bool)
+    right = (room.width + 3) * room.cell_size
+    start = replace(room.start, x=room.start.x + right)
+    target = replace(room.target, x=room.target.x + right)
+    rooms = replace(
+        room,
+        walls=np.hstack([room.walls, wall, room.walls]),
+        others=(Robot(start, target, room.robot_radius, room.robot_speed),),
+        certificate=None,
+    )
+    episode = simulate(rooms, "turn-right", failure.options, record=True)
+    assert episode.verdict == Verdict.LIVELOCK
+    own = OtherWorlds("turn-right", failure.options)
+    assert cause_of_run(rooms, episode, own) == Cause.BOUNCES_BETWEEN_WALLS
+    # Robots that would arrive alone stop each other.
+    assert cause_of_run(rooms, episode, arrives(True)) == Cause.GIVES_WAY_FOREVER
 
 
 def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
