@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import NamedTuple
 
 from fuzz.campaign.config import CampaignConfig
@@ -169,36 +170,36 @@ def _after(began: float, seconds: float | None, share: float) -> Callable[[], bo
     return lambda: time.monotonic() >= end
 
 
-def _passed(end: float | None) -> Callable[[], bool] | None:
-    return None if end is None else lambda: time.monotonic() >= end
-
-
 def with_worlds(
     causes: Iterable[CauseTotals],
     files_of: Callable[[Cause], Sequence[WorldFile]],
     end: float | None = None,
     *,
     with_code: bool = True,
+    clock: Callable[[], float] = time.monotonic,
 ) -> list[CauseTotals]:
     """Return causes with their worlds to look at, and explanations of the first few.
 
     Args:
         causes: The causes, the worst first.
         files_of: Returns the failures that have a cause.
-        end: When there is no more time, by ``time.monotonic``; if omitted, the amount of work is
-            fixed.
+        end: When there is no more time, by ``clock``; if omitted, the amount of work is fixed.
         with_code: False to leave out what runs inside the controller.
+        clock: Returns seconds.
     """
     found = []
     all_causes = list(causes)
     most = min(len(all_causes), _MOST_EXPLAINED)
     for number, one in enumerate(all_causes):
-        cause = _with_worlds(one, files_of(one.cause), _passed(end))
+        own = files_of(one.cause)
+        # One cause must not take the time of the others.
+        is_over = None
+        if end is not None:
+            begins = clock()
+            until = begins + (end - begins) / max(most - number, 1)
+            is_over = partial(_has_passed, until, clock)
+        cause = _with_worlds(one, own, is_over)
         if number < most and cause.failure is not None:
-            # A failure with hundreds of changes must not take the time of the others.
-            begins = time.monotonic()
-            share = None if end is None else (end - begins) / (most - number)
-            is_over = _passed(None if share is None else begins + share)
             cause = replace(
                 cause,
                 shown=_shown(cause.failure, is_over, with_code=with_code),
@@ -206,6 +207,10 @@ def with_worlds(
             )
         found.append(cause)
     return found
+
+
+def _has_passed(end: float, clock: Callable[[], float]) -> bool:
+    return clock() >= end
 
 
 def _with_worlds(

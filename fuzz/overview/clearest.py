@@ -28,7 +28,7 @@ _WIDEST = 30
 # Times the longer side of the world. A longer period fills the picture with lines.
 _TANGLE = 30.0
 
-# Limit on the candidates examined per cause, the simplest first.
+# Limits on the shrunk and on the other candidates examined per cause, the simplest first.
 _MOST = 12
 
 
@@ -100,7 +100,7 @@ def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
     """Return the clearest of several failures of one cause; ``None`` if there are none.
 
     Args:
-        failures: The candidates. The simplest dozen are examined.
+        failures: The candidates. The simplest dozen of the shrunk ones and of the others are examined.
         cause: Their cause.
     """
     candidates = sorted(failures, key=lambda failure: failure.order)

@@ -1,7 +1,6 @@
 """The overview of a campaign groups, sorts and compares causes."""
 
 import json
-import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -34,6 +33,7 @@ from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.proofs import certified
+from sim.runners.stopping import is_out_of_time, stopping_when
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.faulty_robots import HERE, found_by, hall
@@ -165,23 +165,30 @@ def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_pi
     assert clearest([found, shrunk], Cause.STANDS_STILL) is found
 
 
-def test_one_explanation_does_not_take_the_time_of_the_others(monkeypatch):
+@pytest.mark.parametrize("greedy", ["clearest", "explained"])
+def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
     still = found_by("Still")
     names = (Cause.STANDS_STILL, Cause.CIRCLES_A_WALL, Cause.MISSES_THE_TARGET)
     failures = {cause: still.noting(cause=cause.value) for cause in names}
     causes = causes_of({cause.value: one for cause, one in failures.items()}, {})
+    seconds = [0]
     spent = []
 
-    def explained(failure, is_over):
-        began = time.monotonic()
-        while not is_over():
-            time.sleep(0.01)
-        spent.append(time.monotonic() - began)
+    def wait(*_):
+        began = seconds[0]
+        while not is_out_of_time():
+            seconds[0] += 1
+        spent.append(seconds[0] - began)
 
-    monkeypatch.setattr(building, "explained", explained)
-    end = time.monotonic() + 3.0
-    with_worlds(causes, lambda cause: [WorldFile(failures[cause], f"{cause}.grid")], end)
-    assert len(spent) == 3 and min(spent) > 0.2
+    def explained(failure, is_over):
+        with stopping_when(is_over):
+            wait()
+
+    monkeypatch.setattr(building, "explained", lambda *_: None)
+    monkeypatch.setattr(building, greedy, {"clearest": wait, "explained": explained}[greedy])
+    files = lambda cause: [WorldFile(failures[cause], f"{cause}.grid")]  # noqa: E731
+    with_worlds(causes, files, end=300, clock=lambda: seconds[0])
+    assert spent == [100, 100, 100]
 
 
 def overview_of(best, found, known=None):
