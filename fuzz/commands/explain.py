@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,6 +21,9 @@ from worldgen.cli.output import (
 )
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.world import World
 
 EXAMPLES = (
     "\b\n  worldgen explain failures/loop-wall.grid --picture why.png"
@@ -53,7 +59,7 @@ def explain(
     provably reachable. Failures that depend on randomness, or that an oracle reported, cannot be
     explained this way. Exit code 2 if a file holds no failure that can be explained.
     """
-    from fuzz.campaign.store import MEMORY, controller_change
+    from fuzz.campaign.store import controller_change
     from fuzz.failure import Failure
     from fuzz.overview.explanation import explain_failure
     from sim.runners.controller_time import Effort
@@ -64,15 +70,13 @@ def explain(
     check_out("--picture", picture, *_PICTURES, force=force)
     worlds = read_worlds(paths)
     if picture is not None:
-        found = list(worlds)
-        if sum(world.failure is not None for _, world in found) > 1:
-            raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
-        worlds = iter(found)
+        worlds = _with_one_failure(worlds, picture)
     # Explain one failure after another; skip files that have none.
     rows: list[dict[str, object]] = []
     explained = 0
     is_complete = True
     said: set[str] = set()
+    change_since = functools.cache(controller_change)
     for path, world in worlds:
         failure = Failure.found_in(world)
         if failure is None:
@@ -82,9 +86,8 @@ def explain(
         began = Effort.so_far()
         with working(f"explaining {path}"):
             explanation = explain_failure(failure, controller, with_code=not no_code)
-        # A failure is in its campaign's folder, or in the store there.
-        folders = [one for one in path.parents[:3] if (one / MEMORY).is_dir()]
-        change = controller_change(folders[0]) if folders and controller is None else ""
+        folder = None if controller is not None else _campaign_folder(path)
+        change = change_since(folder, failure.record.controller) if folder is not None else ""
         rows.append(
             {"file": str(path)} | explanation.table() | ({"changed": change} if change else {})
         )
@@ -112,3 +115,20 @@ def explain(
         emit_json({"explained": explained, "failures": rows})
     if not is_complete:
         raise SystemExit(2)
+
+
+def _with_one_failure(
+    worlds: Iterable[tuple[Path, World]], picture: Path
+) -> Iterator[tuple[Path, World]]:
+    """Return the worlds; refuse several failures, because a picture shows only one."""
+    found = list(worlds)
+    if sum(world.failure is not None for _, world in found) > 1:
+        raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
+    return iter(found)
+
+
+def _campaign_folder(path: Path) -> Path | None:
+    """Return the campaign's folder that holds a failure's file, itself or in its store."""
+    from fuzz.campaign.store import MEMORY
+
+    return next((one for one in path.parents[:3] if (one / MEMORY).is_dir()), None)

@@ -100,7 +100,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     corpus = read_corpus(paths)
     folders = [folder for path in paths for folder in _campaign_folders(path)]
     campaigns = [
-        ReportedCampaign(folder, summary, controller_change(folder))
+        ReportedCampaign(folder, summary, controller_change(folder, summary.controller))
         for folder in dict.fromkeys(folders)
         if (summary := read_summary(folder)) is not None
     ]

@@ -167,7 +167,9 @@ def _failure(
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
         "shrunk": seen.failure.is_shrunk,
-        "changed": "" if campaign is None else campaigns[reported.campaign].change,
+        "changed": campaigns[reported.campaign].change
+        if campaign is not None and campaign.controller == record.controller
+        else "",
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
         "now": _drawn(seen) | {"named": named},

@@ -146,6 +146,12 @@ def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tm
     assert sentence in data["campaigns"][0]["changed"]
     assert all(sentence in failure["changed"] for failure in data["failures"])
     # Of another controller, the campaign knows nothing.
+    # Of other controllers, the campaign knows nothing.
+    write_world(Failure.read(file).driven_by("turn-left").stored, out / "other.grid")
+    assert "has changed" not in worldgen("explain", out / "other.grid").err
+    assert worldgen("report", out, "--out", page, "--force").code == 0
+    notes = {one["controller"]: one["changed"] for one in data_of(page)["failures"]}
+    assert notes["turn-left"] == "" and len(notes) == 2
     assert "has changed" not in worldgen("explain", file, "--controller", "vfh").err
 
 

@@ -49,22 +49,23 @@ def stored_seed(out: Path) -> int | None:
         return None
 
 
-def controller_change(folder: Path) -> str:
+def controller_change(folder: Path, controller: str) -> str:
     """Return a sentence if a controller's file is not the one that a campaign ran.
 
     Only the file that defines it counts, not those that it imports.
 
     Args:
         folder: The campaign's folder.
+        controller: Name of the controller.
 
     Returns:
-        The sentence; empty if the file is the same, or if that is not known.
+        The sentence; empty if the file is the same, or if that is not known because the campaign
+        had another controller.
     """
     try:
         stored = FolderStore.stored_in(folder)
-        if stored is None:
+        if stored is None or stored[0].configuration["scenario"]["controller"] != controller:
             return ""
-        controller = str(stored[0].configuration["scenario"]["controller"])
         name, digest = controller_source(controller)
     except (KeyError, OSError, TypeError, WorldgenError):
         return ""
