@@ -45,7 +45,7 @@ class Explanation:
 
     @property
     def goes_wrong(self) -> str:
-        """The cause, in one sentence; empty if there is none."""
+        """The sentence of the cause; empty without a cause."""
         return "" if self.cause is None else self.cause.sentence_in(self.failure.world)
 
     def table(self) -> dict[str, Any]:

@@ -254,8 +254,8 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     parts = []
     if natural is not None and natural.worlds and cause.natural is not None:
         of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
-        of_all = f"{cause.natural or 'none'} of {counted(of, 'natural world')}"
-        parts.append(of_all if of else "")
+        if of:
+            parts.append(f"{cause.natural or 'none'} of {counted(of, 'natural world')}")
     # The search proves and classifies only some of the runs that fail in the same way.
     met = _verdicts(cause)
     if met:
@@ -264,7 +264,7 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
         parts.append("only in worlds that shrinking made")
     else:
         parts.append("not met by the search")
-    return "; ".join(filter(None, parts))
+    return "; ".join(parts)
 
 
 def _verdicts(cause: CauseTotals) -> str:

@@ -140,11 +140,12 @@ class Edits:
             for label in self._named
             if any(Path(file).is_relative_to(Path(part).parent) for part in _own_files(label))
         ]
+        affected = own or beside or self._named
         return {
             "file": file,
             "name": Path(file).name,
             "digest": digest,
-            "controllers": sorted(set().union(*map(_plain_names, own or beside or self._named))),
+            "controllers": sorted({name for label in affected for name in _plain_names(label)}),
         }
 
 

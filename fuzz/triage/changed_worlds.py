@@ -53,8 +53,9 @@ _AROUND = 6
 _OFF_MIDDLE = 0.3
 _HEADINGS = (0.0, 2.0, -2.0, 3.0)  # rad; the wall is in direction 0
 
-# Cells that it has to stay beside the wall; the nearer end is 7.7 cells from where it meets the wall.
-_BESIDE_IT = 6.5
+# Length of the path, in cells, that it has to drive along the wall. Straight ahead, it reaches the
+# wall 7.7 cells from the nearer end.
+_FOLLOWED = 6.5
 
 # Cells that a robot at top speed can drive in that room, which gives slower ones time too; and the
 # steps at most, however short they are.
@@ -64,10 +65,12 @@ _MOST_STEPS = 20_000
 # Largest radius of the robot in that room, in cells: a larger robot gets larger cells.
 _LARGEST = 0.35
 
-# Radii from the robot's centre within which a wall is beside it, the sine of the angle from the
-# heading from which on it is beside and not ahead, and radii that it may drive without a wall there.
-_BESIDE = 3.0
+# A wall is beside the robot if it is at most this many radii from the robot's centre, and the sine of
+# the angle between its direction and the heading is larger than the second number.
+_NEAR = 3.0
 _SIDEWAYS = 0.34
+
+# Radii that the robot may drive without a wall beside it and still follow that wall.
 _INTERRUPTED = 1.0
 
 
@@ -144,7 +147,7 @@ class _RunInRoom:
             except WorldgenError:
                 # Its options do not fit such a room.
                 return False
-            if trace is None or _longest_beside_a_wall(room, trace) < _BESIDE_IT * self.side:
+            if trace is None or _longest_beside_a_wall(room, trace) < _FOLLOWED * self.side:
                 return False
         return True
 
@@ -242,14 +245,14 @@ def _longest_beside_a_wall(world: World, trace: Trace) -> float:
     """Return the longest path on which a wall stays on the same side of the robot, m."""
     steps = np.arange(1, trace.steps + 1)
     stride = np.hypot(np.diff(trace.x), np.diff(trace.y))
-    gap, direction = nearest_walls(world, trace, steps, _BESIDE * world.robot_radius)
+    gap, direction = nearest_walls(world, trace, steps, _NEAR * world.robot_radius)
     # Positive with a wall on the left, 0 without one.
-    sideways = np.where(np.isfinite(gap), np.sin(direction - trace.heading[1:]), 0.0)
+    side = np.where(np.isfinite(gap), np.sin(direction - trace.heading[1:]), 0.0)
     longest = 0.0
-    for beside in (sideways > _SIDEWAYS, sideways < -_SIDEWAYS):
-        path = apart = 0.0
-        for length, is_beside in zip(stride.tolist(), beside.tolist(), strict=True):
-            apart = 0.0 if is_beside else apart + length
-            path = path + length if apart < _INTERRUPTED * world.robot_radius else 0.0
+    for has_wall in (side > _SIDEWAYS, side < -_SIDEWAYS):
+        path = without = 0.0
+        for length, is_there in zip(stride.tolist(), has_wall.tolist(), strict=True):
+            without = 0.0 if is_there else without + length
+            path = path + length if without < _INTERRUPTED * world.robot_radius else 0.0
             longest = max(longest, path)
     return longest

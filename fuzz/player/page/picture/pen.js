@@ -3,7 +3,7 @@
 
 const LEAST_SCALE = 0.05; // pixels per cell, if a canvas has no space left between its edges
 const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
-export const BAR_ROOM = 18; // pixels below a world that is shown in full, for the scale bar
+export const BAR_ROOM = 18; // pixels: the space for the scale bar, below a world that is shown in full
 
 /** @returns {Record<string, string>} */
 export function palette() {
