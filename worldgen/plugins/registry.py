@@ -27,17 +27,13 @@ from worldgen.plugins.user_modules import (
     without_private_names,
 )
 from worldgen.support.known_names import unknown_name
-from worldgen.support.time_limit import TimeLimitReached, time_limit
+from worldgen.support.progress import say_once
 
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-# Default time limit for loading a module, s: ten times as long as the largest frameworks take.
-_LOADS_IN = 60.0
-# Upper bound on that limit, s; every operating system's timers support it.
-_LONGEST_LOAD = 1e6
-LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
-"""Environment variable that overrides the time limit for loading a module, s."""
+# Environment variable of earlier versions, which limited the time for loading a module.
+_LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 ONLY_CODE = "WORLDGEN_ONLY_CODE"
 """Environment variable with the names given to :func:`only_code`, as a JSON list.
 
@@ -120,43 +116,16 @@ def user_code(doing: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def loading(doing: str) -> Iterator[None]:
-    """Run code like :func:`user_code`, but stop it if it takes too long."""
-    seconds = _load_seconds()
+    """Run code like :func:`user_code`; also explain an import that one of our packages hides."""
+    if _LOAD_SECONDS in os.environ:
+        say_once(f"{_LOAD_SECONDS} is ignored: loading has no time limit; Ctrl-C ends it")
     try:
-        with user_code(doing), time_limit(seconds):
+        with user_code(doing):
             yield
     except InvalidParameter as error:
         if isinstance(error.__cause__, ModuleNotFoundError):
             check_import(error.__cause__)
-        if not isinstance(error.__cause__, TimeLimitReached):
-            raise
-        raise InvalidParameter(
-            "load-timeout",
-            "{doing} takes longer than {seconds:g} s",
-            "put code that waits for input or keeps running under if __name__ == '__main__', or "
-            "give it more time with {variable}",
-            doing=doing,
-            seconds=seconds,
-            variable=LOAD_SECONDS,
-        ) from error
-
-
-def _load_seconds() -> float:
-    said = os.environ.get(LOAD_SECONDS, "")
-    try:
-        seconds = float(said or _LOADS_IN)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds <= _LONGEST_LOAD:
-        raise InvalidParameter(
-            "not-a-number",
-            "{variable}={text!r} is not a time",
-            "use seconds, such as 120, up to {most:.0f}",
-            variable=LOAD_SECONDS,
-            text=said[:40],
-            most=_LONGEST_LOAD,
-        )
-    return seconds
+        raise
 
 
 class Registry(Generic[T]):
