@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +20,7 @@ from sim.runners.stopping import OutOfTime
 from worldgen.render import draw_terminal, wants_color
 from worldgen.render.overlay import naming
 from worldgen.support.plain_text import counted, shown, shown_lines
+from worldgen.support.results import results
 
 if TYPE_CHECKING:
     from fuzz.overview.counterfactual import Counterfactuals
@@ -87,7 +87,7 @@ def describe(
     who = "The fleet" if world.others else "It"
     depends = f"  {who} {why.describe()}.\n" if why else ""
     marked = naming(trail, why.cells if why else ())
-    color = wants_color(sys.stdout)
+    color = wants_color(results())
     happened = f"{record.verdict}{shown(words)}"
     first = happened if cause.is_vague else cause.sentence_in(world)
     return (

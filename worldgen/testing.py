@@ -409,9 +409,7 @@ def _fault_of_named(name: str, case: Mapping[str, Value], parameter: str, value:
     return _fault_of_value(FAMILIES.get(name), case, parameter, value)
 
 
-def _fault_of_value(
-    family: Family, case: Mapping[str, Value], parameter: str, value: Value
-) -> str:
+def _fault_of_value(family: Family, case: Mapping[str, Value], parameter: str, value: Value) -> str:
     """Return what is wrong with the world of a parameter's value, or with its refusal."""
     what = _setting(parameter, value)
     try:

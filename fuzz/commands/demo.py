@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.support.results import results_to
 
 _SEED = 7
 # This takes about ten seconds, including shrinking.
@@ -60,7 +61,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
         ["report", failures, "--out", page, *again],
     )
     # With --json, the only output on stdout is one object.
-    with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+    with results_to(sys.stderr) if as_json else contextlib.nullcontext():
         for words in commands:
             note(f"\n$ worldgen {shlex.join(words)}")
             _run(words)

@@ -7,7 +7,15 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    say,
+    write_out,
+)
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -116,7 +124,7 @@ def audit(
     if as_json:
         emit_json(found)
     else:
-        click.echo("\n".join(lines))
+        say("\n".join(lines))
 
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:

@@ -20,6 +20,7 @@ from worldgen.cli.output import (
     motion_option,
     named_also,
     note,
+    say,
     time_step_option,
     typed,
     write_out,
@@ -154,8 +155,8 @@ def run(
             }
         )
     else:
-        click.echo(_sentence(episode))
-        click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
+        say(_sentence(episode))
+        say(shown_lines(describe_frames(episode.evidence)), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:

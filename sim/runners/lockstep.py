@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -60,17 +59,16 @@ class LockstepRun:
             The reports. ``None`` if the controller raised or changed state outside its memory: runs
             may then have influenced each other, and each robot must be run alone.
         """
-        with contextlib.redirect_stdout(sys.stderr):
-            try:
-                with its_own_fault():
-                    self._controller, memory = begun_anew(self._controller, None)
-                self._memory = np.array(memory)
-                before = hidden_state(self._controller)
-                if before is None or has_shared_state_changed(self._controller, before):
-                    return None
-                found = self._run(digest)
-            except ControllerRaised:
+        try:
+            with its_own_fault():
+                self._controller, memory = begun_anew(self._controller, None)
+            self._memory = np.array(memory)
+            before = hidden_state(self._controller)
+            if before is None or has_shared_state_changed(self._controller, before):
                 return None
+            found = self._run(digest)
+        except ControllerRaised:
+            return None
         return found if hidden_state(self._controller) == before else None
 
     def _run(self, digest: bool) -> Reports:

@@ -15,7 +15,9 @@ from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
-STANDS = "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"
+STANDS = (
+    "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return (0.0, 0.0), m\n"
+)
 HIDES = "def __getattr__(name):\n    raise OSError('not today')\n"
 PROPERTY = "class Mine:\n    @property\n    def senses(self):\n        raise OSError('not today')\n"
 
@@ -82,7 +84,8 @@ def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):
 
 @pytest.mark.gate
 @pytest.mark.parametrize(
-    "command", ["run w.grid", "fuzz --units 1 --out f --workers 1", "fuzz --units 1 --out f --workers 2"]
+    "command",
+    ["run w.grid", "fuzz --units 1 --out f --workers 1", "fuzz --units 1 --out f --workers 2"],
 )
 @pytest.mark.parametrize("waits", ["pass", "__import__('time').sleep(1)"])
 def test_ctrl_c_ends_a_file_that_is_never_done_loading(command, waits, tmp_path):

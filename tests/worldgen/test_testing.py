@@ -122,11 +122,7 @@ BROKEN = {
         "an-absurd-value-is-refused-or-works",
         "size='-2' takes more than 0.2 s",
     ),
-    "ending": (
-        exits_on_request,
-        "an-absurd-value-is-refused-or-works",
-        "size='-2' ends Python",
-    ),
+    "ending": (exits_on_request, "an-absurd-value-is-refused-or-works", "size='-2' ends Python"),
     "wordy": (wordy, "an-absurd-value-is-refused-or-works", "is refused in more than one line"),
 }
 

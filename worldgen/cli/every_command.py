@@ -1,7 +1,7 @@
 """Add the parts that every command has, no matter who wrote it.
 
 This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
-rejection of options that are given twice.
+rejection of options that are given twice. Our own commands also keep stdout for results.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import click
 from worldgen.cli.configuration import FILE, configured
 from worldgen.cli.output import note
 from worldgen.support.progress import set_verbosity
+from worldgen.support.results import only_results_on_stdout
 
 
 def _be_quiet(context: click.Context, option: click.Parameter, value: bool) -> None:
@@ -48,20 +49,38 @@ _FOR_A_PICTURE = ("--html", "--image", "--out", "--plot", "--png", "--svg")
 _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
-def equip(command: click.Command) -> click.Command:
+def equip(command: click.Command, *, is_ours: bool) -> click.Command:
     """Add it to a command and its subcommands.
 
     A second call changes nothing.
+
+    Args:
+        command: The command.
+        is_ours: True for a command of worldgen, which prints its results with
+            :func:`worldgen.cli.output.say`. Whatever else is printed while it runs goes to stderr.
     """
     if isinstance(command, click.Group):
         for below in command.commands.values():
-            equip(below)
+            equip(below, is_ours=is_ours)
         return command
     if command not in _EQUIPPED:
         _EQUIPPED.add(command)
         _add_options(command)
         _watch_parser(command)
+        if is_ours:
+            _keep_results_apart(command)
     return command
+
+
+def _keep_results_apart(command: click.Command) -> None:
+    """Print nothing but results to stdout while the command runs."""
+    invoke = command.invoke
+
+    def invoke_apart(context: click.Context) -> Any:
+        with only_results_on_stdout():
+            return invoke(context)
+
+    command.invoke = invoke_apart  # type: ignore[method-assign]
 
 
 def _add_options(command: click.Command) -> None:

@@ -15,12 +15,13 @@ import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
-from worldgen.cli.output import note
+from worldgen.cli.output import note, say
 from worldgen.cli.overview import COMMANDS, describe_versions
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
 from worldgen.support.progress import display_on_stderr
+from worldgen.support.results import claim_stdout, only_results_on_stdout, release_stdout, results
 
 EPILOG = (
     "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
@@ -30,6 +31,9 @@ EPILOG = (
     "Every command has --help. Exit codes: 0 success, 1 a failure was found, 2 bad input, 3 "
     "internal error (please report it), 130 interrupted."
 )
+
+
+_OUR_PACKAGES = ("worldgen", "sim", "fuzz")
 
 
 class LazyGroup(click.Group):
@@ -47,8 +51,12 @@ class LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the requested command, and add what every command has."""
-        command = self._found(cmd_name)
-        return None if command is None else equip(command)
+        # A family in a user's file, or another package's command, may print when it is imported.
+        with only_results_on_stdout():
+            command = self._found(cmd_name)
+        point = self._points("worldgen.commands").get(cmd_name)
+        is_ours = point is None or point.value.partition(".")[0] in _OUR_PACKAGES
+        return None if command is None else equip(command, is_ours=is_ours)
 
     def _found(self, cmd_name: str) -> click.Command | None:
         point = self._points("worldgen.commands").get(cmd_name)
@@ -106,14 +114,14 @@ class LazyGroup(click.Group):
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the include folder for controllers in C."""
     if wanted:
-        click.echo(Path(__file__).parents[2] / "sim" / "include")
+        say(str(Path(__file__).parents[2] / "sim" / "include"))
         ctx.exit()
 
 
 def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the versions of the program and of the libraries it uses."""
     if wanted:
-        click.echo(describe_versions())
+        say(describe_versions())
         ctx.exit()
 
 
@@ -170,18 +178,19 @@ def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
     # Our own packages come first, even if the user has a folder called sim.
     prefer_own_packages()
+    claim_stdout()
     # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
             code = cli.main(standalone_mode=False)
-            sys.stdout.flush()
+            results().flush()
     except click.exceptions.Exit as stop:
         code = stop.exit_code
     except click.ClickException as error:
         error.show()
         code = 2
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        note("interrupted", always=True)
         code = 130
     except WorldgenError as error:
         note(f"worldgen: {error}", always=True)
@@ -190,7 +199,7 @@ def main() -> NoReturn:
         code = 2
     # The reader of the pipe has closed it, so writing to it again would also fail.
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), results().fileno())
         code = 0
     except OSError as error:
         if error.errno is None or error.errno in (errno.EFAULT, errno.EBADF):
@@ -200,10 +209,12 @@ def main() -> NoReturn:
             note(f"worldgen: {where}{error.strerror or error}", always=True)
             code = 2
     except MemoryError:
-        click.echo("worldgen: out of memory; use a smaller world", err=True)
+        note("worldgen: out of memory; use a smaller world", always=True)
         code = 2
     except Exception as error:  # noqa: BLE001 - the last net: no traceback reaches a user unasked
         code = _our_fault(error)
+    finally:
+        release_stdout()
     sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -222,10 +233,10 @@ def _our_fault(error: BaseException) -> int:
         import traceback
 
         traceback.print_exception(error)
-    click.echo(
+    note(
         f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: "
         f"{error}\n"
         "Set WORLDGEN_DEBUG=1 and run it again to get the details to report.",
-        err=True,
+        always=True,
     )
     return 3

@@ -17,6 +17,7 @@ from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import aligned, alternatives, shown_lines
 from worldgen.support.progress import is_quiet, spoke
+from worldgen.support.results import results
 
 CONTROLLER_HELP = (
     "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "
@@ -111,16 +112,16 @@ def note(message: str, *, always: bool = False) -> None:
     """
     if always or not is_quiet():
         spoke()
-        click.echo(shown_lines(message), err=True)
+        click.echo(shown_lines(message), err=True)  # noqa: TID251 - this is how to print
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
-    """Print a result to stdout while slow work is in progress.
+    """Print a result to stdout, the only way for it to get there while a command runs.
 
     The progress display makes room for it.
     """
     spoke()
-    click.echo(text, nl=nl, color=color)
+    click.echo(text, file=results(), nl=nl, color=color)  # noqa: TID251 - this is how to print
 
 
 def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
@@ -152,8 +153,7 @@ def write_out(out: Path, data: bytes, *, force: bool) -> None:
 
 def emit_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object to stdout; infinities and NaN become null."""
-    spoke()
-    click.echo(json.dumps(_finite(result), allow_nan=False))
+    say(json.dumps(_finite(result), allow_nan=False))
 
 
 def emit_list(
@@ -171,7 +171,7 @@ def emit_list(
         emit_json({name: rows})
         return
     table = [[str(row[fact]) for fact in columns] for row in rows]
-    click.echo(aligned([list(columns.values()), *table]))
+    say(aligned([list(columns.values()), *table]))
 
 
 def _finite(value: Any) -> Any:

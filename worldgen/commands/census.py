@@ -18,6 +18,7 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     seed_option,
     unknown_option,
 )
@@ -142,7 +143,7 @@ def census(
     if as_json:
         emit_json(library.as_json(found))
     else:
-        click.echo("\n".join(shown(line) for line in library.as_text(found).split("\n")), nl=False)
+        say("\n".join(shown(line) for line in library.as_text(found).split("\n")), nl=False)
     if table is not None:
         write_bytes(table, library.as_csv(found).encode(), force=force)
         note(f"wrote {table}")

@@ -16,6 +16,7 @@ from worldgen.cli.output import (
     json_option,
     named_also,
     note,
+    say,
     seed_option,
 )
 from worldgen.commands.set_output import Output, make_many
@@ -178,7 +179,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
             write_world(world, out, force=to.force)
         text = "" if to.as_json or out is not None else dumps(world).decode()
         result = _result(world, out)
-    click.echo(text, nl=False)
+    say(text, nl=False)
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "

@@ -15,6 +15,7 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     unknown_option,
 )
 from worldgen.support.progress import working
@@ -163,7 +164,7 @@ def import_map(
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:
-        click.echo("\n".join(interop.describe(file, imported)))
+        say("\n".join(interop.describe(file, imported)))
     if imported.withheld:
         note(
             f"{out} was not written; --ignore-unread judges and writes the world without the "

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, say
 from worldgen.errors import InvalidWorld
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
@@ -81,9 +81,9 @@ def _tell(results: Sequence[tuple[Path, dict[str, float]]], *, as_csv: bool, as_
         found = [{"path": str(path), "metrics": metrics} for path, metrics in results]
         emit_json(found[0] if len(found) == 1 else {"files": found})
     elif as_csv:
-        click.echo(_comma_separated(results), nl=False)
+        say(_comma_separated(results), nl=False)
     else:
-        click.echo(_table(results))
+        say(_table(results))
 
 
 def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    say,
+    write_out,
+)
 from worldgen.support.progress import working
+from worldgen.support.results import results
 
 if TYPE_CHECKING:
     from worldgen.world import Certificate, FailureRecord, Robot, World
@@ -78,10 +86,10 @@ def show(
         emit_json(_facts(world, path, list(outs)))
         return
     if not pictures:
-        color = render.wants_color(sys.stdout)
-        click.echo(render.draw_terminal(world, color=color), nl=False, color=color)
+        color = render.wants_color(results())
+        say(render.draw_terminal(world, color=color), nl=False, color=color)
     if world.failure is not None:
-        click.echo(_failure_lines(world.failure, path))
+        say(_failure_lines(world.failure, path))
 
 
 def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
