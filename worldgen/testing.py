@@ -365,7 +365,10 @@ def _absurd(family: Family, case: Mapping[str, Value]) -> None:
     pool = WorkerPool(1)
     try:
         names = _names_for_processes(family)
-        name = pool.submit(_first_that_loads, names).result() if names else None
+        name = None
+        # A script without ``if __name__ == "__main__"`` cannot start processes.
+        with contextlib.suppress(BrokenProcessPool):
+            name = pool.submit(_first_that_loads, names).result() if names else None
         for parameter, value in values:
             what = _setting(parameter, value)
             try:

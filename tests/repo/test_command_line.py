@@ -20,10 +20,13 @@ def modules_after(*args):
         "import sys\nfrom worldgen.cli.main import main\n"
         f"sys.argv = ['worldgen', *{list(map(str, args))!r}]\n"
         "try:\n    main()\nexcept SystemExit:\n    pass\n"
-        "print('MODULES', *{name.partition('.')[0] for name in sys.modules})"
+        "names = {name.partition('.')[0] for name in sys.modules}\n"
+        "print('MODULES', *names, file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(done.stdout.rpartition("MODULES ")[2].split())
+    found = set(done.stderr.rpartition("MODULES ")[2].split())
+    assert "worldgen" in found
+    return found
 
 
 @pytest.mark.gate

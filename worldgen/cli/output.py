@@ -190,10 +190,20 @@ def typed(*names: str) -> list[str]:
     return [name for name in names if source(name) is ParameterSource.COMMANDLINE]
 
 
+NO_DRAWN_SEEDS = "WORLDGEN_NO_DRAWN_SEEDS"
+"""Environment variable; if it is set, a command without a seed is refused, as in our own tests."""
+
+
 def draw_seed(seed: int | None) -> int:
-    """Return the given seed, or a fresh one, which is printed so that the run can be repeated."""
+    """Return the given seed, or a fresh one, which is printed so that the run can be repeated.
+
+    Raises:
+        UsageError: If seeds must not be drawn.
+    """
     if seed is not None:
         return seed
+    if os.environ.get(NO_DRAWN_SEEDS):
+        raise click.UsageError(f"{NO_DRAWN_SEEDS} is set, so add --seed N")
     drawn = int.from_bytes(os.urandom(8), "big")
     note(f"seed {drawn}", always=True)
     return drawn
