@@ -115,13 +115,13 @@ COMMANDS = {
     "check-scenarios": None,
     "compare": ("w.grid", "--controller", "./noisy.py:Noisy,turn-left"),
     "controllers": ("./noisy.py:Noisy",),
-    "corpus diff": ("found", "found"),
-    "corpus export": ("found", "--out", "found.csv"),
-    "corpus list": ("found",),
-    "corpus merge": ("found", "--out", "merged"),
+    "corpus diff": None,
+    "corpus export": ("found", "--out", "found.zip"),
+    "corpus list": None,
+    "corpus merge": None,
     "corpus prune": ("found",),
     "corpus show": ("found",),
-    "demo": (*MINE, "--out", "demo"),
+    "demo": (*MINE, "--motion", "swept", "--out", "demo"),
     "explain": ("found",),
     "export": None,
     "families": None,
@@ -138,11 +138,11 @@ COMMANDS = {
     "formats": None,
     "fuzz": (*SEARCH, "again", "--workers", "2", "--oracle", "./noisy.py:oracle"),
     "import": None,
-    "init": ("project", *MINE, "--units", "1"),
+    "init": (*MINE, "--units", "1"),
     "measure": None,
     "new-controller": None,
     "oracles": None,
-    "regenerate": ("set", "--check"),
+    "regenerate": ("set", "--out", "other"),
     "replay": ("found",),
     "report": ("found", "--out", "r.html"),
     "run": ("w.grid", *MINE),
@@ -205,9 +205,11 @@ def test_what_code_of_a_user_prints_goes_to_stderr(command, more, folder):
         pytest.skip("it has no --json")
     assert done.returncode in (0, 1), done
     assert "NOISE" not in done.stdout
-    assert "NOISE print" in done.stderr and "NOISE printf" in done.stderr
+    # With --json, some commands need no code for what they print.
     if more:
         json.loads(done.stdout)
+    else:
+        assert "NOISE print" in done.stderr and "NOISE printf" in done.stderr
 
 
 @pytest.fixture
