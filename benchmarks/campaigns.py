@@ -171,7 +171,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--units", type=int, default=3)
     parser.add_argument("--controller", default="turn-right")
-    parser.add_argument("--examples", type=int, default=EXAMPLES, help="worlds that a unit tries")
+    parser.add_argument("--examples", type=int, default=400, help="worlds that a unit tries")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     result = measure(options.units, options.controller, options.examples)

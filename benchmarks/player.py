@@ -19,10 +19,12 @@ import click
 import numpy as np
 
 from fuzz.player import drawn_world
+from fuzz.player.runs import SHARE
 from fuzz.player.streams import bits, numbers
 from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
+from worldgen.lattice import TURN, UNIT
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
@@ -104,10 +106,11 @@ def _world(side: int, changes: int) -> World:
 def _run(side: int, corners: int) -> dict[str, object]:
     """Return a run of 10 s that wanders through the world, up to 3 cells between corners."""
     chance = np.random.default_rng(2)
-    walked = (chance.integers(-3 * 1_024, 3 * 1_024 + 1, corners).cumsum() for _ in range(2))
-    x, y = (np.clip(way + side * 512, 3_000, (side - 3) * 1_024) for way in walked)
-    at = np.linspace(0, 1_000 * 256, corners).astype(np.int64)
+    walked = (chance.integers(-3 * UNIT, 3 * UNIT + 1, corners).cumsum() for _ in range(2))
+    x, y = (np.clip(way + side * UNIT // 2, 3 * UNIT, (side - 3) * UNIT) for way in walked)
+    at = np.linspace(0, 1_000 * SHARE, corners).astype(np.int64)
     columns = {
+        "per": {"step": SHARE, "cell": UNIT, "turn": TURN},
         "at": numbers(at),
         "x": numbers(x),
         "y": numbers(y),
