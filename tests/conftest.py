@@ -67,6 +67,12 @@ def _no_seed_from_the_system(monkeypatch):
     monkeypatch.setattr("numpy.random.bit_generator.randbits", refuse)
 
 
+@pytest.fixture
+def same_system_seed(monkeypatch):
+    """Give generators without a seed the same one each time, for others' code that makes them."""
+    monkeypatch.setattr("numpy.random.bit_generator.randbits", lambda _bits: 0x5EED)
+
+
 # A shell's background job ignores Ctrl-C, and every process that a test starts would inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
