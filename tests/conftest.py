@@ -3,6 +3,7 @@
 Tiers, Hypothesis's profiles, and how workers share the tests.
 """
 
+import itertools
 import os
 import signal
 from pathlib import Path
@@ -51,7 +52,7 @@ settings.load_profile("worldgen")
 os.environ["WORLDGEN_PROGRESS"] = "off"
 
 # Nor may it depend on a seed that nobody chose, here or in a process that a test starts. A test of
-# drawn seeds deletes the variable and replaces the draw.
+# drawn seeds uses the fixture drawn_seeds.
 os.environ[NO_DRAWN_SEEDS] = "1"
 
 MOST_WORKERS = 8
@@ -65,6 +66,13 @@ def _no_seed_from_the_system(monkeypatch):
         pytest.fail("this test draws a seed from the system; give one")
 
     monkeypatch.setattr("numpy.random.bit_generator.randbits", refuse)
+
+
+@pytest.fixture
+def drawn_seeds(monkeypatch):
+    """Let commands draw seeds, which are 1001, 1002 and so on."""
+    monkeypatch.delenv(NO_DRAWN_SEEDS)
+    monkeypatch.setattr("worldgen.cli.output._fresh_seed", itertools.count(1001).__next__)
 
 
 @pytest.fixture

@@ -17,7 +17,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Robot, Target, World
 from worldgen_plugins.for_pettingzoo import FleetEnv
 
-
 # PettingZoo's own tests call reset() without a seed.
 pytestmark = pytest.mark.usefixtures("same_system_seed")
 

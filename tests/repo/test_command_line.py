@@ -110,7 +110,7 @@ def test_a_folder_without_permission_is_code_2(tmp_path):
 
 def test_python_runs_the_program_as_a_module(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "worldgen", "maze", "--size", "1"],
+        [sys.executable, "-m", "worldgen", "maze", "--size", "1", "--seed", "1"],
         cwd=tmp_path,
         capture_output=True,
         text=True,

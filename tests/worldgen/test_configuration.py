@@ -212,7 +212,7 @@ def test_a_quiet_command_prints_results_only(tmp_path):
     assert (result.code, result.out, result.err) == (0, "", "")
 
 
-def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
+def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path, drawn_seeds):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
     assert (
         worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").error_code

@@ -96,7 +96,7 @@ def test_one_line_tells_what_was_made(tmp_path):
     )
 
 
-def test_a_drawn_seed_is_printed_and_makes_the_same_world(tmp_path):
+def test_a_drawn_seed_is_printed_and_makes_the_same_world(tmp_path, drawn_seeds):
     first = run("maze", "--out", tmp_path / "a.grid")
     seed = first.err.split()[1]
     run("maze", "--seed", seed, "--out", tmp_path / "b.grid")
@@ -106,7 +106,7 @@ def test_a_drawn_seed_is_printed_and_makes_the_same_world(tmp_path):
     )
 
 
-def test_two_drawn_seeds_differ():
+def test_two_drawn_seeds_differ(drawn_seeds):
     assert run("maze").err.split()[1] != run("maze").err.split()[1]
 
 

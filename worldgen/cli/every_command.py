@@ -80,7 +80,7 @@ def _keep_results_apart(command: click.Command) -> None:
         with only_results_on_stdout():
             return invoke(context)
 
-    command.invoke = invoke_apart  # type: ignore[method-assign]
+    command.invoke = invoke_apart  # type: ignore[method-assign, assignment]
 
 
 def _add_options(command: click.Command) -> None:

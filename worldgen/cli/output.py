@@ -204,6 +204,10 @@ def draw_seed(seed: int | None) -> int:
         return seed
     if os.environ.get(NO_DRAWN_SEEDS):
         raise click.UsageError(f"{NO_DRAWN_SEEDS} is set, so add --seed N")
-    drawn = int.from_bytes(os.urandom(8), "big")
+    drawn = _fresh_seed()
     note(f"seed {drawn}", always=True)
     return drawn
+
+
+def _fresh_seed() -> int:
+    return int.from_bytes(os.urandom(8), "big")

@@ -72,8 +72,8 @@ def claim_stdout() -> None:
         return
     out.flush()
     _descriptor = os.dup(_STDOUT)
-    settings = {"encoding": out.encoding, "errors": out.errors, "line_buffering": out.isatty()}
-    sys.stdout = io.TextIOWrapper(open(_descriptor, "wb"), **settings)  # noqa: PTH123, SIM115
+    data = open(_descriptor, "wb")  # noqa: PTH123, SIM115 - it stays open
+    sys.stdout = io.TextIOWrapper(data, out.encoding, out.errors, line_buffering=out.isatty())
     try:
         os.dup2(_STDERR, _STDOUT)
     except OSError:
