@@ -5,6 +5,8 @@ As many robots as there are slots act together, each in its own world.
 
 from __future__ import annotations
 
+import contextlib
+import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -99,16 +101,17 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         )
         return lambda: ask(places.taken, places.after[: places.taken])
 
-    try:
-        with its_own_fault():
-            controller, memory = begun_anew(controller, None)
-        # If state outside the memory can't be compared, it might differ between robots.
-        before = hidden_state(controller)
-        if before is None:
+    with contextlib.redirect_stdout(sys.stderr):
+        try:
+            with its_own_fault():
+                controller, memory = begun_anew(controller, None)
+            # If state outside the memory can't be compared, it might differ between robots.
+            before = hidden_state(controller)
+            if before is None:
+                return False
+            _run(asker, np.array(memory, np.float64), batch, PLACES)
+        except ControllerRaised:
             return False
-        _run(asker, np.array(memory, np.float64), batch, PLACES)
-    except ControllerRaised:
-        return False
     return hidden_state(controller) == before
 
 

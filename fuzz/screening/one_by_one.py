@@ -6,6 +6,7 @@ It runs one world after another, and the core stops in each step.
 from __future__ import annotations
 
 import contextlib
+import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
@@ -62,13 +63,13 @@ class OneByOne:
     def run(self, worlds: int) -> None:
         """Run in the next worlds.
 
-        The controller's exceptions end a run as a crash. Once the time is over
-        (:mod:`sim.runners.stopping`), the remaining worlds are not run.
+        The controller's prints go to stderr, and its exceptions end a run as a crash. Once the time
+        is over (:mod:`sim.runners.stopping`), the remaining worlds are not run.
 
         Args:
             worlds: Maximum number of worlds to run; the rest of the batch is marked as not run.
         """
-        with contextlib.suppress(OutOfTime):
+        with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
             for _ in range(worlds):
                 n = -1 if self._is_enough() else int(lib.wg_seat_next(self._seat.c))
                 if n < 0:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -305,20 +307,21 @@ class FleetRun:
         """
         for run in self.runs:
             run.settings.digest = 1
-        # Reset the controllers, then run.
-        memories, faults = self._reset()
-        if faults:
-            return self._failed_in_reset(faults), None
-        # Remember the hidden memory, to notice if the run changes it.
-        hidden = [self._hidden(one) for one in self.controllers]
-        fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
-        self._words = sum(member.words for member in fleet.members)
-        recordings = [] if sizes is None else self._recordings(fleet, sizes)
-        askers = FleetAskers(self.controllers, memories, self._channels())
-        if self._is_compiled:
-            fleet.run_to_the_end()
-        else:
-            askers.run(fleet)
+        with contextlib.redirect_stdout(sys.stderr):
+            # Reset the controllers, then run.
+            memories, faults = self._reset()
+            if faults:
+                return self._failed_in_reset(faults), None
+            # Remember the hidden memory, to notice if the run changes it.
+            hidden = [self._hidden(one) for one in self.controllers]
+            fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
+            self._words = sum(member.words for member in fleet.members)
+            recordings = [] if sizes is None else self._recordings(fleet, sizes)
+            askers = FleetAskers(self.controllers, memories, self._channels())
+            if self._is_compiled:
+                fleet.run_to_the_end()
+            else:
+                askers.run(fleet)
         # Collect the outcome.
         complete = all(
             before is not None and self._hidden(one) == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -59,16 +60,17 @@ class LockstepRun:
             The reports. ``None`` if the controller raised or changed state outside its memory: runs
             may then have influenced each other, and each robot must be run alone.
         """
-        try:
-            with its_own_fault():
-                self._controller, memory = begun_anew(self._controller, None)
-            self._memory = np.array(memory)
-            before = hidden_state(self._controller)
-            if before is None or has_shared_state_changed(self._controller, before):
+        with contextlib.redirect_stdout(sys.stderr):
+            try:
+                with its_own_fault():
+                    self._controller, memory = begun_anew(self._controller, None)
+                self._memory = np.array(memory)
+                before = hidden_state(self._controller)
+                if before is None or has_shared_state_changed(self._controller, before):
+                    return None
+                found = self._run(digest)
+            except ControllerRaised:
                 return None
-            found = self._run(digest)
-        except ControllerRaised:
-            return None
         return found if hidden_state(self._controller) == before else None
 
     def _run(self, digest: bool) -> Reports:

@@ -5,8 +5,10 @@ The core stops in each step to let the controller act.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import re
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -72,7 +74,8 @@ class PythonLoop:
     def run(self, steps: int, *, record: bool) -> None:
         """Run the episode; whatever the controller raises ends it as a crash, even SystemExit.
 
-        A program's memory cannot be seen, so its run is not complete, and no recurrence ends it.
+        The controller's prints go to stderr, so that stdout stays data. A program's memory
+        cannot be seen, so its run is not complete, and no recurrence ends it.
         """
         if isinstance(self._controller, ProcessController):
             self.complete = False
@@ -81,7 +84,8 @@ class PythonLoop:
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
             return
-        self._guarded(steps, record)
+        with contextlib.redirect_stdout(sys.stderr):
+            self._guarded(steps, record)
         begun = self._begun
         self.complete = begun is not None and hidden_state(self._controller) == begun
 
