@@ -142,7 +142,7 @@ COMMANDS = {
     "measure": None,
     "new-controller": None,
     "oracles": None,
-    "regenerate": ("set", "--out", "other"),
+    "regenerate": ("set", "--family", "./noisy.py:noisy", "--out", "other"),
     "replay": ("found",),
     "report": ("found", "--out", "r.html"),
     "run": ("w.grid", *MINE),

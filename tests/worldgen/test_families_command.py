@@ -152,7 +152,7 @@ def test_seeds_of_a_count_wrap_at_64_bits(tmp_path):
 def test_a_file_that_is_there_stays(tmp_path):
     path = tmp_path / "w.grid"
     path.write_text("mine")
-    result = run("maze", "--out", path)
+    result = run("maze", "--seed", 1, "--out", path)
     assert result.code == 2 and result.error_code == "file-exists" and path.read_text() == "mine"
 
 
@@ -234,7 +234,7 @@ def test_bad_parameters_leave_no_folder_behind(tmp_path):
 
 
 def test_a_full_disk_is_told():
-    result = run("maze", "--out", "/dev/full", "--force")
+    result = run("maze", "--seed", 1, "--out", "/dev/full", "--force")
     assert result.code == 2 and result.error_code == "unwritable"
 
 
