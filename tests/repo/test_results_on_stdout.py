@@ -240,6 +240,13 @@ def test_a_result_that_is_written_to_dev_stdout_is_a_result(tmp_path):
     assert named.stdout == (tmp_path / "w.grid").read_text()
 
 
+def test_a_reader_that_has_enough_ends_the_command_without_a_fault(tmp_path):
+    line = f"{sys.executable} -m worldgen maze --size 400 --seed 1 --no-metrics"
+    words = ["bash", "-c", f"{line} | head -1; exit ${{PIPESTATUS[0]}}"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "%worldgen-grid 1\n")
+
+
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 def test_a_closed_stream_changes_no_exit_code(closed, tmp_path):
     line = f"{sys.executable} -m worldgen trap --size 20 --seed 4 {closed}"

@@ -121,7 +121,12 @@ def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
     The progress display makes room for it.
     """
     spoke()
-    click.echo(text, file=results(), nl=nl, color=color)  # noqa: TID251 - this is how to print
+    try:
+        click.echo(text, file=results(), nl=nl, color=color)  # noqa: TID251 - this is how to print
+    except BrokenPipeError:
+        # The reader, such as head, has enough, and writing to it again would also fail.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), results().fileno())
+        raise click.exceptions.Exit(0) from None
 
 
 def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
