@@ -13,7 +13,7 @@ from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
+from fuzz.campaign.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
@@ -106,9 +106,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         counted = self._executor.counts() or self._handed_in
         more = counted.without(self._handed_in)
         state = self.state
-        failed = sum(
-            count for verdict, count in [*state.verdicts.items()] if has_not_arrived(verdict)
-        )
+        failed = not_arrived(dict(state.verdicts))
         tried = state.worlds + more.worlds
         if not self._schedule.is_ready or not (tried or state.until):
             phase = Phase.PREPARING
@@ -272,6 +270,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
+        state.judged += result.judged
         state.met += result.met
         # Select the results worth storing, and store them.
         jobs, kept = self._enter_failures(unit, result, seconds)

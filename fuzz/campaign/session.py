@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import shlex
 import sys
 import time
@@ -12,8 +13,9 @@ from pathlib import Path
 
 import click
 
+from fuzz.campaign.answer import Answer, AnswerNumbers, answer_of
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import LiveState, Phase, has_not_arrived, shown_in
+from fuzz.campaign.live import LiveState, Phase, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -29,7 +31,7 @@ from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.overview import Cause, Overview
-from fuzz.overview.building import Conclusion, build_overview
+from fuzz.overview.building import Conclusion, answer_numbers, build_overview
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
@@ -54,6 +56,14 @@ _TO_CONCLUDE = 0.15
 _TO_CONCLUDE_AT_ONCE = 1.0
 
 
+# Times the budget, and minutes, that a campaign without an answer is offered.
+_MORE = 4
+_FEWEST_MINUTES = 5
+
+NO_ANSWER = 4
+"""Exit code of a campaign that tried too little to say whether the controller fails."""
+
+
 class CampaignSession:
     """Runs a campaign and keeps its folder.
 
@@ -64,6 +74,7 @@ class CampaignSession:
         outputs: Reports to write at the end.
         conclusion: What to conclude from, without a time limit. Classes that it knows are only
             counted.
+        accepts_no_answer: True if the exit code is 0 although there is no answer.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
         began: When the command began.
@@ -78,11 +89,13 @@ class CampaignSession:
         quiet: bool = False,
         outputs: Outputs = NO_OUTPUTS,
         conclusion: Conclusion | None = None,
+        accepts_no_answer: bool = False,
         count_hazards: bool = False,
         began: Beginning | None = None,
         lasts: bool = True,
     ) -> None:
         self._conclusion = conclusion or Conclusion()
+        self._accepts_no_answer = accepts_no_answer
         self._count_hazards = count_hazards
         self._config = campaign_run.config
         self._store = campaign_run.store
@@ -91,6 +104,7 @@ class CampaignSession:
         self._out = campaign_run.store.out
         self._lasts = lasts
         budget = campaign_run.budget
+        self._budget = budget
         self._campaign = Campaign(
             campaign_run.config,
             units=budget.units,
@@ -166,13 +180,34 @@ class CampaignSession:
             note("interrupted; nothing was kept")
         if stopped:
             return 130
-        if idle := self._nothing_ran():
-            raise idle
-        return 1 if self._failing() else 0
+        if unfit := self._no_world_fits():
+            raise unfit
+        if self._failing():
+            return 1
+        is_open = self._answer[0] == Answer.NONE and not self._accepts_no_answer
+        return NO_ANSWER if is_open else 0
 
     @property
     def _way_on(self) -> str:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} continues it"
+
+    @property
+    def _answer(self) -> tuple[Answer, str]:
+        return answer_of(self._numbers())
+
+    def _numbers(self) -> AnswerNumbers:
+        return answer_numbers(
+            self._config, self._campaign.state, self._overview, self._failing().keys()
+        )
+
+    @property
+    def _with_more(self) -> str:
+        """The command that continues the campaign with several times its budget."""
+        command = f"worldgen fuzz --resume {shlex.quote(str(self._out))}"
+        if self._budget.seconds is None:
+            return f"{command} --units {_MORE * max(self._campaign.state.until, 1)}"
+        minutes = math.ceil(_MORE * self._budget.seconds / 60.0)
+        return f"{command} --budget {max(minutes, _FEWEST_MINUTES)}m"
 
     def _failing(self) -> dict[str, Failure]:
         """Return the classes, with counts, that make the exit code 1."""
@@ -192,24 +227,12 @@ class CampaignSession:
             if bucket not in failing
         }
 
-    def _nothing_ran(self) -> InvalidParameter | None:
-        """Return an error if no world could be run.
-
-        A build must not mistake that for a controller without failures.
-        """
+    def _no_world_fits(self) -> InvalidParameter | None:
+        """Return an error if no world could be run although there was time for it."""
         state = self._campaign.state
         strategies = self._campaign.state.memory.strategies.keys()
-        if state.worlds or (strategies and strategies <= {DATABASE}):
+        if state.worlds or state.cut or strategies <= {DATABASE}:
             return None
-        if state.cut or not strategies:
-            return InvalidParameter(
-                "too-slow",
-                "no world was finished within {limit}: the controller, or this machine, is too "
-                "slow",
-                "use a larger --budget, or smaller worlds",
-                at_terminal=True,
-                limit=self._limit,
-            )
         robots = self._config.robots
         return InvalidParameter(
             "no-world-fits",
@@ -236,12 +259,12 @@ class CampaignSession:
             with contextlib.suppress(OutputError):
                 self._keep_status(Status.FAILED)
             raise
-        idle = None if stopped else self._nothing_ran()
-        if idle is not None:
-            record_error(self._out, idle)
+        unfit = None if stopped else self._no_world_fits()
+        if unfit is not None:
+            record_error(self._out, unfit)
         else:
             stopped = self._conclude(stopped=stopped)
-        ended = Status.FAILED if idle else Status.DONE
+        ended = Status.FAILED if unfit else Status.DONE
         self._keep_status(Status.STOPPED if stopped else ended)
         return stopped
 
@@ -301,7 +324,8 @@ class CampaignSession:
             self._store.save_summary(self._summary())
 
     def _summary(self) -> Summary:
-        return summary_of(self._config, self._campaign.state, self._status)
+        numbers = None if self._status == Status.RUNNING else self._numbers()
+        return summary_of(self._config, self._campaign.state, self._status, numbers)
 
     def _search(self) -> bool:
         """Do the work; return whether Ctrl-C stopped it."""
@@ -421,6 +445,8 @@ class CampaignSession:
         if is_verbose():
             self._report_in_detail()
         scenario = self._config.scenario
+        numbers = self._numbers()
+        answer, reason = answer_of(numbers)
         headline = Headline(
             f"{scenario.label()} under {scenario.run.motion}",
             self._out,
@@ -428,10 +454,9 @@ class CampaignSession:
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
-            not_arrived=sum(
-                count for verdict, count in state.verdicts.items() if has_not_arrived(verdict)
-            ),
-            has_units=state.units > 0,
+            unjudged=numbers.searched_unjudged,
+            no_answer=reason if answer == Answer.NONE else "",
+            remedy=self._with_more,
             robots=self._config.robots,
         )
         color = wants_color(sys.stdout)
@@ -488,7 +513,12 @@ class CampaignSession:
         """Return the campaign in the form of the reports for CI services."""
         state = self._campaign.state
         scenario = self._config.scenario
-        facts = {"controller": shown(scenario.label()), "motion": scenario.run.motion}
+        answer, reason = self._answer
+        facts = {
+            "controller": shown(scenario.label()),
+            "motion": scenario.run.motion,
+            "answer": answer.value,
+        }
         numbers = {
             "seed": self._config.seed,
             "units": state.units,
@@ -522,7 +552,14 @@ class CampaignSession:
             for key, (path, one) in stored
             if state.known[key[2]]
         ]
-        return Report("fuzz", (*new, *met), facts)
+        return Report(
+            "fuzz",
+            (*new, *met),
+            facts,
+            no_answer=reason if answer == Answer.NONE else "",
+            remedy=shown(self._with_more),
+            is_accepted=self._accepts_no_answer,
+        )
 
     def _in_order(self) -> list[tuple[Failure, Path, Counterfactuals | None]]:
         """Return a failure of each class, its file and what it depends on, if that was tried.

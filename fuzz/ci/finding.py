@@ -187,11 +187,17 @@ class Report:
         command: ``fuzz`` or ``replay``.
         findings: In the order in which to show them.
         facts: Named values, such as the seed.
+        no_answer: Why a campaign has no answer, as a sentence without a full stop; empty if it has.
+        remedy: The next command to type, if it has none.
+        is_accepted: True if the user accepts that there is no answer.
     """
 
     command: str
     findings: tuple[CiFinding, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
+    no_answer: str = ""
+    remedy: str = ""
+    is_accepted: bool = False
 
     @property
     def failing(self) -> int:
@@ -201,6 +207,8 @@ class Report:
     @property
     def conclusion(self) -> str:
         """The outcome in a few words."""
+        if self.no_answer:
+            return f"no answer: {self.no_answer}"
         others = len(self.findings) - self.failing
         hazards = sum(finding.state == FindingState.HAZARD for finding in self.findings)
         if self.command == "replay":

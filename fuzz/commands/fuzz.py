@@ -86,6 +86,11 @@ _HELP = {
     help="Also count as failures hazards that the controller cannot sense, and disturbances that "
     "no controller is certain to withstand.",
 )
+@click.option(
+    "--accept-no-answer",
+    is_flag=True,
+    help="Exit with 0 even if too little was tried to say whether the controller fails.",
+)
 @code_option
 @output_options
 @seed_option
@@ -100,6 +105,7 @@ def fuzz(
     report: Path | None,
     baseline: tuple[Path, ...],
     count_hazards: bool,
+    accept_no_answer: bool,
     no_code: bool,
     as_json: bool,
     junit: Path | None,
@@ -111,7 +117,8 @@ def fuzz(
     """Search for worlds in which a controller fails.
 
     The smallest world of each class of failure is written to a .grid file. Exits with 1 if it finds
-    a class that is in no --baseline, and with 0 otherwise. Hazards that the controller cannot sense
+    a class that is in no --baseline, with 4 if it tried too little to say whether there is one, and
+    with 0 otherwise. Hazards that the controller cannot sense
     or withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
     again, or --resume FOLDER, to continue.
     """
@@ -170,6 +177,7 @@ def fuzz(
             quiet=as_json,
             outputs=outputs,
             conclusion=Conclusion(was_known, last, with_code=not no_code),
+            accepts_no_answer=accept_no_answer,
             count_hazards=count_hazards,
             began=Beginning(began, loaded.since().own),
         )

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
+from fuzz.campaign.answer import FEWEST, AnswerNumbers
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import now
+from fuzz.campaign.live import not_arrived
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
@@ -114,16 +116,14 @@ def build_overview(
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
-    # For a user's own map, and for several robots, "natural" is not defined.
-    is_usual = config.fixed_map is None and config.robots == 1
-    families = natural_families(config.families) if is_usual else []
+    families = families_of(config)
     if natural and families:
         runs = natural_runs(
             config.scenario,
             families,
             _natural_count(config, state, seconds),
             config.seed,
-            _after(began, seconds, _NATURAL_TIME),
+            _enough_natural(began, seconds, has_failures=bool(causes)),
         )
         causes = with_natural(causes, runs.causes)
     causes = with_joined(causes)
@@ -156,6 +156,40 @@ def build_overview(
     return Overview(tuple(shown), runs, comparison)
 
 
+def families_of(config: CampaignConfig) -> list[str]:
+    """Return the families of a campaign's natural worlds.
+
+    Empty if they are not defined: for a user's own map, for several robots, and if no chosen
+    strategy draws from a family.
+    """
+    is_usual = config.fixed_map is None and config.robots == 1
+    return natural_families(config.families) if is_usual else []
+
+
+def answer_numbers(
+    config: CampaignConfig, state: CampaignState, overview: Overview, failing: Collection[str]
+) -> AnswerNumbers:
+    """Return the numbers that decide what a campaign answers.
+
+    Args:
+        config: Its definition.
+        state: Its results.
+        overview: Its overview; empty before it is built.
+        failing: Classes of failures that no baseline has, without hazards that do not count.
+    """
+    own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
+    shown = {one.failure.bucket for one in own if one.failure is not None}
+    finished = None if overview.natural is None else overview.natural.worlds
+    return AnswerNumbers(
+        failures=len(failing),
+        known=len((state.known.keys() | shown) - set(failing)),
+        natural=(finished or 0) if families_of(config) else None,
+        natural_unjudged=sum(one.natural or 0 for one in own if one.failure is None),
+        searched=state.worlds,
+        searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),
+    )
+
+
 def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
     if seconds is not None:
         return _MOST_NATURAL
@@ -163,11 +197,24 @@ def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float 
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 
-def _after(began: float, seconds: float | None, share: float) -> Callable[[], bool]:
+def _enough_natural(
+    began: float, seconds: float | None, *, has_failures: bool
+) -> Callable[[int], bool]:
+    """Return a function that decides, by how many are finished, whether to stop natural worlds.
+
+    Without failures there is nothing else to do, so the first few get all of the time: an answer
+    needs them.
+    """
     if seconds is None:
-        return lambda: False
-    end = began + share * seconds
-    return lambda: time.monotonic() >= end
+        return lambda _: False
+    end = began + seconds
+    early = began + _NATURAL_TIME * seconds
+
+    def is_enough(finished: int) -> bool:
+        needs_more = finished < FEWEST and not has_failures
+        return time.monotonic() >= (end if needs_more else early)
+
+    return is_enough
 
 
 def with_worlds(

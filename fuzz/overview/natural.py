@@ -156,7 +156,7 @@ def natural_runs(
     families: Sequence[str],
     count: int,
     seed: int,
-    is_over: Callable[[], bool] = lambda: False,
+    is_over: Callable[[int], bool] = lambda _: False,
 ) -> NaturalRuns:
     """Run a scenario in natural worlds, each family in turn.
 
@@ -167,7 +167,8 @@ def natural_runs(
         families: Names of families.
         count: Number of worlds.
         seed: Seed of the campaign.
-        is_over: Returns True once no more worlds should be run.
+        is_over: Returns True once no more worlds should be run, given the number of those that are
+            finished.
     """
     runs = NaturalRuns()
     stream = RandomStream(seed).child(NATURAL)
@@ -175,8 +176,8 @@ def natural_runs(
         world_seed = stream.next64()
         family = families[number % len(families)]
         try:
-            with stopping_when(is_over):
-                if is_over():
+            with stopping_when(lambda: is_over(runs.worlds)):
+                if is_over(runs.worlds):
                     raise OutOfTime
                 case = Case(generate(family, world_seed), scenario.with_run(seed=number))
                 episode, cause = _run(case)

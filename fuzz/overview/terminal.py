@@ -53,8 +53,9 @@ class Headline:
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
         lasts: False if the folder is deleted after the command, so that no command can use it.
-        not_arrived: Worlds of the search in which the robot did not arrive.
-        has_units: False if the time was too short for even one unit, so that nothing was proved.
+        unjudged: Worlds of the search in which the robot did not arrive, and which are not judged.
+        no_answer: Why the campaign has no answer; empty if it has.
+        remedy: The command that gives it more time.
         robots: Robots in each world.
     """
 
@@ -64,8 +65,9 @@ class Headline:
     is_failing: bool = True
     is_known: bool = False
     lasts: bool = True
-    not_arrived: int = 0
-    has_units: bool = True
+    unjudged: int = 0
+    no_answer: str = ""
+    remedy: str = ""
     robots: int = 1
 
 
@@ -97,8 +99,8 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
         lines.append(f"look at it: worldgen report {folder} --out report.html")
-    if _is_open(overview, headline) and headline.lasts:
-        lines.append(f"give it more time: worldgen fuzz --resume {folder} --budget 5m")
+    if headline.no_answer and headline.lasts:
+        lines.append(f"give it more time: {shown(headline.remedy)}")
     return lines
 
 
@@ -182,23 +184,14 @@ def never_tried(natural: NaturalRow) -> list[str]:
     return never
 
 
-def _is_open(overview: Overview, headline: Headline) -> bool:
-    """Return True if the time was too short to tell whether there are failures."""
-    tried = headline.not_arrived > 0 and not headline.has_units
-    return tried and not headline.is_failing and not overview.causes
-
-
 def _verdict_line(overview: Overview, headline: Headline) -> str:
     """Return in a few words whether it works."""
     # Hazards that the robot cannot sense are not its own failures.
     own = _counted_causes(overview)
     searched = f"{counted(headline.worlds, 'world')} searched"
-    if _is_open(overview, headline):
-        too_short = click.style("too little time for an answer", fg="yellow", bold=True)
-        return (
-            f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
-            f"{headline.not_arrived}, and none of these is proved to be a failure yet"
-        )
+    if headline.no_answer:
+        open_still = click.style("no answer", fg="yellow", bold=True)
+        return f"{shown(headline.who)}: {open_still}: {headline.no_answer}; {searched}"
     # Without failures, mention the runs that the search did not count as failures.
     if not headline.is_failing:
         what = "new failure" if headline.is_known else "failure"
@@ -207,9 +200,9 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         others = len(own) < len(overview.causes)
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
-        if headline.not_arrived and not overview.causes and not headline.is_known:
+        if headline.unjudged and not headline.is_known:
             searched += (
-                f"; it did not arrive in {headline.not_arrived}, and none of these is proved to "
+                f"; it did not arrive in {headline.unjudged}, and none of these is proved to "
                 "be a failure"
             )
         return f"{click.style(found, fg='green', bold=True)}; {searched}"

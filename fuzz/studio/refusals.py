@@ -56,7 +56,6 @@ REMEDIES: Mapping[str, str] = {
     "step-too-short": "use a longer time step",
     "takes-no-number": "write {name}",
     "too-many-digits": "set the origin to 0,0 under Format options",
-    "too-slow": "use more seconds, or smaller worlds",
     "unknown-format": "choose one of the formats listed in Import options",
     "world-changes": "set the time to 0 under Format options for the cells at that time, or "
     "choose another format",

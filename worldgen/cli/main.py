@@ -28,7 +28,7 @@ EPILOG = (
     "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay "
     "failures/\n\n"
     "Every command has --help. Exit codes: 0 success, 1 a failure was found, 2 bad input, 3 "
-    "internal error (please report it), 130 interrupted."
+    "internal error (please report it), 4 no answer (too little was tried), 130 interrupted."
 )
 
 

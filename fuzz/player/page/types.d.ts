@@ -298,6 +298,10 @@ interface ReportCampaign {
   controller: string;
   motion: string;
   seed: string;
+  /** Not set while it runs, and by earlier versions. */
+  answer?: "failures" | "clean" | "none";
+  answer_reason?: string;
+  answer_numbers?: { searched_unjudged: number };
   units: number;
   units_cut: number;
   worlds: number;

@@ -130,16 +130,21 @@ function verdictsOf(cause) {
 }
 
 function verdictPart(worst, answer, campaign) {
-  if (!worst && campaign && campaign.units === 0)
-    return el("p", { class: "headline", "data-verdict": "timeout" }, "There was too little time for an answer.");
+  if (campaign?.answer === "none")
+    return el(
+      "div",
+      {},
+      el("p", { class: "headline", "data-verdict": "timeout" }, `No answer: ${campaign.answer_reason}.`),
+      answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
+    );
   const words = worst ? headline(worst, answer) : "No failure found";
   return el(
     "div",
     {},
     el(
       "p",
-      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : "reached" },
-      `${worst ? "" : "✓ "}${words}.`,
+      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : campaign?.answer === "clean" ? "reached" : "timeout" },
+      `${campaign?.answer === "clean" ? "✓ " : ""}${words}.`,
     ),
     answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
     answer.causes.length ? null : doubtPart(campaign),
@@ -148,9 +153,7 @@ function verdictPart(worst, answer, campaign) {
 
 // Without failures, mention the runs of the search that did not arrive.
 function doubtPart(campaign) {
-  const expected = ["reached", "covered", "sealed"];
-  const counts = Object.entries(campaign?.verdicts ?? {}).filter(([verdict]) => !expected.includes(verdict));
-  const late = counts.reduce((sum, [, count]) => sum + count, 0);
+  const late = campaign?.answer_numbers?.searched_unjudged;
   if (!late) return null;
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }

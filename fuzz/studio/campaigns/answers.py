@@ -279,7 +279,7 @@ def _wait_until_begun(
             return _stopped()
         time.sleep(_LOOK)
     # It has already ended: normally, with a recorded error, or unexpectedly.
-    if process.returncode in (0, 1, 130):
+    if process.returncode in (0, 1, 4, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
 

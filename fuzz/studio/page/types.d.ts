@@ -261,6 +261,9 @@ interface CampaignState {
   budget: { units: number | null; seconds: number | null };
   /** What it is doing, or how it ended. */
   activity: "preparing" | "searching" | "shrinking" | "explaining" | "stopped" | "done" | "gave-up";
+  /** What it answers; empty while it runs, and if an earlier version wrote it. */
+  answer: "" | "failures" | "clean" | "none";
+  answer_reason: string;
   /** Failures that are being shrunk, or wait for it. */
   shrinking: number;
   units: number;

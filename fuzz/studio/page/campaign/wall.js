@@ -166,6 +166,7 @@ function emptyWords({ folder, states, folders }) {
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
+  if (state?.answer === "none") return `There is no answer yet: ${state.answer_reason}. Continue the campaign for longer.`;
   if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or start another on the right.`;
   return "This folder has no failures. Choose another folder above, or start a campaign on the right.";
 }
