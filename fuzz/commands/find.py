@@ -32,7 +32,7 @@ EXAMPLES = (
     "w.grid\n"
     '  worldgen find --outcome "thesis-1=reached@330, thesis-2=loop" --motion stepped --family '
     "trap --out w.grid\n"
-    '  worldgen find --outcome "thesis-1=never, thesis-3=reached" --motion stepped --from '
+    '  worldgen find --outcome "thesis-1=stuck, thesis-3=reached" --motion stepped --from '
     "sketch.grid --out w.grid"
 )
 
@@ -101,7 +101,7 @@ def find(
     r"""Search for a world with the outcomes that you name.
 
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
-    invalid-command), never (loop or stalled; for random controllers also timeout), or fails
+    invalid-command), stuck (loop or stalled; for random controllers also timeout), or fails
     (anything but reached). Add steps to reached, or the period to loop: reached@330,
     reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, at least 19 of
     20 seeds must have that outcome; for a time, the median counts.

@@ -212,7 +212,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     worst = own[0].cause.severity
     words = own[0].cause.phrase
     if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
-        # It never arrives in the failures, but that is not what it does in general.
+        # It does not arrive in the failures, but that is not what it does in general.
         natural = None if overview.natural is None else overview.natural.table()
         often = how_often_it_arrives(natural)
         words = f"{often}, and {words}" if worst == Severity.HARMED else often
@@ -227,7 +227,7 @@ def how_often_it_arrives(natural: NaturalRow | None) -> str:
     """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
         if not natural.arrived:
-            return "never arrived"
+            return "arrived in no natural world"
         if natural.high < _RARE:
             return "rarely arrives"
         if natural.high < _LESS_THAN_HALF:
