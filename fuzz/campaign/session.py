@@ -274,7 +274,7 @@ class CampaignSession:
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
-                    self._overview = self._build(self._to_conclude, natural=True)
+                    self._overview = self._build(self._time_left(), natural=True)
             except KeyboardInterrupt:
                 stopped = True
         if stopped:
@@ -287,6 +287,13 @@ class CampaignSession:
             self._remove_outdated()
         write_overview(self._overview, self._out)
         return stopped
+
+    def _time_left(self) -> float | None:
+        """Return the seconds for the conclusion: its share, and what the search left."""
+        if self._to_conclude is None or self._budget.seconds is None:
+            return None
+        left = self._budget.seconds - sum(self._campaign.state.times.values())
+        return max(self._to_conclude, left)
 
     def _write_examples(self) -> None:
         """Write the worlds that show causes, unless a class's file already has them."""

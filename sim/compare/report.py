@@ -246,10 +246,11 @@ def as_csv(comparison: Comparison) -> str:
 
 
 def _csv_time(cell: ComparisonCell) -> str:
-    if cell.time is not None:
-        return repr(cell.time)
-    proved = not cell.random and cell.verdict in NEVER
-    return without_arrival(cell.verdict) if proved else ""
+    if cell.is_unended:
+        # A random controller may arrive with another seed.
+        proved = not cell.random and cell.verdict in NEVER
+        return without_arrival(cell.verdict) if proved else ""
+    return "" if cell.time is None else repr(cell.time)
 
 
 def _csv_row(cell: ComparisonCell) -> list[object]:

@@ -120,7 +120,7 @@ def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
 
 
 def test_natural_worlds_end_with_the_time_and_say_so():
-    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda: True)
+    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
     assert runs.worlds == 0 and not runs.is_complete
 
 
@@ -398,20 +398,26 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     assert plain(read_overview(tmp_path / "json").natural) == answer["natural"]
 
 
-def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
+def test_a_campaign_without_an_answer_says_why_and_what_to_type(tmp_path):
+    more = f"worldgen fuzz --resume {tmp_path} --budget 5m"
     headline = Headline(
-        "mine under swept", tmp_path, 107, is_failing=False, not_arrived=13, has_units=False
+        "mine under swept",
+        tmp_path,
+        107,
+        is_failing=False,
+        no_answer="1 of the 5 natural worlds that an answer needs was finished",
+        remedy=more,
     )
     lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
-    assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
-    assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
+    assert lines[0].startswith("mine under swept: no answer: 1 of the 5 natural worlds")
+    assert lines[-1] == f"give it more time: {more}"
 
 
 def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
-    headline = Headline("mine under swept", tmp_path, 107, is_failing=False, not_arrived=13)
+    headline = Headline("mine under swept", tmp_path, 1070, is_failing=False, unjudged=13)
     line = click.unstyle(overview_lines(Overview(()), headline)[0])
     assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
-    none = overview_lines(Overview(()), replace(headline, not_arrived=0))
+    none = overview_lines(Overview(()), replace(headline, unjudged=0))
     assert "did not arrive" not in none[0]
 
 
@@ -424,7 +430,7 @@ def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
         lines = overview_lines(Overview((cause,), natural), headline)[:2]
         return [click.unstyle(line) for line in lines]
 
-    assert "never arrived" in first_lines(0)[0]
+    assert "arrived in no natural world" in first_lines(0)[0]
     assert "rarely arrives" in first_lines(50)[0]
     assert "usually does not arrive" in first_lines(100)[0]
     assert "does not always arrive" in first_lines(200)[0]
