@@ -55,6 +55,7 @@ BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.BURNED, *BY_THE_CONTROLLER)
 """Verdicts on an event that ends a run in the step in which it happens."""
 
+
 def without_arrival(verdict: str) -> str:
     """Return how to put that a run with this verdict did not arrive.
 

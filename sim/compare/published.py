@@ -55,7 +55,7 @@ class PublishedRow:
 
     @property
     def never(self) -> bool:
-        """True if the table reports that the robot keeps driving forever."""
+        """True if the table reports that the robot did not arrive, and that no event ended its run."""
         return self.verdict in ("never", *UNENDED)
 
     @property
