@@ -179,7 +179,7 @@ def answer_numbers(
     """
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
     shown = {one.failure.bucket for one in own if one.failure is not None}
-    finished = None if overview.natural is None else overview.natural.worlds
+    finished = None if overview.natural is None else overview.natural.finished
     return AnswerNumbers(
         failures=len(failing),
         known=len((state.known.keys() | shown) - set(failing)),

@@ -77,6 +77,11 @@ class NaturalRuns:
     is_complete: bool = True
 
     @property
+    def finished(self) -> int:
+        """Number of worlds run, with those in which such a hazard harmed the robot."""
+        return self.worlds + self.unsensed
+
+    @property
     def interval(self) -> tuple[float, float]:
         """The 95 % interval of the share of natural worlds in which the robot arrives."""
         return interval_95(self.arrived, self.worlds)
@@ -176,8 +181,8 @@ def natural_runs(
         world_seed = stream.next64()
         family = families[number % len(families)]
         try:
-            with stopping_when(lambda: is_over(runs.worlds)):
-                if is_over(runs.worlds):
+            with stopping_when(lambda: is_over(runs.finished)):
+                if is_over(runs.finished):
                     raise OutOfTime
                 case = Case(generate(family, world_seed), scenario.with_run(seed=number))
                 episode, cause = _run(case)
