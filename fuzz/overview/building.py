@@ -14,6 +14,7 @@ from fuzz.campaign.deadline import now
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
+from fuzz.constraint import Constraint
 from fuzz.corpus import Baseline
 from fuzz.failure import Failure
 from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural
@@ -124,6 +125,7 @@ def build_overview(
             _natural_count(config, state, seconds),
             config.seed,
             _after(began, seconds, _NATURAL_TIME),
+            config.vary,
         )
         causes = with_natural(causes, runs.causes)
     causes = with_joined(causes)
@@ -143,6 +145,7 @@ def build_overview(
                 state.best,
                 conclusion.known,
                 lambda failure: _shrunk(failure, until) if config.shrink else failure,
+                config.constraint,
             )
         ),
         None if seconds is None else began + seconds,
@@ -252,6 +255,7 @@ def _in_natural_world(
     best: Mapping[str, Failure],
     known: Baseline,
     shrunk: Callable[[Failure], Failure],
+    constraint: Constraint,
 ) -> list[WorldFile]:
     """Return the failure in a cause's simplest natural world, if it can be proved.
 
@@ -262,7 +266,7 @@ def _in_natural_world(
         return []
     world, scenario = min(cases, key=simplicity)
     try:
-        failure = failure_of(world, scenario, found_by=NATURAL)
+        failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
     except (WorldgenError, OutOfTime):
         return []
     if failure is None or cause_of(failure) not in cause.parts:

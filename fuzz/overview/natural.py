@@ -15,12 +15,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fuzz.campaign.variation import Variation, applied, generated
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.hazards import is_harm_unsensed
+from fuzz.triage.proofs import certified
 from sim.episode import Episode, simulate
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
@@ -28,10 +30,9 @@ from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
-from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
-from worldgen.world import Witness
+from worldgen.world import Value, Witness
 
 NATURAL = "natural"
 """The random stream of natural worlds, from which no unit of a search draws."""
@@ -157,6 +158,7 @@ def natural_runs(
     count: int,
     seed: int,
     is_over: Callable[[], bool] = lambda: False,
+    vary: Sequence[Variation] = (),
 ) -> NaturalRuns:
     """Run a scenario in natural worlds, each family in turn.
 
@@ -168,9 +170,12 @@ def natural_runs(
         count: Number of worlds.
         seed: Seed of the campaign.
         is_over: Returns True once no more worlds should be run.
+        vary: Quantities of the robot and the run to draw from, as the search does.
     """
     runs = NaturalRuns()
     stream = RandomStream(seed).child(NATURAL)
+    # Another stream, so that the worlds are the same whatever varies.
+    values = RandomStream(seed).child(NATURAL, "vary")
     for number in range(count if families else 0):
         world_seed = stream.next64()
         family = families[number % len(families)]
@@ -178,7 +183,10 @@ def natural_runs(
             with stopping_when(is_over):
                 if is_over():
                     raise OutOfTime
-                case = Case(generate(family, world_seed), scenario.with_run(seed=number))
+                drawn = {one.name: values.choice(one.values) for one in vary}
+                case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
+                if case is None:
+                    continue
                 episode, cause = _run(case)
         except OutOfTime:
             runs.is_complete = False
@@ -188,6 +196,15 @@ def natural_runs(
             continue
         runs.count(case, family, episode, cause)
     return runs
+
+
+def _natural_case(
+    family: str, seed: int, scenario: Scenario, values: Mapping[str, Value]
+) -> Case | None:
+    """Return a family's world with the drawn robot; ``None`` if it cannot arrive there."""
+    world, scenario = applied(values, generated(family, seed, values), scenario)
+    proved = world if world.certificate else certified(world)
+    return None if proved is None else Case(proved, scenario)
 
 
 def _run(case: Case) -> tuple[Episode, Cause | None]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
+from fuzz.constraint import Constraint
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
@@ -80,6 +81,8 @@ def shrink(
     keep: str = "verdict",
 ) -> Shrunk:
     """Make a failure's world as small as possible, keeping its certificate.
+
+    It keeps what the failure's campaign fixed, according to its record.
 
     Args:
         failure: The failure to shrink.
@@ -170,7 +173,8 @@ class _Reducer:
         self._progress = progress
         self._still_fails = _judge(failure, keep)
         self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
-        self._trying = Trying(self._still_fails, deadline)
+        constraint = Constraint.recorded(failure.record.details)
+        self._trying = Trying(self._still_fails, deadline, constraint)
         # The last case that was confirmed, and its failure.
         self._made: tuple[Case, Failure] | None = None
         self._left = _NOT_CHECKED

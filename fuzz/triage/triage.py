@@ -175,6 +175,7 @@ class Triage:
         if world is not None:
             # A run that is too long to be recorded could not be shown, so it is dropped.
             with contextlib.suppress(InvalidParameter):
+                settings |= self._config.constraint.details()
                 return self._keep(
                     failure_of(world, scenario, oracle, found_by=self.result.strategy, **settings)
                 )
