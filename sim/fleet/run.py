@@ -222,10 +222,14 @@ class FleetRun:
             return None
         if not loops.are_shown:
             # They may influence each other, so the joint period has to be simulated.
-            together = (loops.entry + loops.joint_period) * len(self.runs)
-            if together > _MOST_DRIVEN:
+            # Robots that influence each other may return together even earlier.
+            most = loops.entry + loops.joint_period
+            if most * len(self.runs) > _MOST_DRIVEN:
                 return None
-            return self.prove(loops.entry, loops.joint_period, record=record)
+            found = self.run(most, find_loop=True, record=False)
+            if found.ending != Verdict.LOOP:
+                return None
+            return self.prove(found.entry, found.period, record=record)
         # Run once more, to note who moves and who drives into whom within the loops.
         last = loops.entry + max(loops.periods.values())
         outcome, fleet = self._run(last, lib.WG_PROVE_LOOP, entry=loops.entry)

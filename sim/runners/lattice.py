@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -277,12 +278,12 @@ class LatticeRun:
         own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
         return int(own + self._cells.size)
 
-    @property
+    @functools.cached_property
     def can_loop(self) -> bool:
-        """True if a state can recur.
+        """True if the recorded state, with the controller's memory, decides the future.
 
-        It cannot if the controller reads the clock, or noise that is new in each step. Senses that
-        a controller does not declare are not computed, so noise in them does not matter.
+        It does not if the controller reads the clock, or noise that is new in each step. Senses
+        that a controller does not declare are not computed, so noise in them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
         # Disturbances show in the odometry, which is not part of the state.
@@ -428,7 +429,7 @@ class LatticeRun:
                     take(step, memories[step - first])
 
         seen = (rows[: steps + 1], path[:filled])
-        trace = trace_of(self.world, self.options, *seen, complete=True, lean=True)
+        trace = trace_of(self.world, self.options, *seen, complete=self.can_loop, lean=True)
         return replace(trace, recall=recall, recalled=size)
 
     def outcome_of(
@@ -443,9 +444,10 @@ class LatticeRun:
         Args:
             episode: The episode; ``None`` if the controller failed before it began.
             recording: Its rows and the points of its path, if it was recorded.
-            complete: Whether the recorded state alone decides the future.
+            complete: Whether all of the controller's memory is recorded.
             fault: The controller's fault, if it made one.
         """
+        complete = complete and self.can_loop
         report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
             ending=fault.verdict if fault else ENDINGS[int(report.ending)],

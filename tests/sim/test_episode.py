@@ -572,3 +572,43 @@ def test_a_planner_sees_the_same_world_with_and_without_its_proof():
     bare = replace(world, certificate=None, provenance=None)
     first, second = (simulate(one, Follower(), steps=200, record=True) for one in (world, bare))
     assert first.verdict != "crash" and first.trace_digest == second.trace_digest
+
+
+@pytest.mark.parametrize(
+    ("controller", "options", "decides"),
+    [
+        ("bug2", {}, True),
+        ("turn-random", {}, True),
+        ("bug2", {"drift": 0.1}, True),
+        ("turn-right", {"slip": 0.1}, False),
+        ("odometry-bug", {}, True),
+        ("odometry-bug", {"drift": 0.1}, False),
+        ("odometry-bug", {"odometry_noise": 0.1}, False),
+        ("bug2", {"odometry_noise": 0.1}, True),
+    ],
+)
+def test_a_trace_says_whether_its_states_decide_what_comes_next(controller, options, decides):
+    trace = simulate(
+        generate("trap", 3), controller, record=True, seed=1, steps=400, **options
+    ).trace
+    assert trace.complete is decides
+
+
+def test_the_states_of_a_controller_that_reads_the_clock_do_not_decide_what_comes_next():
+    world = generate("trap", 3)
+    assert not simulate(world, Timed(), record=True, steps=50).trace.complete
+    assert simulate(world, Untimed(), record=True, steps=50).trace.complete
+
+
+class Untimed:
+    senses = ("x",)
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed, 0.1), memory
+
+
+class Timed(Untimed):
+    senses = ("x", "time")
