@@ -81,7 +81,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
             "worldgen compare counts it in worlds that you choose"
         )
     # Describe the worst cause in full, the next ones in short, and name the others.
-    causes = _counted_causes(overview) or overview.causes
+    causes = _counted_causes(overview) or [one for one in overview.causes if one.is_met]
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
@@ -119,15 +119,13 @@ def _others(
 def _counted_causes(overview: Overview) -> list[CauseTotals]:
     """Return the causes that count: the controller's own, met in a world that nobody shrunk."""
     return [
-        one
-        for one in overview.causes
-        if one.cause.severity != Severity.UNSENSED and not one.is_only_shrunk
+        one for one in overview.causes if one.cause.severity != Severity.UNSENSED and one.is_met
     ]
 
 
 def _uncounted(cause: CauseTotals) -> str:
     """Return why a cause does not count, after its name."""
-    if cause.is_only_shrunk:
+    if not cause.is_met:
         return f"{cause.cause} (only in worlds that shrinking made)"
     met = _verdicts(cause)
     return f"{cause.cause}{f' ({met})' if met else ''}"
@@ -214,7 +212,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
             )
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     # Otherwise the worst cause determines the verdict.
-    own = own or list(overview.causes)
+    own = own or [one for one in overview.causes if one.is_met] or list(overview.causes)
     who = click.style(shown(headline.who), bold=True)
     worst = own[0].cause.severity
     words = own[0].cause.phrase
@@ -260,8 +258,6 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     met = _verdicts(cause)
     if met:
         parts.append(f"examined: {met}")
-    elif cause.is_only_shrunk:
-        parts.append("only in worlds that shrinking made")
     else:
         parts.append("not met by the search")
     return "; ".join(parts)

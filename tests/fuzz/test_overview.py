@@ -227,6 +227,21 @@ def test_a_cause_that_shrinking_gave_a_class_is_named_but_not_counted(tmp_path):
     assert "not counted: pushes-a-wall (only in worlds that shrinking made)" in lines
 
 
+def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
+    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {}, 0)
+    overview = Overview((hazard, shrunk_only), NaturalRuns(worlds=8, arrived=8))
+    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
+    numbered = [click.unstyle(line) for line in lines if line[:2] in ("1.", "2.")]
+    assert [line.partition(":")[0] for line in numbered] == ["1. harmed-by-what-it-cannot-sense"]
+    assert "not counted: stands-still (only in worlds that shrinking made)" in lines
+
+
+def test_a_cause_that_nothing_met_has_no_verdicts():
+    (cause,) = causes_of({"a": found_by("Still")}, {"a": 0})
+    assert (cause.table().met, cause.table().verdicts) == (0, {})
+
+
 def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
     found = found_by("Still")
     found.write(tmp_path / "known.grid")

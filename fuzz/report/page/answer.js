@@ -63,7 +63,7 @@ export function makeAnswer(section, data) {
 function answerPart(answer, find, several, campaign, redraw) {
   const own = answer.causes.filter(isCounted);
   const worst = own[0];
-  const causes = own.length ? own : answer.causes;
+  const causes = own.length ? own : answer.causes.filter(isMet);
   const others = answer.causes.filter((cause) => !causes.includes(cause));
   const shown = causes.slice(0, MOST_SHOWN).map((cause) => makeCause(cause, answer, find(cause.file)));
   const choose = (chosen) => {
@@ -101,7 +101,12 @@ function answerPart(answer, find, several, campaign, redraw) {
 
 // The controller's own causes count, if a world that nobody shrunk shows them.
 function isCounted(cause) {
-  return cause.severity !== "unsensed" && (cause.met > 0 || cause.natural > 0);
+  return cause.severity !== "unsensed" && isMet(cause);
+}
+
+// A world of the search or a natural one shows it, and not only a shrunk one.
+function isMet(cause) {
+  return cause.met > 0 || cause.natural > 0;
 }
 
 function morePart(causes, find) {
@@ -110,7 +115,7 @@ function morePart(causes, find) {
 
 function othersPart(causes, find) {
   return namesPart("Not counted", causes, find, (cause) =>
-    cause.severity === "unsensed" ? verdictsOf(cause) : "only in worlds that shrinking made",
+    isMet(cause) ? verdictsOf(cause) : "only in worlds that shrinking made",
   );
 }
 
