@@ -21,7 +21,7 @@ from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
-from fuzz.triage.hazards import is_harm_unsensed
+from fuzz.triage.hazards import could_not_know
 from fuzz.triage.proofs import certified
 from sim.episode import Episode, simulate
 from sim.runners.stopping import OutOfTime, stopping_when
@@ -224,7 +224,7 @@ def _run(case: Case) -> tuple[Episode, Cause | None]:
     if recorded.verdict in ARRIVALS:
         return episode, Cause.UNKNOWN
     episode = recorded
-    if is_harm_unsensed(world, episode, scenario):
+    if could_not_know(world, episode, scenario):
         return episode, Cause.HARMED_UNSENSED
     others = OtherWorlds(scenario.controller, options)
     return episode, cause_of_run(world, episode, others)

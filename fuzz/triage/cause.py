@@ -191,7 +191,9 @@ _SENTENCES = {
         "Robots stop because of each other, although each of them would arrive alone."
     ),
     Cause.BREAKS_A_RULE: "{It} breaks a rule that you asked about with --oracle.",
-    Cause.HARMED_UNSENSED: "{It} is caught by fire or debris that none of its senses detects.",
+    Cause.HARMED_UNSENSED: (
+        "{It} is caught by fire, debris or a moved wall that it neither senses nor has read about."
+    ),
     Cause.PUSHED_TOO_HARD: "{It} is moved farther than any controller can be certain to correct.",
     Cause.UNKNOWN: (
         "{It} fails; the reason is unknown, because its controller could not be run here, or not in "

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.runners.timeline_reads import ignoring_pickles
 from worldgen.plugins.user_modules import neighbours_of
 
 
@@ -122,10 +123,12 @@ def _pickled(data: Any) -> bytes:
     stream = io.BytesIO()
     pickler = pickle.Pickler(stream)
     pickler.fast = True
-    try:
-        pickler.dump(data)
-    except ValueError:  # It contains itself.
-        return pickle.dumps(data)
+    # The controller does not read what this reads.
+    with ignoring_pickles():
+        try:
+            pickler.dump(data)
+        except ValueError:  # It contains itself.
+            return pickle.dumps(data)
     return stream.getvalue()
 
 
