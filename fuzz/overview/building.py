@@ -10,11 +10,11 @@ from functools import partial
 from typing import NamedTuple
 
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.constraint import Constraint
 from fuzz.campaign.deadline import now
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
-from fuzz.constraint import Constraint
 from fuzz.corpus import Baseline
 from fuzz.failure import Failure
 from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from fuzz.campaign.constraint import Constraint
 from fuzz.chance import chance_details
-from fuzz.constraint import Constraint
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed

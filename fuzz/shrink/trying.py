@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from fuzz.constraint import Constraint
+from fuzz.campaign.constraint import Constraint
 from fuzz.oracles import VERDICT
 from fuzz.shrink.edits import edited
 from fuzz.shrink.passes import Edit

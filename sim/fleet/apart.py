@@ -77,7 +77,7 @@ def separate_loops(
     parked = max([quiet, *(one.steps for one in members if one.ending == Verdict.REACHED)])
     # Robots that may influence each other are a group, and only its joint state decides its future:
     # one robot's own state may recur earlier by chance.
-    groups = [_Group((number,), _labels(trace.states)) for number, trace in traces.items()]
+    groups = [_Cluster((number,), _labels(trace.states)) for number, trace in traces.items()]
     alone: Loops | None = None
     while True:
         periods = [_period(group.labels, repeats) for group in groups]
@@ -110,7 +110,7 @@ def separate_loops(
 
 
 @dataclass(frozen=True, eq=False)
-class _Group:
+class _Cluster:
     """Robots that may influence each other.
 
     Args:
@@ -122,13 +122,13 @@ class _Group:
     labels: Ints
 
 
-def _joined(groups: Sequence[_Group], one: int, other: int) -> list[_Group]:
+def _joined(groups: Sequence[_Cluster], one: int, other: int) -> list[_Cluster]:
     """Return the groups, with those of two robots made one."""
     both = [group for group in groups if one in group.numbers or other in group.numbers]
     rest = [group for group in groups if group not in both]
     pairs = np.stack([group.labels for group in both], axis=1)
     numbers = tuple(sorted(number for group in both for number in group.numbers))
-    return [*rest, _Group(numbers, _labels(pairs))]
+    return [*rest, _Cluster(numbers, _labels(pairs))]
 
 
 def _labels(states: Words | Ints) -> Ints:

@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzz.campaign.configure import configure
+from fuzz.campaign.constraint import FIXED, Constraint
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.result import SearchState
@@ -21,7 +22,6 @@ from fuzz.campaign.state import UnitDone
 from fuzz.campaign.store import Budget, begin, resume
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
 from fuzz.campaign.unit import run_unit
-from fuzz.constraint import FIXED, Constraint
 from fuzz.failure import Failure
 from fuzz.overview.natural import natural_runs
 from fuzz.shrink import shrink
