@@ -75,6 +75,9 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
         lines.append(f"  {describe_rate(overview.natural, overview.causes)}")
+    elif overview.natural is not None and overview.natural.unsensed:
+        harmed = counted(overview.natural.unsensed, "natural world")
+        lines.append(f"  hazards that it cannot sense harmed it in {harmed}, and no other was run")
     elif headline.robots > 1 and not headline.is_known:
         lines.append(
             "  how often several robots arrive is not measured: no worlds are natural for them; "

@@ -237,6 +237,15 @@ def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
     assert "not counted: stands-still (only in worlds that shrinking made)" in lines
 
 
+def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
+    overview = Overview((), NaturalRuns(unsensed=9))
+    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
+    assert (
+        "  hazards that it cannot sense harmed it in 9 natural worlds, and no other was run"
+        in lines
+    )
+
+
 def test_a_cause_that_nothing_met_has_no_verdicts():
     (cause,) = causes_of({"a": found_by("Still")}, {"a": 0})
     assert (cause.table().met, cause.table().verdicts) == (0, {})
