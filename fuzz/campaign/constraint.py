@@ -6,7 +6,7 @@ failures carry it in their records, so that shrinking keeps it whoever shrinks t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,7 +37,7 @@ class Constraint:
     allowed: tuple[tuple[str, tuple[Value, ...]], ...] = ()
 
     @classmethod
-    def of(cls, allowed: Mapping[str, Iterable[Value]]) -> Constraint:
+    def of(cls, allowed: Mapping[str, Collection[Value]]) -> Constraint:
         """Return the constraint that allows these values, each listed once."""
         return cls(
             tuple((name, _once_each(values)) for name, values in sorted(allowed.items()) if values)
@@ -54,9 +54,9 @@ class Constraint:
             return cls()
         return cls.of({name: values for name, values in table.items() if isinstance(values, list)})
 
-    def details(self) -> dict[str, Value]:
+    def details(self) -> dict[str, Any]:
         """Return what a failure's record stores; empty if nothing is fixed."""
-        table: dict[str, Value] = {name: list(values) for name, values in self.allowed}
+        table = {name: list(values) for name, values in self.allowed}
         return {FIXED: table} if table else {}
 
     def fixes(self, name: str) -> bool:
@@ -70,7 +70,7 @@ class Constraint:
         )
 
 
-def _once_each(values: Iterable[Value]) -> tuple[Value, ...]:
+def _once_each(values: Collection[Value]) -> tuple[Value, ...]:
     # Options that are lists cannot be hashed, so no set or dictionary can do this.
     kept: list[Value] = []
     for value in values:

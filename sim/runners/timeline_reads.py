@@ -36,7 +36,7 @@ class _NotingTimeline(Timeline):
         return super().__getattribute__(name)
 
     @property  # type: ignore[misc]
-    def __class__(self) -> type[Timeline]:
+    def __class__(self) -> type[Timeline]:  # type: ignore[override]
         """The class of what ``dataclasses.replace`` makes of it."""
         return Timeline
 
@@ -47,7 +47,7 @@ class _NotingTimeline(Timeline):
     def __eq__(self, other: object) -> bool:
         return _plain(self) == (_plain(other) if isinstance(other, _NotingTimeline) else other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __copy__(self) -> Timeline:
         return self
