@@ -5,6 +5,7 @@ Tiers, Hypothesis's profiles, and how workers share the tests.
 
 import os
 import signal
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,11 @@ settings.load_profile("worldgen")
 
 # What a command prints must not depend on how fast the machine is.
 os.environ["WORLDGEN_PROGRESS"] = "off"
+
+# What a test runs is not added to the user's list of code that was run before.
+_STATE = tempfile.TemporaryDirectory(prefix="worldgen-tests-")
+for variable in ("XDG_STATE_HOME", "LOCALAPPDATA"):
+    os.environ[variable] = _STATE.name
 
 MOST_WORKERS = 8
 

@@ -99,6 +99,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Read the options, and collect the corpora too."""
     config.addinivalue_line("markers", _MARK)
+    # It runs conftest.py from there, too.
+    from worldgen.plugins.trust import trust_folder
+
+    trust_folder(config.rootpath)
     options = config.option
     given = [config.invocation_params.dir / folder for folder in options.worldgen_corpus or ()]
     expect = options.worldgen_expect or config.getini("worldgen_expect") or EXPECTATIONS[0]

@@ -1,4 +1,4 @@
-"""Decide what the page may run: registered code, and controllers named at the start."""
+"""Decide what the page may run, by the same rule as every command (``worldgen.plugins.trust``)."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.plugins.registry import only_code
+from worldgen.plugins import trust
 from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord, Value
 
 
 def allow_only(named: Sequence[str]) -> None:
-    """Restrict this process and those it starts to registered code and named controllers.
+    """Apply the rule of commands to this process and those it starts.
 
     Args:
-        named: Controllers, with their variations.
+        named: Controllers that were named at the start, with their variations.
     """
-    only_code(names_of(tuple(named)))
+    trust.restrict(named)
 
 
 def may_run(controller: str, named: Sequence[str]) -> bool:
@@ -39,17 +39,12 @@ def may_run(controller: str, named: Sequence[str]) -> bool:
         named: Controllers named at the start, with variations.
     """
     allowed = names_of(tuple(named))
-    return (
-        controller in CONTROLLERS.names() or controller in allowed or _composes(controller, allowed)
+    parts = listed_names(controller) if is_composition_name(controller) else [controller]
+    registered = BEHAVIOURS if is_composition_name(controller) else CONTROLLERS
+    return all(
+        part in registered.names() or part in allowed or (":" in part and trust.may_run(part))
+        for part in parts
     )
-
-
-def _composes(controller: str, allowed: Iterable[str]) -> bool:
-    """Return True if a controller is composed of registered behaviours and allowed ones only."""
-    return is_composition_name(controller) and {*listed_names(controller)} <= {
-        *BEHAVIOURS.names(),
-        *allowed,
-    }
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:

@@ -19,6 +19,7 @@ from fuzz.studio.edits import edited_files, loaded_files
 from fuzz.studio.folder import Folder
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
+from worldgen.plugins.trust import Inherited
 from worldgen.support.workers import become_worker, sigint_blocked
 
 _NICE = 5  # gives the page priority
@@ -74,14 +75,14 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
         nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
     process = multiprocessing.get_context("spawn").Process(
-        target=_begin, args=(nice, target, *args), daemon=True
+        target=_begin, args=(Inherited(), nice, target, *args), daemon=True
     )
     with sigint_blocked():
         process.start()
     return process
 
 
-def _begin(nice: int, target: Callable[..., None], *args: Any) -> None:
+def _begin(_: Inherited, nice: int, target: Callable[..., None], *args: Any) -> None:
     become_worker()
     # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):

@@ -127,7 +127,7 @@ def test_a_file_that_a_stranger_put_above_the_folder_is_not_read(project, monkey
     folder = project("[tool.worldgen.trap]\nseed = 5\n")
     (folder / "mine").mkdir()
     monkeypatch.chdir(folder / "mine")
-    monkeypatch.setattr(configuration, "_has_same_owner", lambda file, here: False)
+    monkeypatch.setattr(configuration, "_has_same_owner", lambda file: False)
     assert made("--seed", 1)["seed"] == 1
     assert worldgen("trap", "--json").out.find('"seed": 5,') < 0
 
@@ -160,7 +160,7 @@ def test_a_file_that_a_stranger_put_into_the_folder_itself_is_not_read(project, 
     folder = project(text)
     assert made("--seed", 1)["seed"] == 1
     assert configuration._project(folder) is None
-    assert configuration._has_same_owner(folder / "robot.py", folder)
+    assert configuration._has_same_owner(folder / "robot.py")
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
@@ -171,7 +171,7 @@ def test_a_link_that_a_stranger_put_into_the_folder_is_not_followed(project, mon
     monkeypatch.setattr(
         configuration.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10]))
     )
-    assert not configuration._has_same_owner(folder / "pyproject.toml", folder)
+    assert not configuration._has_same_owner(folder / "pyproject.toml")
 
 
 def test_every_controller_of_several_in_one_value_is_relative_to_the_file(project, monkeypatch):

@@ -9,7 +9,7 @@ import functools
 import os
 import re
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +18,7 @@ import click
 from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
+from worldgen.plugins.trust import owners, trusts_everything
 from worldgen.support.progress import say_once
 
 FILE = "pyproject.toml"
@@ -34,7 +35,9 @@ _EITHER = (
     ("world", "strategies"),
     ("begin", "families"),
 )
-_IN_A_FILE = re.compile(r"(?P<file>[^:+=]+\.(py|toml))(?P<rest>([:+=].*)?)", re.DOTALL)
+_IN_A_FILE = re.compile(
+    r"(?P<kind>(lib:)?)(?P<file>[^:+=]+\.(py|toml|so|dylib|dll))(?P<rest>([:+=].*)?)", re.DOTALL
+)
 
 
 class _Project(NamedTuple):
@@ -105,6 +108,37 @@ def configured(
         if any(other in given for other in pair if other != name)
     }
     return {name: value for name, value in values.items() if name not in crowded_out}
+
+
+def named_in_settings() -> tuple[Path, list[str]]:
+    """Return the project's folder, and every text in its settings that may name code.
+
+    The settings of one command count for all commands.
+    """
+    here = Path.cwd()
+    try:
+        project = _project(here)
+    except InvalidParameter:  # the command itself reports it
+        project = None
+    if project is None:
+        return here, []
+    folder = project.file.parent
+    return folder, [_code_from_here(text, folder) for text in _texts_in(project.table)]
+
+
+def _texts_in(value: object) -> Iterator[str]:
+    """Yield all texts in a table, including the names of tables, each without its comma list."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield str(name)
+            yield from _texts_in(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _texts_in(inner)
+    elif isinstance(value, str):
+        yield value
+        if "," in value:
+            yield from (part.strip() for part in value.split(","))
 
 
 def _value_of(
@@ -180,12 +214,18 @@ def _from_here(path: str, folder: Path) -> str:
 
 def _code_from_here(text: str, folder: Path) -> str:
     found = _IN_A_FILE.fullmatch(text)
-    return text if found is None else _from_here(found["file"], folder) + found["rest"]
+    if found is None:
+        return text
+    return found["kind"] + _from_here(found["file"], folder) + found["rest"]
+
+
+def _project(folder: Path) -> _Project | None:
+    """Return the nearest file at or above a folder that has our table."""
+    return _project_of(folder, trusts_everything())
 
 
 @functools.cache
-def _project(folder: Path) -> _Project | None:
-    """Return the nearest file at or above a folder that has our table."""
+def _project_of(folder: Path, any_owner: bool) -> _Project | None:
     for place in (folder, *folder.parents):
         file = place / FILE
         try:
@@ -194,13 +234,14 @@ def _project(folder: Path) -> _Project | None:
             continue
         if "worldgen" not in text:
             continue
-        if not _has_same_owner(file, folder):
+        if not any_owner and not _has_same_owner(file):
             # Even an error in it must not affect our user; otherwise anybody could block every
             # command with a file in /tmp.
             if "tool.worldgen" in text:
                 say_once(
                     f"{file} belongs to another user and is not read, because it names code to "
-                    "run; copy its [tool.worldgen] into a file in your own folder"
+                    "run; use --trust to read it, or copy its [tool.worldgen] into a file in your "
+                    "own folder"
                 )
                 return None
             continue
@@ -221,10 +262,10 @@ def _project(folder: Path) -> _Project | None:
     return None
 
 
-def _has_same_owner(file: Path, folder: Path) -> bool:
+def _has_same_owner(file: Path) -> bool:
     """Return True if nobody else could have put this file here, because its code is run."""
-    if not hasattr(os, "geteuid"):
+    trusted = owners()
+    if trusted is None:
         return True
-    trusted = (0, os.geteuid(), folder.stat().st_uid)
     # Another user's link to a file of ours counts too, because code is looked up next to the link.
     return file.lstat().st_uid in trusted and file.stat().st_uid in trusted

@@ -1,11 +1,12 @@
 """Add the parts that every command has, no matter who wrote it.
 
-This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
-rejection of options that are given twice.
+This is ``--quiet``, ``--verbose`` and ``--trust``, defaults from the project's ``pyproject.toml``,
+the rejection of options that are given twice, and the rule about whose code runs.
 """
 
 from __future__ import annotations
 
+import shlex
 import weakref
 from typing import Any
 
@@ -13,6 +14,7 @@ import click
 
 from worldgen.cli.configuration import FILE, configured
 from worldgen.cli.output import note
+from worldgen.plugins.trust import admit_typed, trust_everything
 from worldgen.support.progress import set_verbosity
 
 
@@ -41,6 +43,13 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
         callback=_be_verbose,
         help="Report when each slow step begins and ends.",
     ),
+)
+
+TRUST = click.Option(
+    ["--trust"],
+    is_flag=True,
+    expose_value=False,
+    help="Run all code that the files name, even if you have not run it before (SECURITY.md).",
 )
 
 # Other spellings of --picture that people try.
@@ -72,7 +81,8 @@ def _add_options(command: click.Command) -> None:
         for parameter in command.params
         for flag in (*parameter.opts, *parameter.secondary_opts)
     }
-    ours = [option for option in QUIET_AND_VERBOSE if taken.isdisjoint(option.opts)]
+    every = (*QUIET_AND_VERBOSE, TRUST)
+    ours = [option for option in every if taken.isdisjoint(option.opts)]
 
     def with_ours(context: click.Context) -> list[click.Parameter]:
         found = get_params(context)
@@ -94,12 +104,15 @@ def _watch_parser(command: click.Command) -> None:
 
         def parse(args: list[str]) -> Any:
             try:
-                opts, rest, order = parse_args(args)
+                opts, rest, order = parse_args(list(args))
             except click.NoSuchOption as error:
                 message = _no_such_option(error.option_name, command.get_params(context))
                 raise click.UsageError(message, context) from None
             _refuse_repetition(order, context)
             if not context.resilient_parsing:
+                if opts.get("trust"):
+                    trust_everything()
+                admit_typed(opts.values(), _command_with_trust(context, args))
                 given = {parameter.name for parameter in order if parameter.name is not None}
                 context.default_map = _defaults(command, context, given, aloud="verbose" in opts)
             return opts, rest, order
@@ -108,6 +121,22 @@ def _watch_parser(command: click.Command) -> None:
         return parser
 
     command.make_parser = strict_parser  # type: ignore[method-assign, assignment]
+
+
+def _command_with_trust(context: click.Context, args: list[str]) -> str:
+    """Return the command line with ``--trust``, which does not belong among a command's files."""
+    return shlex.join(["worldgen", *_path(context), TRUST.opts[0], *args])
+
+
+def _path(context: click.Context) -> tuple[str, ...]:
+    """Return the command's name, after the names of its groups: ``("corpus", "show")``."""
+    names: list[str] = []
+    at: click.Context | None = context
+    # Walk up to the group, whose name is not part of the path.
+    while at is not None and at.parent is not None:
+        names.insert(0, at.info_name or "")
+        at = at.parent
+    return tuple(names)
 
 
 def _no_such_option(flag: str, parameters: list[click.Parameter]) -> str:
@@ -141,16 +170,12 @@ def _defaults(
 ) -> dict[str, Any]:
     """Return the settings in the project's file for the command; ``--verbose`` prints them."""
     group = context.find_root().command
-    names: list[str] = []
-    at: click.Context | None = context
-    # Walk up to the group, whose name is not part of the path.
-    while at is not None and at.parent is not None:
-        names.insert(0, at.info_name or "")
-        at = at.parent
-    path = tuple(names)
+    path = _path(context)
     if not isinstance(group, click.Group) or not path:
         return {}
-    found = configured(command.get_params(context), path, given, group.list_commands(context))
+    # A file cannot say that all files are trusted.
+    options = [option for option in command.get_params(context) if option is not TRUST]
+    found = configured(options, path, given, group.list_commands(context))
     for name, value in found.items() if aloud else ():
         if name not in given:
             note(f"{FILE}: {name.replace('_', '-')} = {value}")

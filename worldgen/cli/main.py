@@ -9,17 +9,18 @@ import shlex
 import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
-from worldgen.cli.output import note
+from worldgen.cli.output import ask_user, is_at_terminal, note
 from worldgen.cli.overview import COMMANDS, describe_versions
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
+from worldgen.plugins.trust import admit_typed, command_rule
 from worldgen.support.progress import display_on_stderr
 
 EPILOG = (
@@ -45,6 +46,27 @@ class LazyGroup(click.Group):
             *sorted(self._points("worldgen.commands")),
         ]
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command, in which no file can choose code to run.
+
+        A command that refused some code has not answered, whatever it printed.
+        """
+        with command_rule(ask_user if is_at_terminal() else None) as refused:
+            code: Any = 0
+            try:
+                answer = super().invoke(ctx)
+            except click.exceptions.Exit as stop:
+                code = stop.exit_code
+            except SystemExit as stop:
+                code = stop.code
+            if refused and code in (None, 0, 1):
+                for sentence in refused.values():
+                    note(f"worldgen: {sentence}", always=True)
+                code = 2
+            if code not in (None, 0):
+                raise click.exceptions.Exit(code) if isinstance(code, int) else SystemExit(code)
+            return answer
+
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the requested command, and add what every command has."""
         command = self._found(cmd_name)
@@ -67,6 +89,7 @@ class LazyGroup(click.Group):
             or cmd_name.endswith(".toml")
         ):
             # Such as ./mine.py:my_family or ./recipe.toml.
+            admit_typed([cmd_name], "")
             from worldgen.commands.family_command import family_command
 
             return family_command(cmd_name)

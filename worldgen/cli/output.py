@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from click.core import ParameterSource
 
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import aligned, alternatives, shown_lines
+from worldgen.support.plain_text import aligned, alternatives, shown, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 CONTROLLER_HELP = (
@@ -112,6 +113,17 @@ def note(message: str, *, always: bool = False) -> None:
     if always or not is_quiet():
         spoke()
         click.echo(shown_lines(message), err=True)
+
+
+def is_at_terminal() -> bool:
+    """Return True if a person can read a question and type an answer."""
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def ask_user(question: str) -> bool:
+    """Ask a question at the terminal; the answer is no unless the user types y."""
+    spoke()
+    return click.confirm(shown(question), err=True)
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:

@@ -6,19 +6,18 @@ import contextlib
 import difflib
 import importlib
 import importlib.util
-import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
-from worldgen.parameters import without_class_options
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
+from worldgen.plugins.trust import check_code
 from worldgen.plugins.user_modules import (
     SourceLoader,
     forget_folder,
@@ -38,41 +37,6 @@ _LOADS_IN = 60.0
 _LONGEST_LOAD = 1e6
 LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 """Environment variable that overrides the time limit for loading a module, s."""
-ONLY_CODE = "WORLDGEN_ONLY_CODE"
-"""Environment variable with the names given to :func:`only_code`, as a JSON list.
-
-An environment variable is used because child processes inherit it.
-"""
-
-
-def only_code(names: Iterable[str]) -> None:
-    """Allow only registered code and these names to run, in this process and its children.
-
-    A file from a stranger may name any code as its controller, motion model or oracle. After this
-    call, reading such a file cannot run that code.
-
-    Args:
-        names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
-    """
-    os.environ[ONLY_CODE] = json.dumps(
-        sorted({_identity(without_class_options(name)) for name in names})
-    )
-
-
-def check_code(name: str) -> None:
-    """Raise an error for code that :func:`only_code` does not allow.
-
-    Raises:
-        InvalidParameter: If :func:`only_code` was called without this name.
-    """
-    said = os.environ.get(ONLY_CODE)
-    if said is not None and _identity(without_class_options(name)) not in json.loads(said):
-        raise InvalidParameter(
-            "code-not-allowed",
-            "{name!r} is code that was not named at the start, so it is not run",
-            "name it there",
-            name=name[:60],
-        )
 
 
 def lend(place: str, copy: Path) -> None:
@@ -214,6 +178,9 @@ class Registry(Generic[T]):
             InvalidParameter: If nothing has this name, loading it fails, or it has the wrong type.
         """
         key = _identity(name)
+        # Loaded code is checked again, because the next command may not have named it.
+        if ":" in name and not self._is_registered(name):
+            check_code(name)
         if key not in self._loaded:
             point = self.entry_points().get(name)
             # An installed name is loaded by its entry point, anything with a colon by its path.
@@ -221,12 +188,15 @@ class Registry(Generic[T]):
                 with loading(f"{self.noun} {name!r}: loading {point.value}"):
                     thing = point.load()
             elif ":" in name:
-                check_code(name)
                 thing = self._load_path(name)
             else:
                 raise InvalidParameter.of(self._unknown(name))
             self._loaded[key] = self._accept(name, thing)
         return self._loaded[key]
+
+    def _is_registered(self, name: str) -> bool:
+        """Return True for a registered name, and for the place of a registered object."""
+        return any(name in (point.name, point.value) for point in points_of(self.group))
 
     def forget(self, place: str) -> None:
         """Forget a file and the files next to it, so that the next request loads them again."""
@@ -239,7 +209,7 @@ class Registry(Generic[T]):
     def source(self, name: str) -> Path | None:
         """Return the file that defines the object with this name, or ``None`` if no file does."""
         point = self.entry_points().get(name)
-        if point is None and ":" in name:
+        if point is None and ":" in name and not self._is_registered(name):
             check_code(name)
         place = name.rpartition(":")[0] if point is None else point.module
         if place.endswith(".py"):

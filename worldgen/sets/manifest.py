@@ -173,6 +173,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
             "empty", "is empty; a manifest begins with a line about the set", source=source
         )
     header = _header(first, source)
+    note_names(header.params, source)
     entries = []
     kept = []
     files = set()

@@ -13,6 +13,8 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
+from worldgen.plugins.trust import Inherited
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -84,7 +86,7 @@ class WorkerPool(ProcessPoolExecutor):
             workers,
             mp_context=get_context("spawn"),
             initializer=_start_worker,
-            initargs=(initializer, args),
+            initargs=(Inherited(), initializer, args),
         )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -130,7 +132,9 @@ def sigint_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]) -> None:
+def _start_worker(
+    _: Inherited, initializer: Callable[..., None] | None, args: tuple[Any, ...]
+) -> None:
     become_worker()
     if initializer is not None:
         initializer(*args)

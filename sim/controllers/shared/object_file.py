@@ -14,6 +14,7 @@ from typing import Any
 from sim._core import ffi, lib
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
+from worldgen.plugins.trust import check_code
 
 _PREFIX = "lib:"
 # Suffix of the function that describes a controller.
@@ -137,6 +138,7 @@ def check_file(name: str) -> None:
 def _loaded(name: str, file: Path) -> ctypes.CDLL:
     """Return the library; it stays loaded until this process ends."""
     check_file(name)
+    check_code(name)
     try:
         return ctypes.CDLL(str(file.resolve()))
     except OSError as error:

@@ -23,6 +23,7 @@ from worldgen.files.grid.schema import (
     TABLE_KEYS,
 )
 from worldgen.files.grid.values import finite, integer_at, kind_of, numbers_at, text_at, values_at
+from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.support.known_names import unknown_name
 from worldgen.support.plain_text import quote
 from worldgen.world import DEFAULT_ROBOT_SPEED, FailureRecord, Pose, Provenance, Robot, Target
@@ -259,6 +260,7 @@ def read_provenance(header: Header) -> Provenance | None:
     table = _table(header, "provenance")
     if table is None:
         return None
+    note_names(table, header.source)
     return Provenance(
         family=text_at(header, table, "provenance", "family"),
         version=integer_at(header, table, "provenance", "version"),
@@ -341,8 +343,10 @@ def read_failure(header: Header) -> FailureRecord | None:
     table = _table(header, "failure")
     if table is None:
         return None
+    # It may name code, and anybody may have written the file.
+    note_names(table, header.source)
     return FailureRecord(
-        controller=text_at(header, table, "failure", "controller"),
+        controller=NameInFile(text_at(header, table, "failure", "controller")),
         motion=text_at(header, table, "failure", "motion"),
         seed=integer_at(header, table, "failure", "seed"),
         verdict=text_at(header, table, "failure", "verdict"),
