@@ -243,7 +243,7 @@ def _keys(name: str) -> list[str]:
     if name.startswith("learned:"):
         return [_file_key(name.removeprefix("learned:"))]
     learned = [_file_key(file.strip()) for file in _LEARNED.findall(name)]
-    place, colon, attribute = without_class_options(name).rpartition(":")
+    place, colon, _ = without_class_options(name).rpartition(":")
     if not colon:
         return learned
     if place.endswith(".py"):
@@ -280,10 +280,8 @@ def _file_key(path: str | Path) -> str:
 
 
 def _program_key(command: str, folder: str) -> str:
-    try:
+    with contextlib.suppress(ValueError):  # an open quote, which starting it reports
         command = shlex.join(shlex.split(command))
-    except ValueError:  # an open quote, which starting it reports
-        pass
     return f"program {json.dumps([os.path.realpath(folder), command])}"
 
 
@@ -384,15 +382,11 @@ def _has_relative_file(command: str) -> bool:
 
 def list_file() -> Path | None:
     """Return the file that lists what this user has run; None if there is no place for it."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA", "")
-    elif sys.platform == "darwin":
-        base = "~/Library/Application Support"
-    else:
-        base = os.environ.get("XDG_STATE_HOME", "")
-        # The standard for these folders says to ignore a relative path.
-        base = base if Path(base).is_absolute() else "~/.local/state"
-    folder = expanded(base)
+    usual = {"win32": "~/AppData/Local", "darwin": "~/Library/Application Support"}
+    chosen = os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else "XDG_STATE_HOME", "")
+    # The standard for these folders says to ignore a relative path.
+    is_chosen = Path(chosen).is_absolute()
+    folder = expanded(chosen if is_chosen else usual.get(sys.platform, "~/.local/state"))
     return folder / "worldgen" / _LIST if folder.is_absolute() else None
 
 
@@ -465,14 +459,17 @@ def _ask(key: str, name: str) -> None:
     verb = {"program": "Start the program", "module": "Import the module"}.get(kind, "Run")
     # One question about each piece of code, however many files name it.
     is_new = key not in _trust.refused
-    if _trust.ask is not None and is_new and _trust.ask(
-        f"{source} names {shown(name[:_LONGEST])}, which is code that you have not run before. "
-        f"{verb} {what}?"
+    if (
+        _trust.ask is not None
+        and is_new
+        and _trust.ask(
+            f"{source} names {shown(name[:_LONGEST])}, which is code that you have not run before. "
+            f"{verb} {what}?"
+        )
     ):
         _trust.admitted[key] = False
         _remember(key)
         return
-    is_strangers = key in _remembered()
     error = CodeNotTrusted(
         "code-not-allowed",
         "{source} names {name!r}, which is not run: "
