@@ -15,6 +15,7 @@ from msgspec import Meta
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
 from worldgen.files.json_file import converted, faulty_field, plain
+from worldgen.plugins.trust import note_names
 from worldgen.world import Value
 
 FORMAT = "worldgen-set 1"
