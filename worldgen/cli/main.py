@@ -52,19 +52,21 @@ class LazyGroup(click.Group):
         A command that refused some code has not answered, whatever it printed.
         """
         with command_rule(ask_user if is_at_terminal() else None) as refused:
-            code: Any = 0
+            answer: Any = None
+            code: Any = None
+            ended: BaseException | None = None
             try:
                 answer = super().invoke(ctx)
             except click.exceptions.Exit as stop:
-                code = stop.exit_code
+                ended, code = stop, stop.exit_code
             except SystemExit as stop:
-                code = stop.code
+                ended, code = stop, stop.code
             if refused and code in (None, 0, 1):
                 for sentence in refused.values():
                     note(f"worldgen: {sentence}", always=True)
-                code = 2
-            if code not in (None, 0):
-                raise click.exceptions.Exit(code) if isinstance(code, int) else SystemExit(code)
+                raise click.exceptions.Exit(2)
+            if ended is not None:
+                raise ended
             return answer
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
