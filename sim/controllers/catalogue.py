@@ -131,7 +131,7 @@ class ControllerRegistry(Registry[Controller]):
                 name=name,
                 controller=base,
             )
-        check_code(name)
+        check_code(f"learned:{path}")
         learned = read_learned(expanded(path))
         # The class comes from the name, so a file that names other code cannot run it.
         if _place_apart(learned.controller) != _place_apart(base):

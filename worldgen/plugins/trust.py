@@ -36,7 +36,7 @@ _HERE = Path(__file__).resolve().parents[2]
 # Modules of ours that hold controllers, oracles and families, so that naming one is harmless.
 _OURS = ("sim.controllers.", "fuzz.faults.", "fuzz.oracles.", "worldgen.families.")
 _MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
-_LEARNED = re.compile(r"\+learned=([^+,]+)")
+_LEARNED = re.compile(r"\+learned=([^+]+)")
 # Characters of a name in a message.
 _LONGEST = 120
 # Characters of a name of code; a longer text is something else, such as a recipe.
@@ -242,16 +242,22 @@ def _keys(name: str) -> list[str]:
         return [_file_key(name.removeprefix("lib:").rpartition(":")[0])]
     if name.startswith("learned:"):
         return [_file_key(name.removeprefix("learned:"))]
-    learned = [_file_key(file.strip()) for file in _LEARNED.findall(name)]
-    place, colon, _ = without_class_options(name).rpartition(":")
-    if not colon:
-        return learned
-    if place.endswith(".py"):
-        return [_file_key(place), *learned]
-    if not _MODULE.fullmatch(place) or _is_ours(place):
-        return learned
+    found = [_file_key(file.strip()) for file in _LEARNED.findall(name)]
+    # What follows a name may be options or part of the name, so both readings need a reason.
+    for text in dict.fromkeys((without_class_options(name), name)):
+        place, colon, _ = text.rpartition(":")
+        if place.endswith(".py"):
+            found.append(_file_key(place))
+        elif colon and place:
+            found += _module_keys(place)
+    return found
+
+
+def _module_keys(place: str) -> list[str]:
+    if _is_ours(place):
+        return []
     file = _file_of_module(place)
-    return [f"module {place}" if file is None else _file_key(file), *learned]
+    return [f"module {place}" if file is None else _file_key(file)]
 
 
 def _keys_in(text: str) -> list[str]:
@@ -287,7 +293,7 @@ def _program_key(command: str, folder: str) -> str:
 
 def _is_ours(module: str) -> bool:
     """Return True for a module of ours with controllers, oracles or families."""
-    if not f"{module}.".startswith(_OURS):
+    if not _MODULE.fullmatch(module) or not f"{module}.".startswith(_OURS):
         return False
     place = _HERE.joinpath(*module.split("."))
     return place.with_suffix(".py").is_file() or (place / "__init__.py").is_file()
