@@ -156,7 +156,10 @@ def trusts_everything() -> bool:
 
 
 def trust_folder(folder: Path) -> None:
-    """Let code in a folder run, and code that files in it name, as pytest runs its conftest.py."""
+    """Let code in a folder run in this process, and code that files in the folder name.
+
+    pytest's rootdir is such a folder, because pytest runs conftest.py from there.
+    """
     _trust.folders = (*_trust.folders, os.path.realpath(folder))
 
 
@@ -216,7 +219,8 @@ class Inherited:
 
     def __reduce__(self) -> tuple[Callable[..., Inherited], tuple[object, ...]]:
         admitted = dict.fromkeys(_trust.admitted, False)
-        state = replace(_trust, admitted=admitted, ask=None, refused={})
+        folders = (*_trust.folders, *_pytest_root())
+        state = replace(_trust, admitted=admitted, folders=folders, ask=None, refused={})
         return _inherit, (state, dict(_named_in))
 
 
@@ -352,12 +356,19 @@ def _is_missing(key: str) -> bool:
 
 
 def _in_trusted_folder(key: str, source: str | None) -> bool:
-    if not _trust.folders:
+    folders = (*_trust.folders, *_pytest_root())
+    if not folders:
         return False
     kind, _, place = key.partition(" ")
     files = [place] if kind == "file" else []
     files += [] if source is None else [os.path.realpath(source)]
-    return any(Path(file).is_relative_to(folder) for file in files for folder in _trust.folders)
+    return any(Path(file).is_relative_to(folder) for file in files for folder in folders)
+
+
+def _pytest_root() -> tuple[str, ...]:
+    """Return pytest's rootdir, if this process is pytest; one that it started doesn't inherit it."""
+    process, _, folder = os.environ.get("WORLDGEN_PYTEST_ROOT", "").partition(":")
+    return (os.path.realpath(folder),) if process == str(os.getpid()) else ()
 
 
 def _keys_of_settings() -> set[str]:
