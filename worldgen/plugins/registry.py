@@ -20,9 +20,11 @@ from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.trust import check_code
 from worldgen.plugins.user_modules import (
     SourceLoader,
+    digest_of_source,
     forget_folder,
     import_in,
     package_of,
+    sources_read,
     without_private_names,
 )
 from worldgen.support.known_names import unknown_name
@@ -198,12 +200,21 @@ class Registry(Generic[T]):
         """Return True for a registered name, and for the place of a registered object."""
         return any(name in (point.name, point.value) for point in points_of(self.group))
 
-    def forget(self, place: str) -> None:
-        """Forget a file and the files next to it, so that the next request loads them again."""
+    def renew(self, place: str) -> None:
+        """Forget what was made from a file, so that the next request makes it again.
+
+        The file's module stays loaded, and its top level does not run again.
+        """
         file = _identity(f"{place}:").rpartition(":")[0]
         for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
             del self._loaded[key]
+
+    def forget(self, place: str) -> None:
+        """Forget a file and the files next to it, so that the next request loads them again."""
+        self.renew(place)
+        file = _identity(f"{place}:").rpartition(":")[0]
         if file.endswith(".py"):
+            sys.modules.pop(_module_name(Path(file)), None)
             forget_folder(Path(file).parent)
 
     def source(self, name: str) -> Path | None:
@@ -275,11 +286,19 @@ def _identity(name: str) -> str:
     )
 
 
+def _module_name(path: Path) -> str:
+    return f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+
+
 def _load_file(path: Path) -> Any:
     path = expanded(path).resolve()
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
-    module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+    module_name = _module_name(path)
+    # A controller and an oracle in one file share its module, unless it was edited in between.
+    loaded = sys.modules.get(module_name)
+    if loaded is not None and sources_read().get(str(path)) == digest_of_source(path.read_bytes()):
+        return loaded
     loader = SourceLoader(module_name, str(path))
     spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
     if spec is None or spec.loader is None:
