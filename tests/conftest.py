@@ -12,8 +12,6 @@ import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
-from worldgen.plugins.trust import trust_folder
-
 # With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples
 # each time, so that no change is rejected by bad luck. New examples are tried at night, and those
 # that failed are kept: --hypothesis-profile.
@@ -59,9 +57,6 @@ os.environ["WORLDGEN_PROGRESS"] = "off"
 _STATE = tempfile.TemporaryDirectory(prefix="worldgen-tests-")
 for variable in ("XDG_STATE_HOME", "LOCALAPPDATA"):
     os.environ[variable] = _STATE.name
-
-# Tests make records in temporary folders, of controllers that they write there.
-trust_folder(Path(tempfile.gettempdir()))
 
 MOST_WORKERS = 8
 

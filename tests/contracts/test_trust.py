@@ -504,3 +504,22 @@ def test_workers_know_what_their_parent_may_run(stranger, ran, record):
         assert pool.submit(trust.may_run, "./odd.py:X").result()
         assert not pool.submit(trust.may_run, "./odd_pack/odd.py:X").result()
         pool.end()
+
+
+@pytest.mark.gate
+def test_workers_import_nothing_from_the_current_folder(stranger, ran):
+    """A new Python looks for its own modules in the current folder first, unless it is told not to."""
+    for name in ("multiprocessing", "pickle", "selectors", "worldgen"):
+        Path(f"{name}.py").write_text(CLASS.partition("from")[0])
+    script = shutil.which("worldgen", path=Path(sys.executable).parent)
+    arguments = "--controller turn-right --units 2 --examples 1 --seed 1 --workers 2 --no-shrink"
+    command = [script, "fuzz", *arguments.split(), "--out", "found"]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+    assert ran() == 0
+
+
+def test_a_campaign_of_the_studio_imports_nothing_from_the_current_folder(stranger, monkeypatch):
+    from fuzz.studio.campaigns.answers import _flags
+
+    monkeypatch.setattr(sys, "path", [one for one in sys.path if one not in ("", str(stranger))])
+    assert _flags() == ("-P",)

@@ -117,7 +117,7 @@ def note(message: str, *, always: bool = False) -> None:
 
 def is_at_terminal() -> bool:
     """Return True if a person can read a question and type an answer."""
-    return sys.stdin.isatty() and sys.stderr.isatty()
+    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
 
 
 def ask_user(question: str) -> bool:

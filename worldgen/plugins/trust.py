@@ -387,11 +387,7 @@ def _keys_of_settings() -> set[str]:
 
 
 def _has_relative_file(command: str) -> bool:
-    try:
-        words = shlex.split(command)
-    except ValueError:
-        return True
-    return any(os.path.lexists(word) for word in words if not os.path.isabs(word))  # noqa: PTH117
+    return any(os.path.lexists(word) for word in _words(command) if not Path(word).is_absolute())
 
 
 # Code that was run before
@@ -412,6 +408,9 @@ def _remembered() -> set[str]:
     path = list_file()
     try:
         if path is None or not _is_owned(path) or path.stat().st_size > _MOST_BYTES:
+            return set()
+        # Nobody else may add to it.
+        if owners() is not None and path.stat().st_mode & 0o022:
             return set()
         return set(path.read_text("utf-8").splitlines())
     except (OSError, ValueError):
@@ -452,12 +451,23 @@ def _is_owned(path: Path) -> bool:
     return trusted is None or path.stat().st_uid in trusted
 
 
+def _words(command: str) -> list[str]:
+    try:
+        return shlex.split(command)
+    except ValueError:  # an open quote
+        return []
+
+
 def _has_trusted_owner(key: str) -> bool:
     """Return True unless another user has put the file there."""
     kind, _, place = key.partition(" ")
+    files = [Path(place)] if kind == "file" else []
+    if kind == "program":
+        folder, command = json.loads(place)
+        files = [Path(folder, word) for word in _words(command)]
     try:
-        return kind != "file" or _is_owned(Path(place))
-    except OSError:
+        return all(_is_owned(file) for file in files if kind == "file" or file.is_file())
+    except (OSError, ValueError):  # ValueError: a NUL in a word
         return False
 
 

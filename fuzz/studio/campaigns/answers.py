@@ -229,7 +229,8 @@ class CampaignAnswers(Opened):
                 mark = stack.enter_context(beginning(memory))
                 with (memory / SAID).open("wb") as stderr:
                     process = _process(
-                        [sys.executable, "-m", "worldgen", "fuzz", "--json", *words], stderr
+                        [sys.executable, *_flags(), "-m", "worldgen", "fuzz", "--json", *words],
+                        stderr,
                     )
             except OSError as error:
                 raise OutputError(
@@ -283,6 +284,14 @@ def _wait_until_begun(
     if process.returncode in (0, 1, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
+
+
+def _flags() -> tuple[str, ...]:
+    """Return Python's flag against modules in the current folder, unless this process has it too.
+
+    The folder may hold a stranger's files.
+    """
+    return () if {"", str(Path.cwd())} & {*sys.path} else ("-P",)
 
 
 def _stopped() -> OutputError:
