@@ -12,8 +12,9 @@ from typing import Any
 
 import click
 
-from worldgen.cli.configuration import FILE, configured
+from worldgen.cli.configuration import configured
 from worldgen.cli.output import note
+from worldgen.plugins.project import FILE
 from worldgen.plugins.trust import admit_typed, trust_everything
 from worldgen.support.progress import set_verbosity
 

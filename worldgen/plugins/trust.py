@@ -30,6 +30,7 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
 from worldgen.parameters import split_headed, without_class_options
+from worldgen.plugins.project import has_trusted_owner, named_in_settings, owners
 from worldgen.support.plain_text import shown
 
 _HERE = Path(__file__).resolve().parents[2]
@@ -373,9 +374,7 @@ def _pytest_root() -> tuple[str, ...]:
 
 def _keys_of_settings() -> set[str]:
     """Return the keys of the code that the project's settings name, for any command."""
-    from worldgen.cli.configuration import named_in_settings  # noqa: PLC0415 - it needs click
-
-    folder, names = named_in_settings()
+    folder, names = named_in_settings(any_owner=_trust.all)
     found = {key for name in names for key in _keys_in(name) if not key.startswith("program ")}
     programs = [name for name in names if split_headed(name, "cmd") is not None]
     for name in programs:
@@ -407,7 +406,7 @@ def _remembered() -> set[str]:
     """Return the keys of what this user has run from the command line."""
     path = list_file()
     try:
-        if path is None or not _is_owned(path) or path.stat().st_size > _MOST_BYTES:
+        if path is None or not has_trusted_owner(path) or path.stat().st_size > _MOST_BYTES:
             return set()
         # Nobody else may add to it.
         if owners() is not None and path.stat().st_mode & 0o022:
@@ -434,23 +433,6 @@ def _remember(key: str) -> None:
         return
 
 
-def owners() -> frozenset[int] | None:
-    """Return the users whose files this user trusts; None where files have no owners.
-
-    These are the user and root, and for root under sudo the user who called it.
-    """
-    if not hasattr(os, "geteuid"):
-        return None
-    user = os.geteuid()
-    caller = os.environ.get("SUDO_UID", "") if user == 0 else ""
-    return frozenset((0, user, *([int(caller)] if caller.isdecimal() else [])))
-
-
-def _is_owned(path: Path) -> bool:
-    trusted = owners()
-    return trusted is None or path.stat().st_uid in trusted
-
-
 def _words(command: str) -> list[str]:
     try:
         return shlex.split(command)
@@ -466,7 +448,7 @@ def _has_trusted_owner(key: str) -> bool:
         folder, command = json.loads(place)
         files = [Path(folder, word) for word in _words(command)]
     try:
-        return all(_is_owned(file) for file in files if kind == "file" or file.is_file())
+        return all(has_trusted_owner(file) for file in files if kind == "file" or file.is_file())
     except (OSError, ValueError):  # ValueError: a NUL in a word
         return False
 
