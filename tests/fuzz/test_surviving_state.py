@@ -161,7 +161,7 @@ def test_only_the_controller_that_keeps_state_is_said_to(worlds, tmp_path):
         failure = failure_of(worlds[0], Scenario(name))
         files.append(tmp_path / f"{number}.grid")
         failure.write(files[-1])
-    (line,) = [x for x in worldgen("replay", *files).err.splitlines() if "survives" in x]
+    (line,) = [x for x in worldgen("replay", "--trust", *files).err.splitlines() if "survives" in x]
     assert keeps in line and clears not in line
 
 

@@ -53,14 +53,12 @@ class LazyGroup(click.Group):
         """
         with command_rule(ask_user if is_at_terminal() else None) as refused:
             answer: Any = None
-            code: Any = None
-            ended: BaseException | None = None
+            ended: click.exceptions.Exit | SystemExit | None = None
             try:
                 answer = super().invoke(ctx)
-            except click.exceptions.Exit as stop:
-                ended, code = stop, stop.exit_code
-            except SystemExit as stop:
-                ended, code = stop, stop.code
+            except (click.exceptions.Exit, SystemExit) as stop:
+                ended = stop
+            code = ended.code if isinstance(ended, SystemExit) else getattr(ended, "exit_code", 0)
             if refused and code in (None, 0, 1):
                 for sentence in refused.values():
                     note(f"worldgen: {sentence}", always=True)

@@ -467,33 +467,43 @@ def _ask(key: str, name: str) -> None:
     what = shown(json.loads(place)[1] if kind == "program" else place)
     verb = {"program": "Start the program", "module": "Import the module"}.get(kind, "Run")
     # One question about each piece of code, however many files name it.
-    is_new = key not in _trust.refused
-    if (
-        _trust.ask is not None
-        and is_new
-        and _trust.ask(
-            f"{source} names {shown(name[:_LONGEST])}, which is code that you have not run before. "
-            f"{verb} {what}?"
-        )
-    ):
+    question = (
+        f"{source} names {shown(name[:_LONGEST])}, which is code that you have not run before. "
+        f"{verb} {what}?"
+    )
+    if _trust.ask is not None and key not in _trust.refused and _trust.ask(question):
         _trust.admitted[key] = False
         _remember(key)
         return
-    error = CodeNotTrusted(
-        "code-not-allowed",
-        "{source} names {name!r}, which is not run: "
-        + (
-            "{what} belongs to another user now"
-            if key in _remembered()
-            else "it is code that you have not run from the command line before"
-        ),
-        "if you trust it, type: {command}"
-        if _trust.command
-        else "if you trust it, pass its name as an argument, or run it once with worldgen run",
-        source=source,
-        name=name[:_LONGEST],
-        what=what,
-        command=_trust.command,
-    )
+
+    # A command's error names the command that works.
+    if not _trust.is_command:
+        error = CodeNotTrusted(
+            "code-not-allowed",
+            "{source} names {name!r}, which is not run: only the file names it",
+            "if you trust it, pass its name as an argument, or run it once with worldgen run",
+            source=source,
+            name=name[:_LONGEST],
+        )
+    elif key in _remembered():
+        error = CodeNotTrusted(
+            "code-not-allowed",
+            "{source} names {name!r}, which is not run: {what} belongs to another user now",
+            "if you trust it, type: {command}",
+            source=source,
+            name=name[:_LONGEST],
+            what=what,
+            command=_trust.command,
+        )
+    else:
+        error = CodeNotTrusted(
+            "code-not-allowed",
+            "{source} names {name!r}, which is not run: it is code that you have not run from the "
+            "command line before",
+            "if you trust it, type: {command}",
+            source=source,
+            name=name[:_LONGEST],
+            command=_trust.command,
+        )
     _trust.refused.setdefault(key, str(error))
     raise error
