@@ -111,6 +111,7 @@ def _watch_parser(command: click.Command) -> None:
                 raise click.UsageError(message, context) from None
             _refuse_repetition(order, context)
             if not context.resilient_parsing:
+                # What was typed may run, and only after that do the settings count.
                 if opts.get("trust"):
                     trust_everything()
                 admit_typed(opts.values(), _command_with_trust(context, args))

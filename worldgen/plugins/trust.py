@@ -482,6 +482,7 @@ def _ask(key: str, name: str) -> None:
             "code-not-allowed",
             "{source} names {name!r}, which is not run: only the file names it",
             "if you trust it, pass its name as an argument, or run it once with worldgen run",
+            at_terminal=True,
             source=source,
             name=name[:_LONGEST],
         )
