@@ -151,6 +151,7 @@ def stranger(tmp_path, monkeypatch, library):
     monkeypatch.syspath_prepend(folder)
     monkeypatch.setenv("MARK", str(tmp_path / "mark"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.delenv("WORLDGEN_PYTEST_ROOT", raising=False)
     monkeypatch.setattr(trust, "_trust", trust._Trust())
     monkeypatch.setattr(trust, "_named_in", {})
     yield folder
