@@ -20,7 +20,7 @@ from sim.evidence import Evidence
 from sim.runners.stopping import OutOfTime
 from worldgen.render import draw_terminal, wants_color
 from worldgen.render.overlay import naming
-from worldgen.support.plain_text import counted, shown, shown_lines
+from worldgen.support.plain_text import Styled, counted, joined, shown
 
 if TYPE_CHECKING:
     from fuzz.overview.counterfactual import Counterfactuals
@@ -49,7 +49,7 @@ def describe(
     *,
     met: Counter[str] | None = None,
     why: Counterfactuals | None = None,
-) -> str:
+) -> Styled:
     """Return a failure for the terminal: what happened, why, the picture, the command to replay it.
 
     Args:
@@ -90,18 +90,18 @@ def describe(
     color = wants_color(sys.stdout)
     happened = f"{record.verdict}{shown(words)}"
     first = happened if cause.is_vague else cause.sentence_in(world)
-    return (
+    return joined(
         f"{shown(failure.who)}: {first}\n"
-        f"{shown_lines(depends)}"
+        f"{depends}"
         f"{f'  {who} {repeats}.{chr(10)}' if repeats else ''}"
         f"{'' if cause.is_vague else f'  {happened}{chr(10)}'}"
-        f"{shown_lines(describe_frames(evidence))}"
+        f"{describe_frames(evidence)}"
         f"{_doubt(failure)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
         f"  cause {cause.value}, class {shown(bucket)}{often}; "
-        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
-        f"{draw_terminal(failure.stored, trail=marked, color=color)}"
-        f"  {shown(failure.replay_command(path))}\n"
+        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n",
+        draw_terminal(failure.stored, trail=marked, color=color),
+        f"  {shown(failure.replay_command(path))}\n",
     )
 
 

@@ -10,8 +10,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import click
-
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.live import LiveState, Phase, has_not_arrived, shown_in
 from fuzz.campaign.run import Campaign
@@ -37,7 +35,7 @@ from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
 from sim.controllers.contract import state_survives_reset
 from sim.runners.stopping import stopping_when
-from worldgen.cli.output import emit_json, note
+from worldgen.cli.output import emit_json, note, say
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
@@ -436,14 +434,14 @@ class CampaignSession:
         )
         color = wants_color(sys.stdout)
         for line in overview_lines(self._overview, headline):
-            click.echo(line, color=color)
+            say(line, color=color)
         if state.known:
             times = counted(state.known.total(), "time")
-            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
+            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )
-        click.echo(
+        say(
             f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
             f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
             f"runs: {verdicts or 'none'}; {state.met.total()} examined"
@@ -469,20 +467,19 @@ class CampaignSession:
         state = self._campaign.state
         hazards = self._hazards()
         for bucket, failure in sorted(self._failing().items()):
-            click.echo(describe(failure, self._path(bucket), met=state.met))
+            say(describe(failure, self._path(bucket), met=state.met))
         if hazards:
-            click.echo(
-                f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
-            )
+            say(f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}")
+            say("")
         for bucket, failure in sorted(hazards.items()):
-            click.echo(describe(failure, self._path(bucket), met=state.met))
-        click.echo(describe_strategies(state))
+            say(describe(failure, self._path(bucket), met=state.met))
+        say(describe_strategies(state))
         if state.known:
             often = ", ".join(
                 f"{shown(bucket)} {counted(times, 'time')}"
                 for bucket, times in sorted(state.known.items())
             )
-            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
+            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""

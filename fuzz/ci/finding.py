@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +39,9 @@ class FindingState(StrEnum):
 
 
 _MOST_PICTURE = 20_000  # characters; larger worlds are better viewed from their file
+
+
+_OF_LINES = ("frames", "picture")
 
 
 @dataclass(frozen=True)
@@ -131,20 +134,29 @@ class CiFinding:
             state,
             file,
             controller=record.controller,
-            who=shown(failure.who),
-            verdict=shown(record.verdict),
-            bucket=shown(failure.bucket),
-            what=shown(what),
-            frames=shown_lines(frames),
+            who=failure.who,
+            verdict=record.verdict,
+            bucket=failure.bucket,
+            what=what,
+            frames=frames,
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
-            picture=shown_lines(picture),
+            picture=picture,
             world_id=world_digest(failure.stored),
             seed=record.seed,
-            replay=shown(replay),
+            replay=replay,
             cause=cause.value,
             sentence="" if cause.is_vague else cause.sentence_in(world),
-            why=shown(why.describe()) if why else "",
+            why=why.describe() if why else "",
         )
+
+    def __post_init__(self) -> None:
+        """Make every text safe for a log, a browser and a parser, whoever made the finding."""
+        for one in fields(self):
+            text = getattr(self, one.name)
+            # The controller's name is looked up, not shown.
+            if isinstance(text, str) and one.name not in ("state", "controller"):
+                safe = shown_lines(text) if one.name in _OF_LINES else shown(text)
+                object.__setattr__(self, one.name, safe)
 
     @property
     def fails(self) -> bool:
@@ -192,6 +204,11 @@ class Report:
     command: str
     findings: tuple[CiFinding, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Make the values of the facts safe, as those of a finding are."""
+        safe = {name: shown(value) for name, value in self.facts.items()}
+        object.__setattr__(self, "facts", safe)
 
     @property
     def failing(self) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option
+from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option, say
 
 if TYPE_CHECKING:
     from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
@@ -88,9 +88,7 @@ def boundary(
         for one in stretches:
             verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
             values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
-            click.echo(
-                f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs"
-            )
+            say(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
     if any(one.outcome == "fails" for one in stretches):
         raise SystemExit(1)
 

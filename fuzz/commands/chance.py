@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, time_step_option
+from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, say, time_step_option
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -79,7 +79,7 @@ def chance(
     if as_json:
         emit_json(found.as_dict() | counted)
     else:
-        click.echo(shown(f"{scenario.label()}: {in_words(found, counted)}"))
+        say(shown(f"{scenario.label()}: {in_words(found, counted)}"))
     raise SystemExit(
         int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure")
     )

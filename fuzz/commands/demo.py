@@ -62,7 +62,8 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     # With --json, the only output on stdout is one object.
     with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
         for words in commands:
-            note(f"\n$ worldgen {shlex.join(words)}")
+            note("")
+            note(f"$ worldgen {shlex.join(words)}")
             _run(words)
     if as_json:
         emit_json(

@@ -17,6 +17,7 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     write_out,
 )
 from worldgen.support.plain_text import shown
@@ -93,9 +94,9 @@ def explain(
         )
         # The run shows something even if no change explains it, as for a controller that crashes.
         if not as_json and (lines := explanation.text()):
-            click.echo(f"{shown(path)}: {lines[0]}")
+            say(f"{shown(path)}: {lines[0]}")
             for line in lines[1:]:
-                click.echo(f"  {line}")
+                say(f"  {line}")
         if change and change not in said:
             note(f"note: {change}")
             said.add(change)

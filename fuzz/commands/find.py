@@ -18,6 +18,7 @@ from worldgen.cli.output import (
     json_option,
     motion_option,
     note,
+    say,
     seed_option,
     time_step_option,
     workers_option,
@@ -293,10 +294,8 @@ def _report(
         return
     for target, result in zip(targets, best.results, strict=True):
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
-        click.echo(
-            f"{target.scenario.label()}: wanted {target.text}, got {_got(target, result)}: {off}"
-        )
-    click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
+        say(f"{target.scenario.label()}: wanted {target.text}, got {_got(target, result)}: {off}")
+    say(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
     first = targets[0].scenario
     note(
         f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.run.motion} "

@@ -15,6 +15,7 @@ from worldgen.cli.output import (
     json_option,
     motion_option,
     note,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -184,13 +185,13 @@ def _report(project: Project, failures: int, written: list[Path]) -> None:
     from fuzz.ci.project import FIXED, KNOWN
     from worldgen.support.plain_text import counted
 
-    click.echo(f"{KNOWN}: {counted(failures, 'known failure')}")
+    say(f"{KNOWN}: {counted(failures, 'known failure')}")
     for path in written:
-        click.echo(f"wrote {path}")
+        say(f"wrote {path}")
     if missing := project.must_be_told_where_worldgen_is:
-        click.echo(f"fill in {missing}; CI installs worldgen from there")
+        say(f"fill in {missing}; CI installs worldgen from there")
     if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
-        click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
+        say("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
     if not project.runs_fixed_failures:
-        click.echo(f'add to your pytest settings: worldgen_corpus = ["{FIXED}"]')
-    click.echo("next: commit these files; worldgen fuzz --out failures/ searches as CI does")
+        say(f'add to your pytest settings: worldgen_corpus = ["{FIXED}"]')
+    say("next: commit these files; worldgen fuzz --out failures/ searches as CI does")

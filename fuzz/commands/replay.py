@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import output_options
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -69,7 +69,6 @@ def replay(
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
     from worldgen.files.worlds import read_worlds
-    from worldgen.support.plain_text import shown_lines
 
     # Check that the reports can be written.
     reports = Outputs(**outputs, force=force)
@@ -109,11 +108,11 @@ def replay(
             }
         )
         if not as_json:
-            click.echo(f"{shown(path)}: {shown(now.words)}")
+            say(f"{shown(path)}: {shown(now.words)}")
             if with_picture and confirmed:
-                click.echo(describe(failure, path, why=explained(failure.driven_by(controller))))
+                say(describe(failure, path, why=explained(failure.driven_by(controller))))
             elif now.episode is not None:
-                click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
+                say(describe_frames(now.episode.evidence), nl=False)
         if reports:
             findings.append(
                 CiFinding.of(
@@ -143,4 +142,4 @@ def _summarise(results: list[dict[str, object]], states: list[State], *, as_json
         confirmed = sum(bool(result["confirmed"]) for result in results)
         emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
     else:
-        click.echo(describe_summary(states))
+        say(describe_summary(states))

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note
+from worldgen.cli.output import (
+    PATH,
+    emit_data,
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    say,
+)
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -24,15 +33,15 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
     if not wanted or context.resilient_parsing:
         return
-    click.echo("Passes, in order; they repeat until none of them makes the failure simpler:")
+    say("Passes, in order; they repeat until none of them makes the failure simpler:")
     for one in PASSES:
-        click.echo(f"  {one.name:15} {one.says}")
-    click.echo(
+        say(f"  {one.name:15} {one.says}")
+    say(
         "A failure is simpler than another if it has less of the following; the first difference "
         "decides:"
     )
     for measure in ORDER:
-        click.echo(f"  {measure.name:15} {measure.says}")
+        say(f"  {measure.name:15} {measure.says}")
     context.exit()
 
 
@@ -120,9 +129,9 @@ def shrink(
         emit_json({**_summary(result, target), "changed": changed})
         return
     if target is None or as_snippet:
-        click.echo(snippet(result.failure), nl=False)
+        emit_data(snippet(result.failure))
     else:
-        click.echo(describe(result.failure, target))
+        say(describe(result.failure, target))
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "

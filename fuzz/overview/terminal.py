@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import click
-
 from fuzz.campaign.store import MEMORY
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
 from fuzz.triage.cause import Cause, Severity
-from worldgen.support.plain_text import alternatives, counted, shown
+from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
 # whole campaign, this makes fifteen.
@@ -31,14 +29,14 @@ _LESS_THAN_HALF = 0.5
 _NEARLY_ALWAYS = 0.95
 
 _COLOURS = {
-    Severity.THROUGH_WALLS: "red",
-    Severity.THROUGH_ROBOTS: "red",
-    Severity.CONTROLLER_ERROR: "red",
-    Severity.HARMED: "red",
-    Severity.NEVER_ARRIVES: "yellow",
-    Severity.TOO_SLOW: "yellow",
-    Severity.QUESTIONABLE: "cyan",
-    Severity.UNSENSED: "blue",
+    Severity.THROUGH_WALLS: "31",  # red
+    Severity.THROUGH_ROBOTS: "31",  # red
+    Severity.CONTROLLER_ERROR: "31",  # red
+    Severity.HARMED: "31",  # red
+    Severity.NEVER_ARRIVES: "33",  # yellow
+    Severity.TOO_SLOW: "33",  # yellow
+    Severity.QUESTIONABLE: "36",  # cyan
+    Severity.UNSENSED: "34",  # blue
 }
 
 
@@ -70,7 +68,7 @@ class Headline:
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``click.echo`` removes it if necessary."""
+    """Return the summary for the terminal, in colour; ``say`` removes it if necessary."""
     # Say first whether it works and how often the robot arrives.
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
@@ -194,10 +192,12 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     own = _counted_causes(overview)
     searched = f"{counted(headline.worlds, 'world')} searched"
     if _is_open(overview, headline):
-        too_short = click.style("too little time for an answer", fg="yellow", bold=True)
-        return (
-            f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
-            f"{headline.not_arrived}, and none of these is proved to be a failure yet"
+        too_short = styled("too little time for an answer", "33;1")
+        return joined(
+            f"{shown(headline.who)}: ",
+            too_short,
+            f"; {searched}, it did not arrive in {headline.not_arrived}, and none of these is "
+            f"proved to be a failure yet",
         )
     # Without failures, mention the runs that the search did not count as failures.
     if not headline.is_failing:
@@ -212,10 +212,10 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
                 f"; it did not arrive in {headline.not_arrived}, and none of these is proved to "
                 "be a failure"
             )
-        return f"{click.style(found, fg='green', bold=True)}; {searched}"
+        return joined(styled(found, "32;1"), f"; {searched}")
     # Otherwise the worst cause determines the verdict.
     own = own or list(overview.causes)
-    who = click.style(shown(headline.who), bold=True)
+    who = styled(headline.who, "1")
     worst = own[0].cause.severity
     words = own[0].cause.phrase
     if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
@@ -225,9 +225,10 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         words = f"{often}, and {words}" if worst == Severity.HARMED else often
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
-    failed = click.style(words, fg=_COLOURS[worst], bold=True)
+    failed = styled(words, f"{_COLOURS[worst]};1")
     classes = counted(sum(len(one.classes) for one in own), "class", "classes")
-    return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+    found = f"; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+    return joined(who, ": ", failed, found)
 
 
 def how_often_it_arrives(natural: NaturalRow | None) -> str:
@@ -245,9 +246,9 @@ def how_often_it_arrives(natural: NaturalRow | None) -> str:
 
 
 def _title(cause: CauseTotals, natural: NaturalRuns | None) -> str:
-    name = click.style(cause.cause.value, fg=_COLOURS[cause.cause.severity], bold=True)
-    new = f" {click.style('NEW', fg='magenta', bold=True)}" if cause.state == "new" else ""
-    return f"{name}{new}: {_how_often(cause, natural)}"
+    name = styled(cause.cause.value, f"{_COLOURS[cause.cause.severity]};1")
+    new = (" ", styled("NEW", "35;1")) if cause.state == "new" else ()
+    return joined(name, *new, f": {_how_often(cause, natural)}")
 
 
 def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
@@ -273,7 +274,7 @@ def _verdicts(cause: CauseTotals) -> str:
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
-    lines = [f"1. {_title(cause, natural)}", f"   {cause.sentence} {cause.cause.advice}"]
+    lines = [joined("1. ", _title(cause, natural)), f"   {cause.sentence} {cause.cause.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)

@@ -18,6 +18,7 @@ from worldgen.cli.output import (
     json_option,
     named_also,
     note,
+    say,
     steps_option,
     time_step_option,
     typed,
@@ -137,7 +138,7 @@ def compare(
     if as_json:
         emit_json(plain(comparison, beside))
     else:
-        click.echo(as_text(comparison, beside), nl=False)
+        say(as_text(comparison, beside), nl=False)
     if table is not None:
         write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:

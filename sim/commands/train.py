@@ -15,6 +15,7 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     write_out,
 )
 from worldgen.files.whole import write_bytes
@@ -134,9 +135,9 @@ def _first_name(name: str) -> str:
 
 def _say(learned: Learned) -> None:
     for point in learned.curve:
-        click.echo(
+        say(
             f"after {point.episodes} episodes: reaches {point.reached} of {point.worlds}, "
             f"{point.steps} steps"
         )
     best = min(learned.curve, key=lambda point: (-point.reached, point.steps))
-    click.echo(f"kept the numbers after {best.episodes} episodes: {len(learned.numbers)} numbers")
+    say(f"kept the numbers after {best.episodes} episodes: {len(learned.numbers)} numbers")

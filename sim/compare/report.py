@@ -14,7 +14,7 @@ from sim.compare.comparison import PERCENTILES, Comparison, ComparisonCell, Tota
 from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
 from sim.verdict import JOINT_LOOPS, NEVER, Verdict
-from worldgen.support.plain_text import aligned
+from worldgen.support.plain_text import Styled, aligned, joined
 from worldgen.world import World
 
 CSV_COLUMNS = (
@@ -76,12 +76,12 @@ def describe_detail(cell: ComparisonCell) -> str:
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
-def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:
+def as_text(comparison: Comparison, beside: Agreement | None = None) -> Styled:
     """Return the table, the totals and the agreement with a published table, as aligned text."""
     parts = [_main_table(comparison, beside), _totals_table(comparison)]
     if beside is not None:
         parts.append(_agreement_text(beside))
-    return "\n\n".join(parts) + "\n"
+    return joined("\n\n".join(parts), "\n")
 
 
 def _main_table(comparison: Comparison, beside: Agreement | None) -> str:

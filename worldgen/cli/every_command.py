@@ -13,6 +13,7 @@ import click
 
 from worldgen.cli.configuration import FILE, configured
 from worldgen.cli.output import note
+from worldgen.support.plain_text import shown_lines
 from worldgen.support.progress import set_verbosity
 
 
@@ -48,11 +49,19 @@ _FOR_A_PICTURE = ("--html", "--image", "--out", "--plot", "--png", "--svg")
 _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
+class _PlainContext(click.Context):
+    """A context whose help is safe to print: it can hold the docstrings of a stranger's module."""
+
+    def get_help(self) -> str:
+        return shown_lines(super().get_help())
+
+
 def equip(command: click.Command) -> click.Command:
     """Add it to a command and its subcommands.
 
     A second call changes nothing.
     """
+    command.context_class = _PlainContext
     if isinstance(command, click.Group):
         for below in command.commands.values():
             equip(below)

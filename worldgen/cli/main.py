@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
+import logging
 import os
 import shlex
 import sys
+import warnings
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import NoReturn
@@ -15,11 +18,12 @@ import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
-from worldgen.cli.output import note
+from worldgen.cli.output import note, say
 from worldgen.cli.overview import COMMANDS, describe_versions
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
+from worldgen.support.plain_text import joined, shown, shown_lines
 from worldgen.support.progress import display_on_stderr
 
 EPILOG = (
@@ -106,14 +110,14 @@ class LazyGroup(click.Group):
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the include folder for controllers in C."""
     if wanted:
-        click.echo(Path(__file__).parents[2] / "sim" / "include")
+        say(str(Path(__file__).parents[2] / "sim" / "include"))
         ctx.exit()
 
 
 def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the versions of the program and of the libraries it uses."""
     if wanted:
-        click.echo(describe_versions())
+        say(joined(describe_versions()))
         ctx.exit()
 
 
@@ -157,10 +161,8 @@ def _say_how_to_import(error: NotAGrid) -> None:
             return
     out = f"{path.stem}{'-imported' if path.suffix == '.grid' else ''}.grid"
     command = shlex.join(["worldgen", "import", str(path), "--out", out])
-    note(
-        f"it looks like a map of another program; make a world of it first:\n  {command}",
-        always=True,
-    )
+    note("it looks like a map of another program; make a world of it first:", always=True)
+    note(f"  {command}", always=True)
 
 
 _CORES = ("worldgen._core", "sim._core", "fuzz._core")
@@ -170,6 +172,7 @@ def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
     # Our own packages come first, even if the user has a folder called sim.
     prefer_own_packages()
+    _print_safely_what_libraries_say()
     # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
@@ -178,13 +181,15 @@ def main() -> NoReturn:
     except click.exceptions.Exit as stop:
         code = stop.exit_code
     except click.ClickException as error:
-        error.show()
+        shown_error = io.StringIO()
+        error.show(file=shown_error)
+        note(joined(shown_error.getvalue().rstrip("\n")), always=True)
         code = 2
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        note("interrupted", always=True)
         code = 130
     except WorldgenError as error:
-        note(f"worldgen: {error}", always=True)
+        note(joined(f"worldgen: {error}"), always=True)
         if isinstance(error, NotAGrid):
             _say_how_to_import(error)
         code = 2
@@ -196,15 +201,30 @@ def main() -> NoReturn:
         if error.errno is None or error.errno in (errno.EFAULT, errno.EBADF):
             code = _our_fault(error)
         else:
-            where = f"{error.filename}: " if error.filename else ""
-            note(f"worldgen: {where}{error.strerror or error}", always=True)
+            where = f"{shown(error.filename)}: " if error.filename else ""
+            note(f"worldgen: {where}{shown(error.strerror or error)}", always=True)
             code = 2
     except MemoryError:
-        click.echo("worldgen: out of memory; use a smaller world", err=True)
+        note("worldgen: out of memory; use a smaller world", always=True)
         code = 2
     except Exception as error:  # noqa: BLE001 - the last net: no traceback reaches a user unasked
         code = _our_fault(error)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+class _SafeLog(logging.Formatter):
+    """Formats a library's log line without control characters of the file that it is about."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return shown_lines(super().format(record))
+
+
+def _print_safely_what_libraries_say() -> None:
+    """Pass warnings and log lines of other libraries, which may quote a file, through our door."""
+    usual = warnings.formatwarning
+    warnings.formatwarning = lambda *facts: shown_lines(usual(*facts))
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(_SafeLog())
 
 
 def _our_fault(error: BaseException) -> int:
@@ -221,11 +241,10 @@ def _our_fault(error: BaseException) -> int:
     if os.environ.get("WORLDGEN_DEBUG"):
         import traceback
 
-        traceback.print_exception(error)
-    click.echo(
-        f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: "
-        f"{error}\n"
-        "Set WORLDGEN_DEBUG=1 and run it again to get the details to report.",
-        err=True,
+        note(joined("".join(traceback.format_exception(error)).rstrip("\n")), always=True)
+    note(
+        f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: {error}",
+        always=True,
     )
+    note("Set WORLDGEN_DEBUG=1 and run it again to get the details to report.", always=True)
     return 3

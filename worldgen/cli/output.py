@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from click.core import ParameterSource
 
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import aligned, alternatives, shown_lines
+from worldgen.support.plain_text import aligned, alternatives, joined, printed
 from worldgen.support.progress import is_quiet, spoke
 
 CONTROLLER_HELP = (
@@ -106,21 +107,37 @@ def note(message: str, *, always: bool = False) -> None:
     """Print a message for the person at the terminal to stderr, since stdout is for data.
 
     Args:
-        message: One or more lines.
+        message: One line; :func:`~worldgen.support.plain_text.joined` makes a text of several.
         always: True to print it even under ``--quiet``, like errors and the seed.
     """
     if always or not is_quiet():
         spoke()
-        click.echo(shown_lines(message), err=True)
+        click.echo(printed(message), err=True)
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
-    """Print a result to stdout while slow work is in progress.
+    """Print a result to stdout, without control characters that came from outside.
 
-    The progress display makes room for it.
+    Args:
+        text: One line, or a :class:`~worldgen.support.plain_text.Styled` text, which keeps its
+            lines and colours.
+        nl: False if the text ends its last line itself.
+        color: Whether to keep colours; by default, if stdout is a terminal.
     """
     spoke()
-    click.echo(text, nl=nl, color=color)
+    click.echo(printed(text), nl=nl, color=color)
+
+
+def emit_data(text: str) -> None:
+    """Print a file that the user asked for to stdout, byte for byte.
+
+    On a terminal, which would obey a control character in it, it is printed as :func:`say` does.
+    """
+    if sys.stdout.isatty():
+        say(joined(text), nl=False)
+        return
+    spoke()
+    click.echo(text, nl=False)
 
 
 def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
@@ -153,7 +170,12 @@ def write_out(out: Path, data: bytes, *, force: bool) -> None:
 def emit_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object to stdout; infinities and NaN become null."""
     spoke()
-    click.echo(json.dumps(_finite(result), allow_nan=False))
+    # JSON escapes every other character that a terminal or a CI service would obey.
+    click.echo(
+        json.dumps(_finite(result), allow_nan=False)
+        .replace("##", "#\\u0023")
+        .replace("\x7f", "\\u007f")
+    )
 
 
 def emit_list(
@@ -171,7 +193,7 @@ def emit_list(
         emit_json({name: rows})
         return
     table = [[str(row[fact]) for fact in columns] for row in rows]
-    click.echo(aligned([list(columns.values()), *table]))
+    say(aligned([list(columns.values()), *table]))
 
 
 def _finite(value: Any) -> Any:

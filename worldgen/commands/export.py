@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def export(
         emit_json(_as_json(paths, export))
     else:
         for path, data in zip(paths, export.files.values(), strict=True):
-            click.echo(f"{path}: {len(data)} bytes for {export.format.name}")
+            say(f"{path}: {len(data)} bytes for {export.format.name}")
 
 
 def _origin(text: str) -> tuple[float, float]:

@@ -11,6 +11,7 @@ import click
 from worldgen.cli.output import (
     PATH,
     draw_seed,
+    emit_data,
     emit_json,
     force_option,
     json_option,
@@ -178,7 +179,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
             write_world(world, out, force=to.force)
         text = "" if to.as_json or out is not None else dumps(world).decode()
         result = _result(world, out)
-    click.echo(text, nl=False)
+    emit_data(text)
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "

@@ -15,8 +15,10 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     unknown_option,
 )
+from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -163,7 +165,7 @@ def import_map(
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:
-        click.echo("\n".join(interop.describe(file, imported)))
+        say(stacked(interop.describe(file, imported)))
     if imported.withheld:
         note(
             f"{out} was not written; --ignore-unread judges and writes the world without the "

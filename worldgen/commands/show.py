@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    say,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -79,9 +87,10 @@ def show(
         return
     if not pictures:
         color = render.wants_color(sys.stdout)
-        click.echo(render.draw_terminal(world, color=color), nl=False, color=color)
+        say(render.draw_terminal(world, color=color), nl=False, color=color)
     if world.failure is not None:
-        click.echo(_failure_lines(world.failure, path))
+        say(f"failure: {_failure_words(world.failure)}")
+        say(f"replay:  worldgen replay {shlex.quote(str(path))}")
 
 
 def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
@@ -124,7 +133,6 @@ def _robot_facts(robot: Robot) -> dict[str, object]:
     }
 
 
-def _failure_lines(failure: FailureRecord, path: Path) -> str:
+def _failure_words(failure: FailureRecord) -> str:
     evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
-    what = f"{failure.who}: {failure.verdict}" + (f" ({evidence})" if evidence else "")
-    return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"
+    return f"{failure.who}: {failure.verdict}" + (f" ({evidence})" if evidence else "")

@@ -35,6 +35,7 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow, arrow_head, cross, stays_put
+from worldgen.support.plain_text import shown
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -67,15 +68,7 @@ def facts(world: World) -> str:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
     if world.failure is not None:
         parts.append(f"{world.failure.who}: {world.failure.outcome}")
-    return printable("; ".join(parts))
-
-
-def printable(text: str) -> str:
-    """Replace line ends and characters that no file format can hold.
-
-    They become a blank or ``?``.
-    """
-    return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
+    return shown("; ".join(parts))
 
 
 def text_width(text: str, size: float) -> float:
@@ -121,7 +114,7 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     y = frame.bottom + frame.band + 8.0 * unit
     parts: list[Primitive] = []
     for text, size, colour in (
-        (printable(content.title), TITLE_SIZE * unit, INK),
+        (shown(content.title), TITLE_SIZE * unit, INK),
         (facts(content.world), TEXT_SIZE * unit, GREY),
     ):
         for line in wrapped(text, room, size, MOST_LINES):
