@@ -75,7 +75,7 @@ def describe(
     # Collect everything known about how often, from where and how reliably the failure occurs.
     often = f", met {counted(met[bucket], 'time')}" if met and met[bucket] else ""
     seeds = describe_seeds(failure)
-    chance = f", {seeds}" if seeds else ""
+    chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
@@ -97,7 +97,7 @@ def describe(
         f"{'' if cause.is_vague else f'  {happened}{chr(10)}'}"
         f"{describe_frames(evidence)}"
         f"{_doubt(failure)}"
-        f"{f'  {begins}{chr(10)}' if begins else ''}"
+        f"{f'  {shown(begins)}{chr(10)}' if begins else ''}"
         f"  cause {cause.value}, class {shown(bucket)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n",
         draw_terminal(failure.stored, trail=marked, color=color),

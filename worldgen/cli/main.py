@@ -12,7 +12,7 @@ import sys
 import warnings
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -219,10 +219,16 @@ class _SafeLog(logging.Formatter):
         return shown_lines(super().format(record))
 
 
+_usual_warning = warnings.formatwarning
+
+
+def _safe_warning(*facts: Any) -> str:
+    return shown_lines(_usual_warning(*facts))
+
+
 def _print_safely_what_libraries_say() -> None:
     """Pass warnings and log lines of other libraries, which may quote a file, through our door."""
-    usual = warnings.formatwarning
-    warnings.formatwarning = lambda *facts: shown_lines(usual(*facts))
+    warnings.formatwarning = _safe_warning
     if logging.lastResort is not None:
         logging.lastResort.setFormatter(_SafeLog())
 
