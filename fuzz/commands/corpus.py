@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, note, say
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    say,
+    skip_bad_file,
+)
 from worldgen.files.whole import write_bytes
 from worldgen.support.plain_text import aligned, counted, shown
 
@@ -310,7 +319,7 @@ def export(
 def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:
     from fuzz.corpus import Selection, read_corpus
 
-    return read_corpus(paths, Selection(**patterns))
+    return read_corpus(paths, Selection(**patterns), skip_bad_file)
 
 
 def _json(entry: CorpusEntry) -> dict[str, Any]:

@@ -214,7 +214,7 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
     from worldgen.errors import WorldgenError
 
     with contextlib.suppress(WorldgenError):
-        entries = read_corpus([campaign_run.store.out]).entries
+        entries = read_corpus([campaign_run.store.out], skip=lambda _: None).entries
         if entries:
             return Baseline.of(entries, campaign_run.config.scenario, lambda _: None)
     return Baseline()

@@ -19,6 +19,7 @@ from worldgen.cli.output import (
     named_also,
     note,
     say,
+    skip_bad_file,
     steps_option,
     time_step_option,
     typed,
@@ -257,8 +258,8 @@ def _read(path: Path) -> Iterator[tuple[Path, World]]:
     if path.is_dir():
         own = sorted(file for file in path.iterdir() if is_world_file(file.name) and file.is_file())
         if own:
-            return read_worlds(own)
-    return read_worlds([path])
+            return read_worlds(own, skip_bad_file)
+    return read_worlds([path], skip_bad_file)
 
 
 def _stem(file: Path) -> str:

@@ -1,7 +1,7 @@
 """Add the parts that every command has, no matter who wrote it.
 
-This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
-rejection of options that are given twice.
+This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, the
+rejection of options that are given twice, and the exit code after files that could not be read.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 import click
 
 from worldgen.cli.configuration import FILE, configured
-from worldgen.cli.output import note
-from worldgen.support.plain_text import shown_lines
+from worldgen.cli.output import note, skipped_files
+from worldgen.support.plain_text import joined, printed
 from worldgen.support.progress import set_verbosity
 
 
@@ -53,7 +53,7 @@ class _PlainContext(click.Context):
     """A context whose help is safe to print: it can hold the docstrings of a stranger's module."""
 
     def get_help(self) -> str:
-        return shown_lines(super().get_help())
+        return printed(joined(super().get_help()))
 
 
 def equip(command: click.Command) -> click.Command:
@@ -70,7 +70,32 @@ def equip(command: click.Command) -> click.Command:
         _EQUIPPED.add(command)
         _add_options(command)
         _watch_parser(command)
+        _watch_files(command)
     return command
+
+
+def _watch_files(command: click.Command) -> None:
+    """End with code 2 a command that had to skip a file, whatever the other files show."""
+    invoke = command.invoke
+
+    def watched(context: click.Context) -> Any:
+        code: object = 0
+        value = None
+        try:
+            value = invoke(context)
+        except SystemExit as stop:
+            code = stop.code
+        except click.exceptions.Exit as stop:
+            code = stop.exit_code
+        if code in (0, 1) and (count := skipped_files(context)):
+            are = "file was" if count == 1 else "files were"
+            note(f"worldgen: {count} {are} skipped, as said above", always=True)
+            code = 2
+        if code:
+            raise SystemExit(code)
+        return value
+
+    command.invoke = watched  # type: ignore[method-assign]
 
 
 def _add_options(command: click.Command) -> None:

@@ -15,6 +15,7 @@ import click
 from click.core import ParameterSource
 
 from worldgen.domain import MASK64
+from worldgen.errors import FormatError
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import aligned, alternatives, joined, printed
 from worldgen.support.progress import is_quiet, spoke
@@ -138,6 +139,25 @@ def emit_data(text: str) -> None:
         return
     spoke()
     click.echo(text, nl=False)
+
+
+_SKIPPED = "worldgen.skipped"
+
+
+def skip_bad_file(error: FormatError) -> None:
+    """Name a file of a folder that cannot be read; the command continues, and ends with code 2.
+
+    Commands pass this function to :func:`worldgen.files.worlds.walk`.
+    """
+    note(joined(f"worldgen: {error}"), always=True)
+    meta = click.get_current_context().meta
+    meta[_SKIPPED] = meta.get(_SKIPPED, 0) + 1
+
+
+def skipped_files(context: click.Context) -> int:
+    """Return the number of files that the command could not read."""
+    count: int = context.meta.get(_SKIPPED, 0)
+    return count
 
 
 def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_data, emit_json, json_option, say
+from worldgen.cli.output import emit_data, emit_json, json_option, say, skip_bad_file
 from worldgen.errors import InvalidWorld
 from worldgen.support.progress import working
 
@@ -47,7 +47,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     results: list[tuple[Path, dict[str, float]]] = []
     try:
         with working("measuring") as work:
-            for path, world in read_worlds(paths):
+            for path, world in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
                 _check_its_own(path, world)
                 results.append((path, measured(world).as_dict()))

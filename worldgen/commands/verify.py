@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, say
+from worldgen.cli.output import PATH, emit_json, json_option, say, skip_bad_file
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -56,7 +56,7 @@ def verify(
     # Verify one world after the other.
     results: list[dict[str, Any]] = []
     with working("verifying") as work:
-        for path, world in read_worlds(paths):
+        for path, world in read_worlds(paths, skip_bad_file):
             work.say(f"{path}, world {len(results) + 1}")
             results.append({"path": str(path), **verify_world(world, radius, deadline)})
             if widest and world.others:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from worldgen.errors import FormatError
-from worldgen.files.archives import is_archive, members
+from worldgen.files.archives import Member, is_archive, members
 from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
 from worldgen.world import World
 
 _ENDINGS = (".grid", ".grid.gz")
+
+Found = TypeVar("Found")
+Skip = Callable[[FormatError], None]
+"""Called with the error of a file that cannot be read, before its folder's other files are."""
 
 
 def is_world_file(name: str) -> bool:
@@ -33,12 +38,84 @@ def _is_hidden(path: Path) -> bool:
     return any(part.startswith(".") for part in path.parts[:-1])
 
 
-def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
+def walk(
+    paths: Iterable[Path],
+    read: Callable[[Path, Path, Member | None], Found],
+    skip: Skip | None = None,
+    *,
+    may_be_empty: bool = False,
+) -> Iterator[tuple[Path, Found]]:
+    """Read each world file of files, folders and archives when it is reached.
+
+    All commands that take a folder walk it here, so that one bad file does not keep them from the
+    others.
+
+    Args:
+        paths: See :func:`read_worlds`.
+        read: Called with one of the paths, the file's own path, and in an archive its member.
+        skip: Called with the error of each file that cannot be read, before the walk continues. If
+            omitted, the error is raised, as it always is for a file or archive that is the only
+            path.
+        may_be_empty: True to accept a folder or an archive without a world.
+
+    Returns:
+        The file's path, and what ``read`` returned.
+
+    Raises:
+        FormatError: If a file cannot be read, or a folder or an archive holds no world.
+    """
+    paths = list(paths)
+    for path in paths:
+        is_only = len(paths) == 1
+        try:
+            for place, member in _places(path, may_be_empty=may_be_empty):
+                is_one_of_many = member is not None or place != path
+                try:
+                    result = read(path, place, member)
+                except FormatError as error:
+                    if skip is None or (is_only and not is_one_of_many):
+                        raise
+                    skip(error)
+                    continue
+                yield place, result
+        # The archive itself is damaged, or it is a named file that is not the only one.
+        except FormatError as error:
+            if skip is None or is_only:
+                raise
+            skip(error)
+
+
+def _places(path: Path, *, may_be_empty: bool) -> Iterator[tuple[Path, Member | None]]:
+    """Yield the world files at a path; any file that is not an archive counts as one."""
+    is_empty = True
+    if path.is_dir():
+        for file in files_in(path):
+            is_empty = False
+            yield file, None
+    elif is_archive(path):
+        for member in members(path):
+            if is_world_file(member.name):
+                is_empty = False
+                yield path / member.name, member
+    else:
+        is_empty = False
+        yield path, None
+    if is_empty and not may_be_empty:
+        raise FormatError(
+            "no-map-found",
+            "contains no .grid files",
+            "choose a .grid file, or a folder or archive that contains some",
+            source=str(path),
+        )
+
+
+def read_worlds(paths: Iterable[Path], skip: Skip | None = None) -> Iterator[tuple[Path, World]]:
     """Yield the worlds of files, folders and archives; each is read when it is reached.
 
     Args:
         paths: A folder means the ``.grid`` and ``.grid.gz`` files in it and below, sorted by name;
             an archive means those in it, in its order; anything else is read as a world.
+        skip: See :func:`walk`.
 
     Returns:
         Path and world; a world in an archive has the archive's path and then its own name.
@@ -46,32 +123,8 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
     Raises:
         FormatError: If a file cannot be read, or a folder or an archive holds no world.
     """
-    # A folder or an archive must hold a world.
-    for path in paths:
-        if path.is_dir():
-            files = files_in(path)
-            for file in files:
-                yield file, read_world(file)
-            found = bool(files)
-        elif is_archive(path):
-            found = False
-            for place, world in _archived(path):
-                found = True
-                yield place, world
-        else:
-            yield path, read_world(path)
-            continue
-        if not found:
-            raise FormatError(
-                "no-map-found",
-                "contains no .grid files",
-                "choose a .grid file, or a folder or archive that contains some",
-                source=str(path),
-            )
 
+    def read(_path: Path, place: Path, member: Member | None) -> World:
+        return read_world(place) if member is None else unpack_world(member, str(place))
 
-def _archived(path: Path) -> Iterator[tuple[Path, World]]:
-    for member in members(path):
-        if is_world_file(member.name):
-            place = path / member.name
-            yield place, unpack_world(member, str(place))
+    return walk(paths, read, skip)
