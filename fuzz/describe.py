@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzz.boundary import describe_boundaries
-from fuzz.failure import Failure
+from fuzz.failure import Failure, ShrinkState
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
@@ -25,6 +25,11 @@ from worldgen.support.plain_text import Styled, counted, joined, shown
 if TYPE_CHECKING:
     from fuzz.overview.counterfactual import Counterfactuals
 
+_SHRUNK = {
+    ShrinkState.DONE: "1-minimal",
+    ShrinkState.CUT_SHORT: "shrinking cut short",
+    ShrinkState.NONE: "not shrunk",
+}
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
@@ -78,7 +83,6 @@ def describe(
     chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
-    minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     cause = cause_of(failure)
     repeats = ""
     if trail is not None and not failure.is_breach and failure.oracle is None:
@@ -99,7 +103,8 @@ def describe(
         f"{_doubt(failure)}"
         f"{f'  {shown(begins)}{chr(10)}' if begins else ''}"
         f"  cause {cause.value}, class {shown(bucket)}{often}; "
-        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n",
+        f"{world.width} x {world.height} cells, {world.solid_cells} solid, "
+        f"{_SHRUNK[failure.shrinking]}{chance}\n",
         draw_terminal(failure.stored, trail=marked, color=color),
         f"  {shown(failure.replay_command(path))}\n",
     )

@@ -25,7 +25,7 @@ from fuzz.campaign.summary import (
 )
 from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.describe import describe
-from fuzz.failure import Failure
+from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Cause, Overview
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.overview.counterfactual import Counterfactuals
@@ -321,21 +321,21 @@ class CampaignSession:
                 self._see(event)
         self._goes_on = False
         late = sum(
-            not one.is_shrunk
+            one.shrinking != ShrinkState.DONE
             for one in {**self._campaign.state.best, **self._save_pending()}.values()
         )
         if late and self._config.shrink:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Print how many classes were not shrunk, and why.
+        """Print how many classes were not shrunk to the end, and why.
 
         If time ran out, print the command that shrinks them, too.
         """
         state = self._campaign.state
         are = (
             f"{late} of {counted(len(state.best), 'class', 'classes')} "
-            f"{'is' if late == 1 else 'are'} as found"
+            f"{'is' if late == 1 else 'are'} not fully shrunk"
         )
         if self._campaign.units is not None:
             note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
@@ -357,7 +357,7 @@ class CampaignSession:
         if live.phase == Phase.PREPARING:
             return "loading the simulator in each process"
         state = self._campaign.state
-        shrunk = sum(one.is_shrunk for one in state.best.values())
+        shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
         classes = counted(
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
@@ -546,7 +546,7 @@ class CampaignSession:
                 "verdict": failure.verdict,
                 "class": bucket,
                 "solid_cells": failure.world.solid_cells,
-                "shrunk": failure.is_shrunk,
+                "shrinking": failure.shrinking.value,
                 "replay": failure.replay_command(self._path(bucket)),
             }
             for bucket, failure in sorted(failures.items())

@@ -65,6 +65,7 @@ class CiFinding:
         sentence: The cause as a sentence, with a full stop; empty if ``what`` says more.
         why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
+        shrinking: See :attr:`fuzz.failure.Failure.shrinking`; empty if not known.
     """
 
     state: FindingState
@@ -83,6 +84,7 @@ class CiFinding:
     sentence: str = ""
     why: str = ""
     frames: str = ""
+    shrinking: str = ""
 
     @classmethod
     def of(
@@ -147,6 +149,7 @@ class CiFinding:
             cause=cause.value,
             sentence="" if cause.is_vague else cause.sentence_in(world),
             why=why.describe() if why else "",
+            shrinking=failure.shrinking.value,
         )
 
     def __post_init__(self) -> None:
@@ -183,11 +186,16 @@ class CiFinding:
         return f"{self.sentence or f'{self.what}.'} It {self.why}."
 
     @property
+    def extent(self) -> str:
+        """The size of the world, and how far shrinking got."""
+        return f"{self.size}, shrinking {self.shrinking}" if self.shrinking else self.size
+
+    @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
         happened = "" if self.what in self.headline else f"{self.what}\n"
         cause = f"cause {self.cause}, " if self.cause else ""
-        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.size}"
+        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.extent}"
         return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 

@@ -50,6 +50,7 @@ def _case(suite: Element, command: str, finding: CiFinding) -> None:
         "class": finding.bucket,
         "cause": finding.cause,
         "why": finding.why,
+        "shrinking": finding.shrinking,
         "seed": finding.seed,
         "world": finding.world_id,
         "replay": finding.replay,

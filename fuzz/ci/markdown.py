@@ -52,7 +52,7 @@ def _row(finding: CiFinding) -> str:
         finding.explanation,
         finding.what,
         finding.who,
-        finding.size,
+        finding.extent,
         finding.bucket,
         finding.place,
     )

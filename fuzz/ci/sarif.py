@@ -134,6 +134,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         "properties": {
             "state": finding.state,
             **({"cause": finding.cause} if finding.cause else {}),
+            **({"shrinking": finding.shrinking} if finding.shrinking else {}),
             "seed": str(finding.seed),
             "world": finding.world_id,
         },

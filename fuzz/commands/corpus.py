@@ -64,7 +64,7 @@ def corpus() -> None:
 @_filters
 @json_option
 def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """List failures: class, verdict, controller, motion model, first date, size, digest."""
+    """List failures: class, verdict, controller, motion model, first date, size, shrinking, digest."""
     found = _read(paths, patterns)
     entries = found.entries
     classes = len({entry.facts.key for entry in entries})
@@ -89,6 +89,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
                         "motion",
                         "first seen",
                         "size",
+                        "shrinking",
                         "digest",
                         "file",
                     ],
@@ -336,4 +337,5 @@ def _row(entry: CorpusEntry) -> list[str]:
         facts.motion,
         entry.first_seen[:10] or "-",
     )
-    return [*map(shown, words), facts.describe_size(), facts.digest[:12], shown(entry.path)]
+    size = (facts.describe_size(), facts.shrinking)
+    return [*words, *size, facts.digest[:12], str(entry.path)]

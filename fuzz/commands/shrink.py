@@ -100,7 +100,7 @@ def shrink(
     the smallest world so far.
     """
     from fuzz.describe import describe
-    from fuzz.failure import Failure
+    from fuzz.failure import Failure, ShrinkState
     from fuzz.shrink import snippet
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
@@ -132,7 +132,8 @@ def shrink(
         emit_data(snippet(result.failure))
     else:
         say(describe(result.failure, target))
-    state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
+    is_done = result.failure.shrinking == ShrinkState.DONE
+    state = "1-minimal" if is_done else "shrinking cut short; run it again to continue"
     note(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
         f"{state}, {result.simulations} runs"
@@ -194,6 +195,7 @@ def _summary(result: Shrunk, target: Path) -> dict[str, object]:
         "height": result.failure.world.height,
         "simulations": result.simulations,
         "kept": result.kept,
+        "shrinking": result.failure.shrinking.value,
         "one_minimal": not result.left,
         "complete": result.complete,
         "interrupted": result.interrupted,

@@ -15,7 +15,7 @@ from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
-from fuzz.failure import Failure
+from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
@@ -270,8 +270,9 @@ def _in_natural_world(
     if known.has(failure):
         return [WorldFile(failure, "", exists=False)]
     smaller = shrunk(failure)
-    if smaller is failure or cause_of(smaller) not in cause.parts:
-        return [_world_file(failure, cause, best, known)]
+    if smaller.world is failure.world or cause_of(smaller) not in cause.parts:
+        same = smaller if smaller.world is failure.world else failure
+        return [_world_file(same, cause, best, known)]
     small = _world_file(smaller, cause, best, known)._replace(original=failure)
     return [small, _world_file(failure, cause, best, known)]
 
@@ -284,7 +285,10 @@ def _shrunk(failure: Failure, until: float | None) -> Failure:
     if left <= 0.0:
         return failure
     # The result takes a little longer to be proved.
-    return shrunk_or_same(failure, seconds=0.7 * left, end=now() + left).failure
+    result = shrunk_or_same(failure, seconds=0.7 * left, end=now() + left)
+    if result.failure is failure and not result.complete:
+        return failure.noting(**{SHRINKING: ShrinkState.CUT_SHORT.value})
+    return result.failure
 
 
 def _world_file(

@@ -169,7 +169,7 @@ def _failure(
         "advice": cause.advice,
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
-        "shrunk": seen.failure.is_shrunk,
+        "shrinking": seen.failure.shrinking.value,
         "changed": campaigns[reported.campaign].change
         if campaign is not None and campaign.controller == record.controller
         else "",

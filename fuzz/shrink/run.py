@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
-from fuzz.failure import Failure
+from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
@@ -250,6 +250,7 @@ class _Reducer:
             "shrunk_from": self._failure.world.solid_cells,
             "kept": self._keep,
             "one_minimal": not self._left,
+            SHRINKING: (ShrinkState.DONE if self._complete else ShrinkState.CUT_SHORT).value,
             "simulations": self._still_fails.simulations,
         }
         return replace(made, record=replace(made.record, details=details))

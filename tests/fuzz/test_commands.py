@@ -91,7 +91,7 @@ def test_fuzz_prints_one_json_object(again):
         "verdict",
         "class",
         "solid_cells",
-        "shrunk",
+        "shrinking",
         "replay",
     }
 

@@ -143,16 +143,16 @@ def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
 
 def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
     narrow = found_by("Still", certified(hall(9, 3, start=(0.75, 0.15))))
-    record = replace(narrow.record, details={**narrow.record.details, "shrunk_from": 9})
+    record = replace(narrow.record, details={**narrow.record.details, "shrinking": "done"})
     shrunk = replace(narrow, record=record)
-    assert shrunk.is_shrunk
+    assert shrunk.shrinking == "done"
     found = found_by("Still")
-    assert not found.is_shrunk and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+    assert found.shrinking == "none" and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
 
 
 def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_picture(monkeypatch):
     found = found_by("Still")
-    record = replace(found.record, details={**found.record.details, "shrunk_from": 9})
+    record = replace(found.record, details={**found.record.details, "shrinking": "done"})
     shrunk = replace(found, world=certified(hall(9, 5, start=(0.75, 0.25))), record=record)
     assert clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -54,35 +55,59 @@ def walk(
         paths: See :func:`read_worlds`.
         read: Called with one of the paths, the file's own path, and in an archive its member.
         skip: Called with the error of each file that cannot be read, before the walk continues. If
-            omitted, the error is raised, as it always is for a file or archive that is the only
-            path.
+            omitted, the first error is raised.
         may_be_empty: True to accept a folder or an archive without a world.
 
     Returns:
         The file's path, and what ``read`` returned.
 
     Raises:
-        FormatError: If a file cannot be read, or a folder or an archive holds no world.
+        FormatError: If no file can be read, or a folder or an archive holds no world.
     """
-    paths = list(paths)
+    # Errors wait for the first file that can be read, because without one they end the command.
+    waiting: list[FormatError] = []
+    has_read = False
     for path in paths:
-        is_only = len(paths) == 1
-        try:
-            for place, member in _places(path, may_be_empty=may_be_empty):
-                is_one_of_many = member is not None or place != path
-                try:
-                    result = read(path, place, member)
-                except FormatError as error:
-                    if skip is None or (is_only and not is_one_of_many):
-                        raise
-                    skip(error)
-                    continue
-                yield place, result
-        # The archive itself is damaged, or it is a named file that is not the only one.
-        except FormatError as error:
-            if skip is None or is_only:
-                raise
+        for place, found in _read_each(path, read, may_be_empty=may_be_empty):
+            if not isinstance(found, _Unreadable):
+                has_read = True
+                while waiting and skip is not None:
+                    skip(waiting.pop(0))
+                yield place, found
+            elif skip is None:
+                raise found.error
+            elif has_read:
+                skip(found.error)
+            else:
+                waiting.append(found.error)
+    if waiting and skip is not None:
+        *others, last = waiting
+        for error in others:
             skip(error)
+        raise last
+
+
+@dataclass(frozen=True)
+class _Unreadable:
+    """What takes the place of a file that cannot be read."""
+
+    error: FormatError
+
+
+def _read_each(
+    path: Path, read: Callable[[Path, Path, Member | None], Found], *, may_be_empty: bool
+) -> Iterator[tuple[Path, Found | _Unreadable]]:
+    try:
+        for place, member in _places(path, may_be_empty=may_be_empty):
+            try:
+                found = read(path, place, member)
+            except FormatError as error:
+                yield place, _Unreadable(error)
+            else:
+                yield place, found
+    # The archive itself is damaged, or the folder is empty.
+    except FormatError as error:
+        yield path, _Unreadable(error)
 
 
 def _places(path: Path, *, may_be_empty: bool) -> Iterator[tuple[Path, Member | None]]:

@@ -1,6 +1,6 @@
 // The first screen: does it work, how bad is it, why, and what to do.
 
-import { el, grouped, plural, verdictDot } from "#player/dom.js";
+import { el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
@@ -269,9 +269,8 @@ function picturePart(failure) {
       ),
       el("figcaption", {}, words, legendOfCells(drawn)),
     );
-  const now = failure.shrunk
-    ? `Shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`
-    : `As found, not shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`;
+  const state = unfinished(failure.shrinking) || "shrunk";
+  const now = `${state.charAt(0).toUpperCase()}${state.slice(1)}: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`;
   return el(
     "div",
     { class: "pictures" },

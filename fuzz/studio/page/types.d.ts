@@ -294,7 +294,7 @@ interface WallFailure {
   height: number;
   solid: number;
   /** False for a world as it was found. */
-  shrunk: boolean;
+  shrinking: "done" | "cut short" | "none";
   events: number;
   /** Its place among the folder's failures, the simplest first. */
   place: number;

@@ -1,6 +1,6 @@
 // Failures as a gallery of small pictures: filtered, sorted, each drawn when it becomes visible.
 
-import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
+import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Recent } from "#studio/shared/recent.js";
@@ -195,7 +195,7 @@ function cardOf(wall, failure) {
   card.querySelector(".text").replaceChildren(
     el("span", { class: "kind" }, verdictDot(failure.verdict), failure.cause ? causeWords(failure.cause) : failure.class),
     failure.cause ? el("span", { class: "quiet class" }, failure.class) : "",
-    failure.shrunk ? "" : el("span", { class: "quiet unshrunk" }, "as found, not shrunk"),
+    unfinished(failure.shrinking) ? el("span", { class: "quiet unshrunk" }, unfinished(failure.shrinking)) : "",
     el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
   );
   return [key, card];
