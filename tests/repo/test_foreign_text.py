@@ -1,16 +1,22 @@
 """No text of a stranger reaches a terminal, a log or a page as it was, whatever the command."""
 
+import ast
+import importlib
 import json
 import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import click
 import pytest
 
+from tests.helpers.command_line import worldgen
 from tests.helpers.hostile_text import MARK, NAME, TEXT, faults, on_a_terminal
 from worldgen.cli.main import cli
-from worldgen.files.grid import read_world, write_world
+from worldgen.errors import FormatError
+from worldgen.files.grid import dumps, loads, read_world, write_world
 from worldgen.plugins.entry_points import points_of
 from worldgen.world import Provenance
 
@@ -42,10 +48,13 @@ def mine(rng, *, size: int = 20):
     {TEXT!r}
     raise ValueError({TEXT!r})
 """
-LIBRARY = """
-#include <worldgen_controller.h>
-static const char text[] = "x\\033[2J\\033[35;7;9m\\n::error::OWNED\\n##[error]OWNED";
-const char *worldgen_controller_error(void) { return text; }
+LIBRARY = r"""
+#include "worldgen_controller.h"
+static void act(const WgObservation *observation, double *memory, WgCommand *command)
+{
+    command->error = "Oops\033]0;x\007: text\033[2J\033[35;7;9m\n::error::OWNED\n##[error]OWNED";
+}
+WG_CONTROLLER(act, .memory_size = 1)
 """
 
 
@@ -64,6 +73,7 @@ def folder(tmp_path_factory):
         "option": replace(record, parameters={**record.parameters, TEXT: TEXT}),
         "raises": replace(record, controller="./raises.py:Robot", verdict="crash", evidence=evil),
         "program": replace(record, controller="cmd:python3 program.py"),
+        "library": replace(record, controller="lib:./library.so:act", verdict="crash"),
         "verdict": replace(record, verdict="unheard-of"),
     }
     for name, failure in worlds.items():
@@ -74,17 +84,28 @@ def folder(tmp_path_factory):
     (folder / "raises.py").write_text(RAISING)
     (folder / f"raises{NAME}.py").write_text(RAISING)
     (folder / "family.py").write_text(FAMILY)
+    (folder / "library.c").write_text(LIBRARY)
+    include = worldgen("--include").out.strip()
+    build = ["cc", "-shared", "-fPIC", f"-I{include}", "library.c", "-o", "library.so"]
+    subprocess.run(build, cwd=folder, check=True)
+    # What every command needs is imported once, not in each child.
+    for point in points_of("worldgen.formats"):
+        point.load()
+    importlib.import_module("fuzz.ci")
+    importlib.import_module("sim.batch")
     (folder / "program.py").write_text(PROGRAM)
-    # Files that no reader accepts, each of which quotes its fault.
+    # Files that no reader accepts; each error quotes its fault.
     good = (folder / f"named{NAME}.grid").read_bytes()
     raw = TEXT.encode()
     broken = {
-        "toml.grid": b"%worldgen-grid 1\nstart = " + raw + b"\n%cells\n..\n%end\n",
+        "return.grid": b"%worldgen-grid 1\nstart = " + raw + b"\n%cells\n..\n%end\n",
+        "toml.grid": b"%worldgen-grid 1\nstart = \x1b[2J\xc2\x9b\n%cells\n..\n%end\n",
         "key.grid": good.replace(b"cell_size", json.dumps(TEXT).encode() + b" = 1\ncell_size", 1),
         "motion.grid": good.replace(b'motion = "', b'motion = "\\u001B[2J'),
         "cells.grid": good.replace(b"%cells\n", b"%cells\n\x1b]0;x\x07", 1),
         "magic.grid": raw,
         "map.yaml": b"image: " + raw + b"\nresolution: 1\n",
+        "bidi.yaml": "image: \u202e\u200b.pgm\nresolution: \u2066\n".encode(),
         "map.json": json.dumps({"type": TEXT}).encode(),
         "map.tmj": json.dumps(
             {"type": "map", "orientation": TEXT, "width": 2, "height": 2, "layers": []}
@@ -114,10 +135,28 @@ def grids(folder):
 
 
 def maps(folder):
-    return sorted(file.name for file in folder.iterdir() if file.suffix not in (".grid", ".py"))
+    return sorted(
+        file.name for file in folder.iterdir() if file.suffix not in (".grid", ".py", ".c", ".so")
+    )
 
 
-BAD = ("./raises.py:Robot", f"./raises{NAME}.py:Robot", "cmd:python3 program.py", TEXT)
+PRINTING = (
+    "print",
+    "click.echo",
+    "click.secho",
+    "click.style",
+    "sys.stdout.write",
+    "sys.stderr.write",
+    "traceback.print_exc",
+    "traceback.print_exception",
+)
+BAD = (
+    "./raises.py:Robot",
+    f"./raises{NAME}.py:Robot",
+    "cmd:python3 program.py",
+    "lib:./library.so:act",
+    TEXT,
+)
 ROBOT = ("--controller", "./raises.py:Robot")
 
 
@@ -137,9 +176,9 @@ def runs_of(folder):
         "replay": [[name, "--show"] for name in each] + [[whole]],
         "shrink": [[name, "--out", f"out{k}{NAME}.grid"] for k, name in enumerate(good)]
         + [[one, "--snippet"], [NAME]],
-        "explain": [[name] for name in each] + [[whole]],
+        "explain": [[whole], [NAME]],
         "boundary": [[name] for name in good] + [[one, "--controller", TEXT]],
-        "chance": [[name] for name in good] + [[one, "--controller", TEXT]],
+        "chance": [[name] for name in good[:2]] + [[one, "--controller", TEXT]],
         "report": [[whole, "--out", f"report{NAME}.html"], [NAME, "--out", "no.html"]],
         "corpus list": [[whole], [NAME]],
         "corpus show": [[whole], ["--class", TEXT, whole]],
@@ -202,7 +241,7 @@ def test_every_command_has_hostile_input(folder, words):
     assert words in runs_of(folder), f"{words} is new: give it a stranger's file in runs_of()"
 
 
-QUICK = ("show", "verify", "replay", "import", "corpus list", "controllers", "maze", TEXT)
+QUICK = ("show", "verify", "corpus list", "maze", TEXT)
 
 
 def _check(folder, tmp_path, words):
@@ -213,7 +252,9 @@ def _check(folder, tmp_path, words):
             *words.split(" ") if words != TEXT else [TEXT], *args, folder=place
         )
         found += [f"{args}: {fault}" for fault in faults(output)]
-        found += [f"{args}: ended with {code}: {output[-300:]}"] if code not in (0, 1, 2, 4) else []
+        # A family that raises is reported as a fault of ours.
+        allowed = (0, 1, 2, 3, 4) if words.startswith("./family") else (0, 1, 2, 4)
+        found += [f"{args}: ended with {code}: {output[-300:]}"] if code not in allowed else []
     assert not found, "\n".join(found)
 
 
@@ -228,3 +269,95 @@ def test_no_control_character_of_a_stranger_reaches_the_terminal_from_any_comman
     folder, tmp_path, words
 ):
     _check(folder, tmp_path, words)
+
+
+def test_styles_of_ours_survive_and_the_stranger_s_become_text(folder):
+    name = next(name for name in grids(folder) if name.startswith("named"))
+    code, output = on_a_terminal("show", name, folder=folder)
+    assert code == 0
+    assert "\x1b[38;" in output and "\x1b[35;7;9m" not in output and "\\x1b[35;7;9mred" in output
+    assert "[red]b" in output
+
+
+def test_json_keeps_the_text_as_it_is(folder):
+    name = next(name for name in grids(folder) if name.startswith("oracle"))
+    found = json.loads(worldgen("show", folder / name, "--json").out)
+    assert found["failure"]["evidence"][TEXT] == TEXT
+    assert found["file"] == str(folder / name)
+
+
+def test_a_line_of_json_holds_no_command_of_a_ci_service(folder):
+    name = next(name for name in grids(folder) if name.startswith("oracle"))
+    out = worldgen("show", folder / name, "--json").out
+    assert not faults(out)
+
+
+def test_reports_for_ci_hold_the_text_as_text(folder, tmp_path):
+    paths = {name: tmp_path / f"report.{name}" for name in ("junit", "sarif", "summary")}
+    options = [word for name, path in paths.items() for word in (f"--{name}", path)]
+    names = [folder / name for name in grids(folder) if name.startswith(("named", "library"))]
+    worldgen("replay", *names, *options)
+    suite = ElementTree.fromstring(paths["junit"].read_bytes())
+    assert len(suite.findall(".//testcase")) == len(names)
+    json.loads(paths["sarif"].read_text())
+    for path in paths.values():
+        assert not faults(path.read_text()), path
+    assert "<img" not in paths["summary"].read_text()
+
+
+def test_a_page_holds_the_text_as_text(folder, tmp_path):
+    page = tmp_path / "page.html"
+    names = [folder / name for name in grids(folder) if name.startswith("named")]
+    worldgen("report", *names, "--out", page)
+    text = page.read_text()
+    assert MARK in text
+    assert "<img src=x>" not in text
+    assert text.count("</script>") == text.count("<script")
+
+
+@pytest.mark.parametrize("key", ["verdict", "motion"])
+@pytest.mark.parametrize(
+    "value", ["\x1b[2J", "loop\n::error::x", "two words", "Loop", "\u202eloop", "", "a" * 65, "-x"]
+)
+def test_a_record_whose_verdict_or_motion_is_no_word_is_refused(key, value):
+    record = read_world(LOOP).failure
+    text = LOOP.read_text().replace(
+        f'{key} = "{getattr(record, key)}"', f"{key} = {json.dumps(value)}", 1
+    )
+    with pytest.raises(FormatError) as caught:
+        loads(text.encode())
+    assert (caught.value.code, caught.value.facts["key"]) == ("not-a-word", key)
+    assert caught.value.line
+
+
+@pytest.mark.parametrize("key", ["verdict", "motion"])
+def test_an_unknown_word_stays_readable(key):
+    record = read_world(LOOP).failure
+    text = LOOP.read_text().replace(f'{key} = "{getattr(record, key)}"', f'{key} = "new-2"', 1)
+    world = loads(text.encode())
+    assert getattr(world.failure, key) == "new-2"
+    assert dumps(world) == text.encode()
+
+
+def test_only_the_command_line_s_own_functions_print():
+    """A command that prints by itself would bypass the door."""
+    root = Path(__file__).parents[2]
+    allowed = {
+        "worldgen/cli/output.py",
+        "worldgen/support/progress.py",
+        "worldgen/interop/players/gazebo_player.py",  # runs in Gazebo
+        "sim/controllers/examples/process.py",  # an example program
+    }
+    found = []
+    for package in ("worldgen", "sim", "fuzz", "worldgen_plugins"):
+        for path in sorted((root / package).rglob("*.py")):
+            name = path.relative_to(root).as_posix()
+            text = path.read_text()
+            # Parsing every file would take ten seconds.
+            if name in allowed or not any(f"{call}(" in text for call in PRINTING):
+                continue
+            for node in ast.walk(ast.parse(text)):
+                call = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
+                if call in PRINTING:
+                    found.append(f"{name}:{node.lineno}: {call}")
+    assert not found, f"print with say() or note() of worldgen.cli.output: {found}"

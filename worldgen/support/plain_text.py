@@ -30,12 +30,10 @@ _INVISIBLE = re.compile(
     "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]"
 )
 
-# What GitHub, Azure Pipelines and TeamCity take as a command in a log: `::` at the beginning of a
-# line, after blanks; `##[`, `##vso[` and `##teamcity[` anywhere.
-_COMMAND = re.compile(
-    r"^(?P<before>(?:[^\S\n]|\x1b\[[0-9;]*m)*)(?P<colons>::)|#(?P<more>#(?:vso|teamcity)?\[)",
-    re.MULTILINE,
-)
+# What CI services take as a command in a log: GitHub, Azure Pipelines and TeamCity the first ones
+# anywhere in a line, GitHub the second at its beginning, after blanks.
+_COMMAND = re.compile(r"##(?=(?:vso|teamcity)?\[)")
+_COMMAND_LINE = re.compile(r"^((?:[^\S\n]|\x1b\[[0-9;]*m)*)::", re.MULTILINE)
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> Styled:
@@ -132,9 +130,10 @@ def shown(text: object) -> str:
     r"""Return text from outside in a form that is safe within a line.
 
     Control characters, line ends, characters that reorder or hide text, and lone surrogates become
-    escapes such as ``\x1b``. Names in strangers' files may contain any of them.
+    escapes such as ``\x1b``, and so do commands of CI services. Strangers' files may contain any of
+    them, even in their names.
     """
-    whole = str(text)
+    whole = _COMMAND.sub(r"\\x23#", str(text))
     # Nearly all text is plain, and these two checks are a hundred times as fast as the loop.
     if whole.isascii() and whole.isprintable():
         return whole
@@ -156,11 +155,6 @@ def shown_lines(text: str) -> str:
     if isinstance(text, Styled):
         return text
     return "\n".join("\t".join(map(shown, line.split("\t"))) for line in text.split("\n"))
-
-
-def _disarmed(command: re.Match[str]) -> str:
-    """Escape the first sign of a CI service's command."""
-    return command["before"] + r"\x3a:" if command["colons"] else r"\x23" + command["more"]
 
 
 def styled(text: object, code: str) -> Styled:
@@ -186,10 +180,11 @@ def stacked(lines: Iterable[str]) -> Styled:
 def printed(text: str) -> str:
     """Return what an output function prints for a text: the last door, which none can forget.
 
-    A plain text becomes one line; :func:`stacked` makes a text of several. A line that a CI service
-    would take as a command, such as ``::error::``, becomes harmless.
+    A plain text becomes one line; :func:`stacked` makes a text of several. A line that begins like
+    a command of a CI service, such as ``::error::``, becomes harmless.
     """
-    return _COMMAND.sub(_disarmed, text if isinstance(text, Styled) else shown(text))
+    safe = text if isinstance(text, Styled) else shown(text)
+    return _COMMAND_LINE.sub(r"\1\\x3a:", safe)
 
 
 def describe_value(value: object) -> str:
