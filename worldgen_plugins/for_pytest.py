@@ -160,9 +160,9 @@ class NotAsExpected(Exception):
     """
 
     def __init__(self, reason: object) -> None:
-        from worldgen.support.plain_text import shown
+        from worldgen.support.plain_text import printed
 
-        super().__init__(shown(reason))
+        super().__init__(printed(str(reason)))
 
 
 class FailureTest(pytest.Item):

@@ -12,6 +12,8 @@ from xml.etree import ElementTree
 import click
 import pytest
 
+from fuzz.failure import Failure
+from fuzz.shrink import snippet
 from tests.helpers.command_line import worldgen
 from tests.helpers.hostile_text import MARK, NAME, TEXT, faults, on_a_terminal
 from worldgen.cli.main import cli
@@ -277,6 +279,15 @@ def test_styles_of_ours_survive_and_the_stranger_s_become_text(folder):
     assert code == 0
     assert "\x1b[38;" in output and "\x1b[35;7;9m" not in output and "\\x1b[35;7;9mred" in output
     assert "[red]b" in output
+
+
+def test_a_test_module_holds_the_world_in_visible_text(folder):
+    name = next(name for name in grids(folder) if name.startswith("oracle"))
+    module = snippet(Failure.read(folder / name))
+    assert module.isascii() and not faults(module)
+    names = {}
+    exec(module, names)
+    assert names["FAILURE"].failure.evidence == read_world(folder / name).failure.evidence
 
 
 def test_json_keeps_the_text_as_it_is(folder):
