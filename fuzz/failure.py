@@ -262,6 +262,11 @@ class Failure:
             else replace(self, record=replace(self.record, controller=controller))
         )
 
+    def without(self, *details: str) -> Failure:
+        """Return the failure without these details of its record."""
+        kept = {name: value for name, value in self.record.details.items() if name not in details}
+        return replace(self, record=replace(self.record, details=kept))
+
     def noting(self, **details: Value) -> Failure:
         """Return the failure with these details added to its record."""
         return replace(

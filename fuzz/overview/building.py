@@ -242,7 +242,11 @@ def _with_worlds(
 def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
     """Return the failures of a campaign's search that have a cause."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
-    own = [one for one in {one.id: one for one in found}.values() if cause_of(one) in cause.parts]
+    # A failure that waits to be shrunk is in both, but only the first says how far that got.
+    distinct: dict[str, Failure] = {}
+    for one in found:
+        distinct.setdefault(one.without(SHRINKING).id, one)
+    own = [one for one in distinct.values() if cause_of(one) in cause.parts]
     return [_world_file(failure, cause, state.best, known) for failure in own]
 
 

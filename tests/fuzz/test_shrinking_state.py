@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.campaign.shrinking import shrunk_or_same
+from fuzz.campaign import run as campaign_run
+from fuzz.campaign.shrinking import Shrinking, shrunk_or_same
 from fuzz.failure import Failure, ShrinkState
 from fuzz.shrink import shrink as shrink_failure
 from tests.helpers.command_line import worldgen
@@ -114,3 +115,20 @@ def test_a_campaign_lists_the_state_of_each_failure(campaign):
     failures = json.loads(campaign[1].out)["failures"]
     assert {one["shrinking"] for one in failures} == {"none"}
     assert not any("shrunk" in one for one in failures)
+
+
+@pytest.mark.gate
+def test_a_failure_whose_shrinking_ran_out_of_time_says_cut_short(tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        campaign_run, "shrunk_or_same", lambda failure, *_, **__: Shrinking(failure, complete=False)
+    )
+    few = ("--units", 1, "--seed", 1, "--workers", 1, "--family", "trap", "--json")
+    out = tmp_path / "f"
+    result = worldgen("fuzz", "--controller", "turn-right", *few, "--out", out)
+    failures = json.loads(result.out)["failures"]
+    assert {one["shrinking"] for one in failures} == {"cut short"}
+    assert {Failure.read(Path(one["file"])).shrinking for one in failures} == {"cut short"}
+    # No second file shows the same world in another state.
+    assert len({Failure.read(path).without("shrinking").id for path in out.glob("*.grid")}) == len(
+        list(out.glob("*.grid"))
+    )

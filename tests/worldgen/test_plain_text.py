@@ -61,7 +61,7 @@ HARMFUL = (
 )
 
 
-@pytest.mark.parametrize("sign", map(chr, HARMFUL), ids=[f"U+{code:04X}" for code in HARMFUL])
+@pytest.mark.parametrize("sign", [*map(chr, HARMFUL)], ids=[f"U+{code:04X}" for code in HARMFUL])
 def test_a_character_that_a_terminal_obeys_or_hides_becomes_an_escape(sign):
     text = shown(f"a{sign}b")
     assert text.isascii() and text.isprintable()
