@@ -7,6 +7,7 @@ from pathlib import Path
 
 from fuzz.failure import Failure
 from worldgen.cli.output import note, skip_bad_file
+from worldgen.errors import FormatError
 from worldgen.files.worlds import read_worlds
 from worldgen.support.plain_text import counted
 
@@ -24,7 +25,7 @@ class FailureFiles:
         self._empty = list(dict.fromkeys(paths))
 
     def __iter__(self) -> Iterator[tuple[Path, Failure]]:
-        for path, world in read_worlds(self._paths, skip_bad_file):
+        for path, world in read_worlds(self._paths, self._skip):
             failure = Failure.found_in(world)
             if failure is None:
                 self.others += 1
@@ -36,6 +37,11 @@ class FailureFiles:
             note(f"{path}: {what} failure; worldgen run simulates it")
         if not self._empty and self.others:
             note(f"skipped {counted(self.others, 'world')} without a failure")
+
+    def _skip(self, error: FormatError) -> None:
+        # Whether a file that cannot be read has a failure is not known.
+        self._empty = [one for one in self._empty if str(one) != error.source]
+        skip_bad_file(error)
 
     @property
     def is_complete(self) -> bool:

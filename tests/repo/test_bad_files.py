@@ -84,6 +84,7 @@ def test_files_that_are_named_one_by_one_are_treated_as_in_a_folder(folder, tmp_
     result = worldgen("replay", *files)
     assert result.code == 2
     assert "2 of 2 confirmed" in result.out
+    assert "has no failure" not in result.err
 
 
 def test_a_single_bad_file_is_an_error(folder):
