@@ -74,25 +74,26 @@ def equip(command: click.Command) -> click.Command:
     return command
 
 
+def _end_if_skipped(context: click.Context) -> None:
+    if count := skipped_files(context):
+        are = "file was" if count == 1 else "files were"
+        note(f"worldgen: {count} {are} skipped, as said above", always=True)
+        raise SystemExit(2)
+
+
 def _watch_files(command: click.Command) -> None:
     """End with code 2 a command that had to skip a file, whatever the other files show."""
     invoke = command.invoke
 
     def watched(context: click.Context) -> Any:
-        code: object = 0
-        value = None
         try:
             value = invoke(context)
-        except SystemExit as stop:
-            code = stop.code
-        except click.exceptions.Exit as stop:
-            code = stop.exit_code
-        if code in (0, 1) and (count := skipped_files(context)):
-            are = "file was" if count == 1 else "files were"
-            note(f"worldgen: {count} {are} skipped, as said above", always=True)
-            code = 2
-        if code:
-            raise SystemExit(code)
+        except (SystemExit, click.exceptions.Exit) as stop:
+            code = stop.code if isinstance(stop, SystemExit) else stop.exit_code
+            if code in (0, 1):
+                _end_if_skipped(context)
+            raise
+        _end_if_skipped(context)
         return value
 
     command.invoke = watched  # type: ignore[method-assign]
