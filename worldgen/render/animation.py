@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
-from worldgen.render.caption import text_width
+from worldgen.render.caption import printable, text_width
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.fleet_parts import COLOURS, colour_of
 from worldgen.render.frame import Frame
@@ -41,7 +41,6 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive,
 from worldgen.render.scene import moment_parts
 from worldgen.render.trail_parts import breach_crosses, pierced_parts
 from worldgen.support.arrays import Floats
-from worldgen.support.plain_text import shown
 from worldgen.timeline import CellState
 from worldgen.world import World
 
@@ -277,7 +276,7 @@ def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
 
 def _fitted(text: str, room: float, size: float) -> str:
     """Return the text, shortened with three dots if it is wider than the room, px."""
-    text = shown(text)
+    text = printable(text)
     if text_width(text, size) <= room:
         return text
     while text and text_width(text + "...", size) > room:

@@ -35,7 +35,6 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow, arrow_head, cross, stays_put
-from worldgen.support.plain_text import shown
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -68,7 +67,15 @@ def facts(world: World) -> str:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
     if world.failure is not None:
         parts.append(f"{world.failure.who}: {world.failure.outcome}")
-    return shown("; ".join(parts))
+    return printable("; ".join(parts))
+
+
+def printable(text: str) -> str:
+    """Replace line ends and characters that no file format can hold.
+
+    They become a blank or ``?``.
+    """
+    return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
 
 
 def text_width(text: str, size: float) -> float:
@@ -114,7 +121,7 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     y = frame.bottom + frame.band + 8.0 * unit
     parts: list[Primitive] = []
     for text, size, colour in (
-        (shown(content.title), TITLE_SIZE * unit, INK),
+        (printable(content.title), TITLE_SIZE * unit, INK),
         (facts(content.world), TEXT_SIZE * unit, GREY),
     ):
         for line in wrapped(text, room, size, MOST_LINES):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import html
 
-from worldgen.render.caption import facts
+from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.overlay import Trails
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
-from worldgen.support.plain_text import describe_value, shown
+from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World
 
 STYLE = """
@@ -53,9 +53,9 @@ def draw_html(
         InvalidParameter: If ``pixels`` is out of range.
     """
     scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
-    name = html.escape(shown(title)) or "A world"
+    name = html.escape(printable(title)) or "A world"
     rows = "\n".join(
-        f"<tr><th>{html.escape(shown(key))}</th><td>{html.escape(shown(value))}</td></tr>"
+        f"<tr><th>{html.escape(printable(key))}</th><td>{html.escape(printable(value))}</td></tr>"
         for key, value in _known(world)
     )
     return (

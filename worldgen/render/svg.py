@@ -10,6 +10,7 @@ import zlib
 import numpy as np
 from PIL import Image
 
+from worldgen.render.caption import printable
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.outline import corner_count, outlines
@@ -18,7 +19,6 @@ from worldgen.render.palette import mix, rgb
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
 from worldgen.render.scene import Picture, compose
 from worldgen.support.arrays import Floats, Ints
-from worldgen.support.plain_text import shown
 from worldgen.world import World
 
 # Limit on the corners of cells drawn as a path; beyond that, an image of them is smaller.
@@ -58,7 +58,7 @@ def svg_element(scene: Picture, *, standalone: bool) -> str:
     writer = _Writer(scene)
     body = [writer.draw(part) for part in scene.primitives]
     space = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
-    name = html.escape(shown(scene.title)) or "A world"
+    name = html.escape(printable(scene.title)) or "A world"
     head = (
         f'<svg {space}viewBox="0 0 {scene.width} {scene.height}" width="{scene.width}" '
         f'height="{scene.height}" role="img" font-family="Helvetica, Arial, sans-serif" '

@@ -29,8 +29,8 @@ from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.render import palette
+from worldgen.render.caption import printable
 from worldgen.support.bounds import check_between
-from worldgen.support.plain_text import shown
 from worldgen.world import Witness, World
 
 _STYLE = (
@@ -65,7 +65,7 @@ def write_svg(
     top = lines.y[world.height + more]
     view = " ".join(decimal_text(value) for value in (left, -top, right - left, top - bottom))
     across, down = (float(1000 * length / exact(scale)) for length in (right - left, top - bottom))
-    name = html.escape(shown(destination.name))
+    name = html.escape(printable(destination.name))
     said = {"frame": "local", "units": "m", **held_values(world, destination)}
     text = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" '
