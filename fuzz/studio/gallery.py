@@ -110,7 +110,7 @@ class WallAnswers(Opened):
                 return "", ShrinkState.NONE
             cause = "" if failure is None else failure.record.details.get(CAUSE, "")
             shrinking = ShrinkState.NONE if failure is None else failure.shrinking
-            self._recorded[key] = (cause if cause in set(Cause) else "", shrinking)
+            self._recorded[key] = (cause if str(cause) in set(Cause) else "", shrinking)
         return self._recorded[key]
 
     def look(self, message: Request, part: object) -> dict[str, Any]:
