@@ -95,7 +95,7 @@ def hazard_in(details: Mapping[str, Value]) -> Hazard | None:
     """Return the hazard that a record's details state, or ``None``."""
     # Earlier versions wrote "disturbed: " and the reason in words.
     name = str(details.get(_HAZARD, "")).partition(": ")[0]
-    return Hazard(name) if isinstance(name, str) and name in set(Hazard) else None
+    return Hazard(name) if name in set(Hazard) else None
 
 
 def doubt_in(details: Mapping[str, Value]) -> str:
