@@ -12,7 +12,7 @@ import sys
 import warnings
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import click
 
@@ -222,8 +222,14 @@ class _SafeLog(logging.Formatter):
 _usual_warning = warnings.formatwarning
 
 
-def _safe_warning(*facts: Any) -> str:
-    return shown_lines(_usual_warning(*facts))
+def _safe_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
+    return shown_lines(_usual_warning(message, category, filename, lineno, line))
 
 
 def _print_safely_what_libraries_say() -> None:
