@@ -122,6 +122,8 @@ _BEHAVIOURS = "sim/include/worldgen_behaviours.h"
 _SIM = (
     "sim/core/wg_sim.h",
     "sim/core/wg_episode.h",
+    "sim/core/wg_parts.h",
+    "sim/core/fleet/wg_fleet.h",
     "sim/core/runs/wg_guard.h",
     "sim/core/controllers/wg_controllers.h",
 )
@@ -142,11 +144,9 @@ CORES = (
             _BEHAVIOURS,
             *_SIM,
             "sim/core/runs/wg_python_act.h",
-            "sim/core/wg_parts.h",
             "sim/core/runs/wg_runs.h",
             "sim/core/runs/wg_navigate.h",
             "sim/core/thesis/wg_thesis.h",
-            "sim/core/fleet/wg_fleet.h",
         ),
         ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
@@ -160,7 +160,6 @@ CORES = (
             _CONTROLLER,
             _BEHAVIOURS,
             *_SIM,
-            "sim/core/wg_parts.h",
             "fuzz/core/wg_looks.h",
             "fuzz/core/wg_faults.h",
         ),

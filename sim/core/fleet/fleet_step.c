@@ -11,7 +11,8 @@ static bool has_parked(const WgEpisode *member)
 
 static bool is_outside_the_core(const WgEpisode *member)
 {
-    return member->controller.act == NULL && member->controller.flat == NULL;
+    const WgController *controller = &member->controller;
+    return controller->act == NULL && controller->flat == NULL && controller->cage == NULL;
 }
 
 // Moves all robots at the speed of their wheels.

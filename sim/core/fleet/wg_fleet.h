@@ -75,12 +75,20 @@ typedef struct WgFleet {
     // 1 while controllers outside the core have to act: those of members whose `waits` is 1
     int64_t waits;
     int64_t over;           // 1 when the run has ended
+    int64_t is_in_block;    // 1 if its memory is the caller's
 } WgFleet;
 
+// Memory for a fleet.
+typedef struct WgBlock {
+    void *bytes;   // all zeros; NULL for the heap
+    int64_t size;  // bytes
+    int64_t used;  // filled: bytes that the fleet takes
+} WgBlock;
+
 // Makes a fleet, whose settings, arenas and members' settings stay the caller's. All arenas have
-// the same cells, masks and events. wg_fleet_free frees it.
+// the same cells, masks and events. wg_fleet_free frees it, unless it is in a block of the caller.
 WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
-                      const WgController *const *controllers, int64_t count, WgFleet **made);
+                      const WgController *const *controllers, int64_t count, WgBlock *block, WgFleet **made);
 
 void wg_fleet_free(WgFleet *fleet);
 
