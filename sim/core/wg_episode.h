@@ -155,6 +155,11 @@ WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, cons
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
+// How floating point rounds in this thread, in the processor's own form. A function from a library
+// may change it, and all arithmetic after it would give other numbers.
+int64_t wg_rounding(void);
+void wg_set_rounding(int64_t rounding);
+
 // Prepares a cage whose pages, sizes and function are set: fills the words around everything that
 // the function may write to. Returns WG_BAD_SIZE if the pages are too small.
 WgStatus wg_cage_begin(WgCage *cage, int64_t first_size, int64_t second_size);

@@ -208,7 +208,7 @@ class _Server:
         self.known = known
         self.chunks = SHARED.chunks
         self.era = _here.era
-        self._is_open = True
+        self.is_open = True
         self.process = int(lib.wg_guard_start(self.call, asked, answered))
         os.close(asked)
         os.close(answered)
@@ -257,11 +257,13 @@ class _Server:
                 self.end()
                 raise _hang()
         if not os.read(self._answer, 1):
-            self._raise_death(cages)
+            self._bury(cages)
 
-    def _raise_death(self, cages: Sequence[Confined]) -> None:
-        """Raise the error for a process that has closed its pipe."""
-        # A controller may have closed the pipe, and may not end.
+    def _bury(self, cages: Sequence[Confined]) -> None:
+        """Wait for a process that has closed its pipe, and raise its error if it ended too early.
+
+        A controller may close the pipe, and then do its work, or never end.
+        """
         until = time.monotonic() + _ENDING
         process, status = os.waitpid(self.process, os.WNOHANG)
         while not process:
@@ -271,6 +273,8 @@ class _Server:
             time.sleep(_LOOK / 100)
             process, status = os.waitpid(self.process, os.WNOHANG)
         self._close()
+        if self.call.done:
+            return
         error, facts = how_it_ended(os.waitstatus_to_exitcode(status))
         fault = int(self.call.fault)
         misuse = next(filter(None, (cage.misuse(fault) for cage in cages)), "") if fault else ""
@@ -282,13 +286,13 @@ class _Server:
 
     def end(self) -> None:
         """Kill the process, unless it has ended."""
-        if self._is_open:
+        if self.is_open:
             os.kill(self.process, signal.SIGKILL)
             os.waitpid(self.process, 0)
             self._close()
 
     def _close(self) -> None:
-        self._is_open = False
+        self.is_open = False
         os.close(self._ask)
         os.close(self._answer)
 
@@ -355,6 +359,7 @@ def call(
         for k, one in enumerate(objects):
             asked.objects[k] = ffi.cast("void *", one)
         asked.number = number
+        asked.done = 0
         if server.ask():
             break
         server.end()  # it was ended while it waited
@@ -367,7 +372,7 @@ def call(
         raise
     result = int(asked.result)
     with _here.lock:
-        if server.era == _here.era:
+        if server.era == _here.era and server.is_open:
             _here.servers.append(server)
             return result
     server.end()

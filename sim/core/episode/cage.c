@@ -12,12 +12,6 @@
 
 #include "step.h"
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#else
-#include <fenv.h>
-#endif
-
 enum {
     BAND = 8,          // words
     RARELY = 1 << 8,   // steps between two comparisons of all unused words
@@ -28,38 +22,6 @@ enum {
 
 // What the unused words hold: no number that a controller computes.
 static const uint64_t UNUSED = 0xFFF7C0DEC0DEC0DEu;
-
-// How floating point rounds, which a function may change. Only the bits that control it: others
-// tell what has happened.
-#if defined(__SSE2__)
-typedef unsigned int Rounding;
-
-static Rounding rounding(void)
-{
-    return _mm_getcsr() & ~(unsigned int)_MM_EXCEPT_MASK;
-}
-
-static void restore(Rounding before)
-{
-    if (rounding() != before) {
-        _mm_setcsr(before);
-    }
-}
-#else
-typedef int Rounding;
-
-static Rounding rounding(void)
-{
-    return fegetround();
-}
-
-static void restore(Rounding before)
-{
-    if (fegetround() != before) {
-        fesetround(before);
-    }
-}
-#endif
 
 void wg_cage_sizes(int64_t memory_size, int64_t beams, int64_t neighbours, int64_t sizes[2])
 {
@@ -219,10 +181,10 @@ void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot)
     *cage->command = (WgCommand){.message = messages > 0 ? cage->message : NULL};
     memset(cage->message, 0, WG_MOST_MESSAGE * sizeof *cage->message);
 
-    Rounding before = rounding();
+    int64_t before = wg_rounding();
     cage->acts = 1;
     cage->act(cage->observation, cage->memory, cage->command);
-    restore(before);
+    wg_set_rounding(before);
 
     WgCommand *command = &workspace->command;
     command->speed = cage->command->speed;

@@ -52,22 +52,17 @@ int64_t wg_call_reset(const WgCall *call)
 
 int64_t wg_call_offer(const WgCall *call)
 {
-    WgOffer *offer = call->objects[0];
-    offer->size = -1;
+    const WgOffer *offer = call->objects[0];
     void *library = offer->open(offer->file, (int)offer->flags);
-    if (library == NULL) {
-        return 0;
-    }
-    // A function's address cannot be converted from an object's in ISO C.
-    const WgControllerInfo *(*describe)(void);
-    void *found = offer->find(library, offer->function);
+    void *found = library != NULL ? offer->find(library, offer->function) : NULL;
     if (found == NULL) {
         return 0;
     }
+    // ISO C does not convert an object's address into a function's.
+    const WgControllerInfo *(*describe)(void);
     memcpy(&describe, &found, sizeof describe);
     const WgControllerInfo *info = describe();
-    offer->size = info != NULL && info->abi == WG_CONTROLLER_ABI ? (int64_t)info->size : 0;
-    return 1;
+    return info != NULL && info->abi == WG_CONTROLLER_ABI;  // reads it, which may be a fault too
 }
 
 #if defined(_WIN32)
@@ -203,11 +198,12 @@ static _Noreturn void serve(WgCall *call, int asked, int answered)
             _exit(0);  // the owner has closed its end
         }
         call->result = call->work(call);
+        call->done = 1;
         do {
             count = write(answered, &byte, 1);
         } while (count < 0 && errno == EINTR);
         if (count != 1) {
-            _exit(0);
+            _exit(0);  // or a controller has closed this end
         }
     }
 }

@@ -26,19 +26,22 @@ struct WgCall {
     void *objects[8];        // the function's pointer arguments, in order
     int64_t number;          // the function's number argument
     int64_t result;          // filled: the function's return value
+    int64_t done;            // filled: 1 once the function has returned
     // filled: the address that could not be used, if that ended the process; else 0
     uint64_t fault;
 };
 
+// The system's dlopen and dlsym. They come from Python, so that nothing needs to be linked for them.
+typedef void *(*WgOpen)(const char *file, int flags);
+typedef void *(*WgFind)(void *library, const char *name);
+
 // A library and its function that describes a controller.
 typedef struct WgOffer {
-    // the system's dlopen and dlsym, so that nothing needs to be linked for them
-    void *(*open)(const char *file, int flags);
-    void *(*find)(void *library, const char *name);
-    int64_t flags;           // for `open`
+    WgOpen open;
+    WgFind find;
+    int64_t flags;  // for `open`
     const char *file;
     const char *function;
-    int64_t size;            // filled: WgControllerInfo.size; -1 if it cannot be read
 } WgOffer;
 
 // Forks the process that makes the calls, which ends with its owner: it reads from `asked`, and
@@ -63,6 +66,7 @@ int64_t wg_call_first_edit(const WgCall *call);  // wg_first_edit; the grid as a
 int64_t wg_call_outcomes(const WgCall *call);    // wg_outcomes
 int64_t wg_call_fleet(const WgCall *call);       // wg_fleet_run
 int64_t wg_call_reset(const WgCall *call);       // wg_cage_reset; the function as a WgReset *
-int64_t wg_call_offer(const WgCall *call);       // loads a library: see WgOffer
+// Loads the library of a WgOffer, and asks for the description of the controller.
+int64_t wg_call_offer(const WgCall *call);
 
 #endif
