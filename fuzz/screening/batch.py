@@ -204,7 +204,6 @@ class Seat:
             controller.cage = ffi.cast("WgCage *", int(sim_ffi.cast("uintptr_t", driver.c.cage)))
         if driver is not None and driver.cage is not None:
             self.c: Any = self._placed(batch, controller)
-            self.c.episode.robot.body = ffi.cast("WgBody *", driver.cage.body)
         else:
             made = ffi.new("WgSeat **")
             check(lib.wg_seat_new(batch.c, controller, made))

@@ -46,10 +46,11 @@ typedef struct WgCage {
     double *message;       // (WG_MOST_MESSAGE,)
     WgObservation *observation;
     WgNeighbour *neighbours;  // (neighbour_room,)
-    double *beams;         // (beams,) at the end of the second pages
+    double *beams;         // (beam_room,) at the end of the second pages
     int64_t beam_room;
     int64_t neighbour_room;
     int64_t acts;          // 1 while the function runs
+    int64_t rounding;      // how floating point rounds: wg_rounding
     char error[256];       // the function's own message, or what it did wrong
 } WgCage;
 
@@ -155,8 +156,7 @@ WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, cons
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
-// How floating point rounds in this thread, in the processor's own form. A function from a library
-// may change it, and all arithmetic after it would give other numbers.
+// How floating point rounds in this thread: see rounding.h.
 int64_t wg_rounding(void);
 void wg_set_rounding(int64_t rounding);
 
@@ -185,7 +185,7 @@ WgStatus wg_episode_begin(WgEpisode *episode);
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t path_size);
 
-// Runs at most this many steps.
+// Runs at most this many steps, at least one, and for about a tenth of a second.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
 // For a controller that isn't a C function. Takes its answer, if it had to act; then runs until it

@@ -379,7 +379,6 @@ class CoreEpisode(EpisodeHandle):
         held = (arena.c, settings, driver.c)
         if driver.cage is not None:
             self.c: Any = self._placed(arena, settings, driver, log_steps)
-            self.c.robot.body = ffi.cast("WgBody *", driver.cage.body)
         else:
             made = ffi.new("WgEpisode **")
             check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))

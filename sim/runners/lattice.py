@@ -391,7 +391,8 @@ class LatticeRun:
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
         episode = self.episode(controller, settings)
-        episode.run(int(failed.report.steps) - 1)
+        while int(episode.report.steps) < int(failed.report.steps) - 1:
+            episode.run(int(failed.report.steps) - 1 - int(episode.report.steps))
         # Without a function, the episode stops whenever the controller must act.
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL

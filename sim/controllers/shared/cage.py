@@ -88,15 +88,6 @@ class Cage:
         self.c.second = ffi.cast("uint64_t *", first + sizes[0] + _FENCE)
         check(lib.wg_cage_begin(self.c, *sizes))
 
-    @property
-    def body(self) -> int:
-        """Address of the state and the memory of a robot that is alone, a ``WgBody``."""
-        return self._memory - int(ffi.sizeof("WgState"))
-
-    @property
-    def _memory(self) -> int:
-        return int(ffi.cast("uintptr_t", self.c.memory))
-
     def misuse(self, address: int) -> str:
         """Return what the function did if it is acting and an address could not be used.
 
@@ -108,7 +99,8 @@ class Cage:
         if not self.c.acts or not first - _FENCE <= address < second + self._sizes[1] + _FENCE:
             return ""
         if address < first:
-            return f"it reached {self._memory - _in_words(address)} bytes before its memory"
+            memory = int(ffi.cast("uintptr_t", self.c.memory))
+            return f"it reached {memory - _in_words(address)} bytes before its memory"
         if address < second:
             end = first + self._sizes[0]
             return f"it reached {_in_words(address) + _WORD - end} bytes after its memory"

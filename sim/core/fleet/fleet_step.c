@@ -3,6 +3,9 @@
 #include <string.h>
 
 #include "fleet.h"
+#include "stopwatch.h"
+
+enum { LONGEST_PORTION = 1 << 8 };  // steps between two looks at the clock
 
 static bool has_parked(const WgEpisode *member)
 {
@@ -244,7 +247,15 @@ int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps)
         fleet->over = finish_step(fleet);
     }
     int64_t last = wg_least(fleet->settings->steps, fleet->step + most_steps);
+    WgStopwatch watch = wg_stopwatch();
+    int64_t next_look = fleet->step + 1;
     while (fleet->over == 0 && fleet->step < last) {
+        if (fleet->step == next_look) {
+            if (wg_is_late(&watch)) {
+                break;
+            }
+            next_look += wg_least(watch.portion, LONGEST_PORTION);
+        }
         fleet->step++;
         move_robots(fleet, fleet->step);
         sense(fleet);

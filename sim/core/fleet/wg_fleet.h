@@ -95,7 +95,7 @@ void wg_fleet_free(WgFleet *fleet);
 // Puts all robots at their starts. The arenas must be as they are before the first event.
 WgStatus wg_fleet_begin(WgFleet *fleet);
 
-// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core
+// Runs at most this many steps, for about a tenth of a second: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core
 // must act. For those members `waits` is 1; each finds what it observes in `flat`, and leaves its
 // command and memory as in WgWorkspace before the next call.
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);
