@@ -155,14 +155,7 @@ CORES = (
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (
-            _TYPES,
-            _CONTROLLER,
-            _BEHAVIOURS,
-            *_SIM,
-            "fuzz/core/wg_looks.h",
-            "fuzz/core/wg_faults.h",
-        ),
+        (_TYPES, _CONTROLLER, _BEHAVIOURS, *_SIM, "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
         ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
 )

@@ -20,13 +20,7 @@ from sim.controllers.core_act import CoreAct
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
 from sim.controllers.shared.cage import Cage
-from sim.controllers.shared.guarded import (
-    PRIVATE,
-    ControllerDied,
-    CoreMemory,
-    before_start,
-    call,
-)
+from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
 from sim.kernels.layout import OBS_SIZE
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, kept, pointer, writable
@@ -429,9 +423,7 @@ class CoreEpisode(EpisodeHandle):
         if self.guarded:
             work = ffi.addressof(lib, name)
             seen = (ffi.addressof(self.report), *progress)
-            return call(
-                work, (self.guarded,), objects, number, progress=seen, cages=self._cages
-            )
+            return call(work, (self.guarded,), objects, number, progress=seen, cages=self._cages)
         arguments = [ffi.cast("void *", one) for one in objects]
         asked = ffi.new("WgCall *", {"objects": arguments, "number": number})
         return int(getattr(lib, name)(asked))

@@ -135,9 +135,7 @@ def _memory_at_reset(info: Any, size: int) -> tuple[float, ...]:
     try:
         is_kept = guarded.call(work, (function,), (cage.c, reset), cages=(cage,))
     except ControllerDied as death:
-        raise ControllerError(
-            death.verdict, f"{_IN_RESET}{death.error}", death.facts
-        ) from None
+        raise ControllerError(death.verdict, f"{_IN_RESET}{death.error}", death.facts) from None
     if not is_kept:
         error = ffi.string(cage.c.error).decode()
         raise ControllerError(Verdict.CRASH, f"{_IN_RESET}{error}")
