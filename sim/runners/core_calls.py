@@ -431,7 +431,7 @@ class CoreEpisode(EpisodeHandle):
     def run(self, steps: int) -> bool:
         """Run at most this many steps; return True if the episode is not over."""
         try:
-            return self.call("wg_call_run", (self.c,), steps) == lib.WG_GOES_ON
+            return bool(self.call("wg_call_run", (self.c,), steps) == lib.WG_GOES_ON)
         except ControllerDied as death:
             self.fault = death
             lib.wg_episode_fail(self.c)
