@@ -284,7 +284,7 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     if world.certificate is not None:
         is_cut = isinstance(world.certificate, Cut)
         return not is_cut, "cut" if is_cut else "witness"
-    if episode.verdict == Verdict.REACHED:
+    if episode.verdict == Verdict.REACHED and not world.unread:
         return True, ""
     with working("deciding whether the run could have arrived"):
         answer = verify_world(world)

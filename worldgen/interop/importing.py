@@ -21,7 +21,7 @@ from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
 # Raise this whenever some file becomes a different world than before.
-VERSION = 2
+VERSION = 3
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
@@ -39,7 +39,7 @@ class ImportedRobot:
         row: Number of the scenario's problem, from 1.
         seed: Seed of the search for distant places. Without it, a ``.grid`` keeps its own places,
             and a thesis map its program's start.
-        ignore_unread: True to judge the map without obstacles that could not be read.
+        ignore_unread: True to judge the map without what could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
             world. If omitted, one, or all robots from ``row`` of a map that was exported with several.
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
@@ -64,14 +64,13 @@ class Imported:
 
     Args:
         world: The world with its certificate and provenance.
-        decision: Result, proof, and a sentence. It is ``undecided`` if a path was found on a map
-            that lacks some obstacles of its file; a world that is blocked without them is also
-            blocked with them.
+        decision: Result, proof, and a sentence. It is ``undecided`` if something of the file was
+            not read.
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         radius_from: Where the robot's radius comes from.
-        unread: Obstacles of the file that the world lacks.
-        withheld: True if a path was found that does not count because of them.
+        unread: Elements of the file that the world lacks.
+        withheld: True if the world has no proof because of them.
         origin: The grid's lower-left corner, m, in the file's own coordinates.
         in_file_frame: True if people are told places in these coordinates.
     """
@@ -156,26 +155,14 @@ def import_world(
             raise
         raise _in_file_frame(error, found) from error
 
-    # Decide. A path does not count if obstacles could not be read.
-    decision = decide(world)
-    withheld = False
+    # Record the world's origin, and what it lacks, before it is decided.
     if found.unread:
         params["unread"] = list(found.unread)
-        warnings = (
-            *warnings,
-            f"could not be read, and are not in this world: {'; '.join(found.unread)}",
-        )
-        withheld = decision.result == "reachable" and not robot.ignore_unread
-        if withheld:
-            decision = Decision(
-                "undecided",
-                None,
-                f"unread obstacles might block the path: {'; '.join(found.unread)}",
-            )
-
-    # Record the origin in the world.
-    provenance = Provenance("import", VERSION, robot.seed or 0, params)
-    world = replace(world, certificate=decision.certificate, provenance=provenance)
+        params |= {"ignore_unread": True} if robot.ignore_unread else {}
+        warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
+    world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
+    decision = decide(world)
+    world = replace(world, certificate=decision.certificate)
     return Imported(
         world,
         decision,
@@ -183,7 +170,7 @@ def import_world(
         (*found.warnings, *warnings),
         radius_from,
         found.unread,
-        withheld,
+        bool(world.unread),
         found.origin,
         robot.in_file_frame,
     )

@@ -317,5 +317,11 @@ pogema = Format(
     holds=frozenset({"start", "target"}),
     robots=True,
     client="POGEMA",
+    # What agents see, do and score.
+    harmless=frozenset({
+        "possible_agents_xy", "possible_targets_xy", "num_agents", "seed", "size", "width", "height", "density",
+        "obs_radius", "on_target", "collision_system", "observation_type", "max_episode_steps", "integration",
+        "persistent", "auto_reset", "map_name",
+    }),
     usual_robot=GRID_AGENT,
 )
