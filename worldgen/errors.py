@@ -220,6 +220,9 @@ class WorldgenError(Exception):
         error.message = message
         return error
 
+    notes: tuple[str, ...] = ()
+    """What was learned about the input before the fault, in sentences; shown before the error."""
+
     @property
     def code(self) -> str:
         """The rule that was broken, in lower case with dashes.

@@ -86,13 +86,14 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
     message = hide(error if isinstance(error, Message) else error.message, folder)
     own = REMEDIES.get(message.code) if message.at_terminal else None
     line = source = None
+    notes = error.notes if isinstance(error, WorldgenError) else ()
     if isinstance(error, FormatError):
         line = error.line
         source = None if error.source is None else _hidden(error.source, folder)
     return {
         "code": message.code,
         "frames": frames_of(error) if isinstance(error, WorldgenError) else [],
-        "problem": message.problem,
+        "problem": "; ".join([message.problem, *map(describe_note, notes)]),
         "remedy": message.remedy if own is None else message.word(own),
         "terminal": message.at_terminal and own is None,
         "opens": "import" if message.code in IMPORT_OPTIONS else "",

@@ -184,6 +184,8 @@ def main() -> NoReturn:
         click.echo("interrupted", err=True)
         code = 130
     except WorldgenError as error:
+        for sentence in error.notes:
+            note(sentence)
         note(f"worldgen: {error}", always=True)
         if isinstance(error, NotAGrid):
             _say_how_to_import(error)

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.format import ROBOT_FACTS
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
-from worldgen.interop.place import heading_towards, is_clear, place
+from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import exact
@@ -125,9 +125,22 @@ def import_world(
         InvalidParameter: If an option is out of range or contradicts another one.
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
-    # Read the map and complete the robot.
-    robot = robot or ImportedRobot()
     found, sidecar = read_map_alone(path, name, options)
+    try:
+        return _with_robot(path, found, sidecar, robot or ImportedRobot())
+    except WorldgenError as error:
+        # What the reader noticed often explains why the robot has no room.
+        lost = [f"not read: {'; '.join(found.unread)}"] if found.unread else []
+        warnings = [f"warning: {sentence}" for sentence in (*found.warnings, *lost)]
+        error.notes = (*found.notes, *warnings)
+        raise
+
+
+def _with_robot(
+    path: Path, found: ForeignMap, sidecar: Sidecar | None, robot: ImportedRobot
+) -> Imported:
+    """Add a robot, a start and a target to a map, and decide whether the target is reachable."""
+    # Complete the robot.
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
     if robot.scenario is not None or robot.robots not in (None, 1 + len(found.others)):
@@ -149,24 +162,25 @@ def import_world(
         robot = replace(robot, start=found.start, target=found.target)
     robot, notes = _at_programs_start(_complete(robot, found), found)
     try:
-        world, warnings = _place(robot, found)
+        world, placement = _place(robot, found)
     except InvalidWorld as error:
         if not robot.in_file_frame:
             raise
         raise _in_file_frame(error, found) from error
 
     # Record the world's origin, and what it lacks, before it is decided.
+    warnings = list(placement.warnings)
     if found.unread:
         params["unread"] = list(found.unread)
         params |= {"ignore_unread": True} if robot.ignore_unread else {}
-        warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
+        warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
     world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
     decision = decide(world)
     world = replace(world, certificate=decision.certificate)
     return Imported(
         world,
         decision,
-        (*found.notes, *notes),
+        (*found.notes, *notes, *placement.notes),
         (*found.warnings, *warnings),
         radius_from,
         found.unread,
@@ -353,7 +367,7 @@ def _first(*values: float | None) -> float:
     return next(value for value in values if value is not None)
 
 
-def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
+def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     """Return the map with start and target, as given or chosen."""
     # _complete has already set them.
     radius = robot.radius or 0.0
@@ -361,9 +375,12 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
     given = [
         None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)
     ]
-    at, to, warnings = place(
-        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1]
-    )
+    placement = place(
+        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1],
+        origin=(-found.origin[0], -found.origin[1]) if found.is_picture else None,
+    )  # fmt: skip
+    at = placement.start
+    to = placement.target
     headed = robot.start or ()
     sized = robot.target or ()
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
@@ -372,7 +389,7 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
     others = _other_robots(robot, found, radius, speed)
     return World(
         found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
-    ), warnings
+    ), placement
 
 
 def _other_robots(

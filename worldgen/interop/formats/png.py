@@ -92,7 +92,8 @@ def read_picture(
             )
     params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
-        flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
+        flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes),
+        origin=origin, is_picture=True,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
     )  # fmt: skip
 
