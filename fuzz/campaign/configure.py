@@ -18,7 +18,7 @@ from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.files.grid import read_world
+from worldgen.files.worlds import read_whole_world
 from worldgen.support.progress import working
 from worldgen.world import World
 
@@ -48,7 +48,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
             controller=options.controller,
         )
     usual = RunOptions.time_step
-    fixed_map = None if options.world is None else read_world(options.world)
+    fixed_map = None if options.world is None else read_whole_world(options.world)
     scenario = Scenario.parse(
         options.controller,
         motion=options.motion,

@@ -103,9 +103,9 @@ def _subject(
     from sim.options.run import RunOptions
     from sim.runners.try_out import try_out
     from sim.scenario import Scenario
-    from worldgen.files.grid import read_world
+    from worldgen.files.worlds import read_whole_world
 
-    world = read_world(path)
+    world = read_whole_world(path)
     if controller is not None:
         step = RunOptions.time_step if time_step is None else time_step
         scenario = Scenario.parse(controller, motion=motion, time_step=step, seed=seed)

@@ -113,8 +113,8 @@ def find(
 
     from fuzz.find import FindConfig, OutcomeSearch, parse_targets
     from sim.options.run import RunOptions
-    from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
+    from worldgen.files.worlds import read_whole_world
     from worldgen.support.progress import working
 
     # Refuse contradicting options before any work.
@@ -138,7 +138,7 @@ def find(
         seed=draw_seed(seed),
         families=families,
         params=tuple(_parameters(families, settings).items()),
-        begin=None if begin is None else read_world(begin),
+        begin=None if begin is None else read_whole_world(begin),
         start=None if start is None else _pose(start),
         mirror=symmetric,
         fixed_target=keep_target,

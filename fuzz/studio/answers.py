@@ -56,6 +56,7 @@ from worldgen.families.builtin.shift import shifted
 from worldgen.family import FAMILIES
 from worldgen.files.grid import read_world, write_world
 from worldgen.files.whole import check_output
+from worldgen.files.worlds import read_whole_world
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, Decision, check_certificate, decide
@@ -87,7 +88,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def open(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world of the folder."""
         place = self.folder.place(field(message, "name", str))
-        world = read_world(place)  # first, because it reports any fault in the file
+        world = read_whole_world(place)  # first, because it reports any fault in the file
         return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
 
     def before(self, message: Request, part: SendPart) -> dict[str, Any]:

@@ -28,8 +28,7 @@ from fuzz.studio.messages import (
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.files.grid import read_world
-from worldgen.files.worlds import is_world_file
+from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
 
@@ -72,7 +71,7 @@ class ExchangeAnswers(Opened):
             main = _main_of(places)
             scenario = next((one for one in places if one.suffix.lower() == ".scen"), None)
             if is_world_file(main.name) and wanted == _Wanted():
-                return opened_message(read_world(main)) | {"main": main.name}
+                return opened_message(read_whole_world(main)) | {"main": main.name}
             return _imported(main, wanted, scenario, 1 if wanted.row is None else wanted.row) | {
                 "main": main.name
             }

@@ -278,13 +278,18 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """
+    from worldgen.reach.decision import unread_reason
     from worldgen.reach.verifying import verify_world
     from worldgen.world import Cut
+
+    if world.unread:
+        note(f"warning: {unread_reason(world.unread)}")
+        return None, ""
 
     if world.certificate is not None:
         is_cut = isinstance(world.certificate, Cut)
         return not is_cut, "cut" if is_cut else "witness"
-    if episode.verdict == Verdict.REACHED and not world.unread:
+    if episode.verdict == Verdict.REACHED:
         return True, ""
     with working("deciding whether the run could have arrived"):
         answer = verify_world(world)

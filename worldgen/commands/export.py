@@ -72,11 +72,11 @@ def export(
     import` restores them.
     """
     from worldgen import interop
-    from worldgen.files.grid import read_world
+    from worldgen.files.worlds import read_whole_world
 
     with working(f"exporting {world}"):
         export = interop.export_world(
-            read_world(world),
+            read_whole_world(world),
             name or interop.guess_format(out.name),
             file=out.name,
             options={} if noise is None else {"noise": "on" if noise else "off"},

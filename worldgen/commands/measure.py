@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, note
 from worldgen.errors import InvalidWorld
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
@@ -42,6 +42,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds
+    from worldgen.reach.decision import unread_reason
 
     if as_csv and as_json:
         raise click.UsageError("--csv and --json are two forms of the same output; use one of them")
@@ -51,6 +52,8 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
             for path, world in read_worlds(paths):
                 work.say(f"{path}, world {len(results) + 1}")
                 _check_its_own(path, world)
+                if world.unread:
+                    note(f"warning: {path}: {unread_reason(world.unread)}")
                 results.append((path, measured(world).as_dict()))
     # Measurements are printed even if the work ends early.
     finally:

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -58,6 +66,7 @@ def show(
     """
     from worldgen import render
     from worldgen.files.grid import read_world
+    from worldgen.reach.decision import unread_reason
 
     # Refuse bad output before the work.
     outs = tuple(dict.fromkeys(outs))
@@ -65,6 +74,8 @@ def show(
         check_out("--picture", out, *_DRAWN_BY, force=force)
     # Draw all pictures before any is written.
     world = read_world(path)
+    if world.unread:
+        note(f"warning: {unread_reason(world.unread)}")
     pictures: list[tuple[Path, bytes]] = []
     for out in outs:
         with working(f"drawing {path}"):

@@ -9,6 +9,7 @@ from worldgen.errors import FormatError
 from worldgen.files.archives import is_archive, members
 from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
+from worldgen.reach.decision import unread_reason
 from worldgen.world import World
 
 _ENDINGS = (".grid", ".grid.gz")
@@ -17,6 +18,26 @@ _ENDINGS = (".grid", ".grid.gz")
 def is_world_file(name: str) -> bool:
     """Return True if a file's name is a world's."""
     return name.endswith(_ENDINGS)
+
+
+def read_whole_world(path: Path) -> World:
+    """Read a world to search in, or to change, and thereby to prove something about it.
+
+    Raises:
+        FormatError: If it cannot be read, or something of the map that it was imported from was
+            not read.
+    """
+    world = read_world(path)
+    if world.unread:
+        raise FormatError(
+            "part-not-read",
+            "{reason}, so nothing can be proved in this world",
+            "if it cannot, import the map again with --ignore-unread",
+            at_terminal=True,
+            reason=unread_reason(world.unread),
+            source=str(path),
+        )
+    return world
 
 
 def files_in(folder: Path) -> list[Path]:

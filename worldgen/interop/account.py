@@ -22,14 +22,14 @@ from worldgen.errors import FormatError
 # Kinds of unread elements that are named one by one; the others are only counted.
 _MOST_NAMED = 20
 
-Path = tuple[str, ...]
-IsHarmless = Callable[[Path], bool]
+Names = tuple[str, ...]
+IsHarmless = Callable[[Names], bool]
 
 
 class Tree(Protocol):
     """A parsed file, or a part of one."""
 
-    def left_over(self, path: Path, is_harmless: IsHarmless) -> Iterator[str]:
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
         """Yield a few words for each part that nobody took."""
 
 
@@ -51,7 +51,7 @@ class Account:
                 obstacles.
         """
 
-        def is_harmless(path: Path) -> bool:
+        def is_harmless(path: Names) -> bool:
             return any("/".join(path[at:]) in harmless for at in range(len(path)))
 
         found = Counter(self.unread)
@@ -106,7 +106,7 @@ def _counted(count: int, what: str) -> str:
     return f"{count} {first}{blank}{rest}"
 
 
-class Parts(dict[str, Any]):
+class NamedParts(dict[str, Any]):
     """The named parts of an element, which remember what a reader takes.
 
     ``part["name"]`` and ``part.get("name")`` take; ``in``, iteration and :meth:`peek` do not.
@@ -144,7 +144,7 @@ class Parts(dict[str, Any]):
         if not self._is_passed_over:
             yield from (name for name, value in self.items() if value and name not in self._taken)
 
-    def left_over(self, path: Path, is_harmless: IsHarmless) -> Iterator[str]:
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
         """Yield a few words for each part that nobody took."""
         where = f" in {path[-1]}" if path else ""
         for name in self.untaken():
@@ -158,35 +158,35 @@ class Parts(dict[str, Any]):
                 yield from _left_in(self.peek(name), (*path, name), is_harmless)
 
 
-def _left_in(value: Any, path: Path, is_harmless: IsHarmless) -> Iterator[str]:
-    if isinstance(value, Parts):
+def _left_in(value: Any, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
+    if isinstance(value, NamedParts):
         yield from value.left_over(path, is_harmless)
     elif isinstance(value, list):
         # A list of numbers, which may have millions, was taken as a whole.
-        items = [item for item in value if isinstance(item, Parts | list)]
+        items = [item for item in value if isinstance(item, NamedParts | list)]
         for item in items:
             # An item of which nobody took anything is one element, not as many as it has keys.
-            if isinstance(item, Parts) and item.is_untouched and item:
+            if isinstance(item, NamedParts) and item.is_untouched and item:
                 yield f"{path[-1]} in {path[-2]}" if path[1:] else path[-1]
             else:
                 yield from _left_in(item, path, is_harmless)
 
 
 def parse_json(text: bytes | str) -> Any:
-    """Parse JSON whose objects are :class:`Parts`, and register it.
+    """Parse JSON whose objects are :class:`NamedParts`, and register it.
 
     Raises:
         FormatError: If an object has a key twice.
         ValueError, RecursionError: As ``json.loads``.
     """
     parsed = json.loads(text, object_pairs_hook=_parts)
-    if isinstance(parsed, Parts):
+    if isinstance(parsed, NamedParts):
         account_for(parsed)
     return parsed
 
 
-def _parts(pairs: list[tuple[str, Any]]) -> Parts:
-    parts = Parts(pairs)
+def _parts(pairs: list[tuple[str, Any]]) -> NamedParts:
+    parts = NamedParts(pairs)
     if len(parts) < len(pairs):
         names = Counter(name for name, _ in pairs)
         raise FormatError(

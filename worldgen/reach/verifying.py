@@ -36,11 +36,11 @@ def verify_world(
         ``result``, ``certificate`` (witness, cut, confinement, swap or None),
         ``certificate_valid``, ``decided`` (again, or read from the file), ``clearance``, ``radius``
         and ``reason``; ``unread``, a list, if the world lacks elements of the map that it was
-        imported from, and then ``result`` is undecided; ``deadline`` if there is one; ``robots``, their number, if there are
-        several, and then ``radius`` is the largest of theirs; for a witness in a world that changes
-        or under a deadline, also ``margin`` (s by which it may begin later) and ``latest_start`` (s
-        until which the robot may wait at the start, on the best path); both None
-        if there is no limit.
+        imported from, and then ``result`` is undecided; ``deadline`` if there is one; ``robots``,
+        their number, if there are several, and then ``radius`` is the largest of theirs; for a
+        witness in a world that changes or under a deadline, also ``margin`` (s by which it may
+        begin later) and ``latest_start`` (s until which the robot may wait at the start, on the
+        best path); both None if there is no limit.
 
     Raises:
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.

@@ -231,6 +231,14 @@ def _properties(**values: float) -> list[dict[str, object]]:
     return [{"name": name, "type": "float", "value": value} for name, value in values.items()]
 
 
+# Offsets of layers are not here, because they move walls.
+_HARMLESS = frozenset({
+    "backgroundcolor", "class", "color", "compressionlevel", "draworder", "editorsettings", "export", "id",
+    "locked", "name", "nextlayerid", "nextobjectid", "opacity", "properties", "renderorder", "tiledversion",
+    "tintcolor", "type", "version", "visible", "layers/height", "layers/width", "layers/parallaxx",
+    "layers/parallaxy", "parallaxoriginx", "parallaxoriginy",
+})  # fmt: skip
+
 tiled = Format(
     "tiled",
     "map of the editor Tiled, .tmj",
@@ -243,12 +251,6 @@ tiled = Format(
     holds=frozenset(HELD),
     client="Tiled",
     most_bytes=_MOST_BYTES,
-    # Offsets of layers are not here, because they move walls.
-    harmless=frozenset({
-        "backgroundcolor", "class", "compressionlevel", "draworder", "editorsettings", "export", "id", "locked", "name",
-        "nextlayerid", "nextobjectid", "opacity", "properties", "renderorder", "tiledversion", "tintcolor", "type",
-        "version", "visible",
-        "layers/height", "layers/width", "layers/parallaxx", "layers/parallaxy", "parallaxoriginx", "parallaxoriginy",
-    }),
+    harmless=_HARMLESS,
     usual_robot=GRID_AGENT,
 )

@@ -153,8 +153,7 @@ def read_gazebo_world(
     scene = _GazeboScene()
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
-    for plugin in world.all("plugin"):
-        _pass_over_system(plugin)
+    _count_plugins(scene, world)
     # Turn them into cells.
     barn = _is_barn(scene)
     frame = _frame(scene, own, cell_size, barn=barn)
@@ -184,7 +183,7 @@ def _unread(scene: _GazeboScene) -> tuple[str, ...]:
     """Return what in the world was not read, counted."""
     return tuple(
         f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}"
-        for what, count in sorted(scene.unread.items())
+        for what, count in sorted((+scene.unread).items())
     )
 
 
@@ -293,8 +292,12 @@ def _check_state(
         # Poses of links are in the world's frame here, and rounded.
         if link is None or moved.first("pose") is None:
             continue
-        pairs = zip(_pose(moved), pose.then(_pose(link)), strict=True)
-        if any(abs(math.remainder(a - b, 2 * math.pi) if axis > 2 else a - b) > _MOVED for axis, (a, b) in enumerate(pairs)):
+        there, here = (
+            [float(value) for value in one] for one in (_pose(moved), pose.then(_pose(link)))
+        )
+        off = [a - b for a, b in zip(there, here, strict=True)]
+        off[3:] = [math.remainder(angle, 2 * math.pi) for angle in off[3:]]
+        if max(map(abs, off)) > _MOVED:
             scene.unread["links moved by <state>"] += 1
 
 
@@ -320,19 +323,19 @@ def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
                     )
     for joint in model.all("joint"):
         if joint.attributes.get("type", "") != "fixed":
-            scene.unread["joints that move"] += 1
+            scene.unread["joints with motion"] += 1
         joint.pass_over()
-    for plugin in model.all("plugin"):
-        _pass_over_system(plugin)
+    _count_plugins(scene, model)
     _count_includes(scene, model)
     for inner in model.all("model"):
         _add_model(scene, inner, pose.then(_pose(inner)))
 
 
-def _pass_over_system(plugin: XmlElement) -> None:
-    """Pass over a plugin that is a part of Gazebo; any other can do anything."""
-    names = (plugin.attributes.get("filename", ""), plugin.attributes.get("name", ""))
-    if any(_SYSTEM.match(name) for name in names):
+def _count_plugins(scene: _GazeboScene, parent: XmlElement) -> None:
+    """Count the plugins that are not parts of Gazebo, because they can do anything."""
+    for plugin in parent.all("plugin"):
+        names = (plugin.attributes.get("filename", ""), plugin.attributes.get("name", ""))
+        scene.unread["plugins of others"] += not any(map(_SYSTEM.match, names))
         plugin.pass_over()
 
 
@@ -369,7 +372,7 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
 
 def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
     """Treat a plane as the floor; a plane on edge is a wall, and is reported as unread."""
-    plane.first("size")  # a floor has no edge for us
+    plane.word("size")  # a floor has no edge for us
     normal = plane.first("normal")
     x, y, _ = _numbers(normal, 3) if normal is not None else (Fraction(0), Fraction(0), Fraction(1))
     if x != 0 or y != 0 or not upright:

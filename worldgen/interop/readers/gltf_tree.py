@@ -12,7 +12,7 @@ import struct
 from typing import Any
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import Parts, parse_json, report_unread
+from worldgen.interop.account import NamedParts, parse_json, report_unread
 
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
@@ -41,7 +41,8 @@ _READ = {
 GLTF_HARMLESS = frozenset({
     "asset", "name", "extras", "cameras", "camera", "images", "materials", "material", "samplers", "textures",
     "accessors/max", "accessors/min", "accessors/normalized", "bufferViews/target",
-    "attributes/NORMAL", "attributes/TANGENT", *(f"attributes/{kind}_{n}" for kind in ("TEXCOORD", "COLOR") for n in range(8)),
+    "attributes/NORMAL", "attributes/TANGENT",
+    *(f"attributes/{kind}_{n}" for kind in ("TEXCOORD", "COLOR") for n in range(8)),
 })  # fmt: skip
 """Names of what a glTF file has besides surfaces."""
 _PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -134,17 +135,17 @@ def _take_scene(document: dict[str, Any]) -> None:
 def _take_extensions(part: Any) -> None:
     """Take all lists and tables of extensions, and report those that might be obstacles."""
     waiting = [part]
-    strange = set()
+    strange: set[str] = set()
     while waiting:
         part = waiting.pop()
         if isinstance(part, list):
-            waiting += [item for item in part if isinstance(item, Parts | list)]
-        elif isinstance(part, Parts):
+            waiting += [item for item in part if isinstance(item, NamedParts | list)]
+        elif isinstance(part, NamedParts):
             waiting += [part.peek(name) for name in part if name not in ("extensions", "extras")]
             for key in ("extensions", "extensionsUsed", "extensionsRequired"):
                 if key in part:
                     strange.update(name for name in part.get(key) if not name.startswith(_HARMLESS))
-            if isinstance(part.peek("extensions"), Parts):
+            if isinstance(part.peek("extensions"), NamedParts):
                 part["extensions"].pass_over()
     for name in sorted(strange):
         report_unread(f"extensions {name}")

@@ -59,7 +59,7 @@ class GreyImage:
     def report_transparent(self) -> None:
         """Report pixels that are not opaque as unread, for programs that have no rule for them."""
         if self.opaque is not None:
-            report_unread("pixels that are transparent", int(np.count_nonzero(~self.opaque)))
+            report_unread("pixels with transparency", int(np.count_nonzero(~self.opaque)))
 
     @property
     def opaque(self) -> Bools | None:

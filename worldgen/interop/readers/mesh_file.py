@@ -33,7 +33,9 @@ _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
 _ELEMENT = re.compile(rb"^element[ \t]+(\w+)[ \t]+(\d+)", re.MULTILINE)
 # Words of an OBJ file: corners and faces, and those that only name or paint them.
-_OBJ = frozenset(b"v vn vt f o g s mtllib usemtl usemap maplib d_interp c_interp lod shadow_obj".split())
+_OBJ = frozenset(
+    b"v vn vt f o g s mtllib usemtl usemap maplib d_interp c_interp lod shadow_obj".split()
+)
 _STL_TEXT = re.compile(
     rb"(?im)^[ \t]*(?:end)?solid\b[^\r\n]*|\bfacet\s+normal(?:\s+\S+){3}\s+outer\s+loop(?:\s+vertex(?:\s+\S+){3}){3}"
     rb"\s+endloop\s+endfacet\b"
@@ -94,7 +96,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
             held = _held(data, kind)
         vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
         _report_other_words(data, kind, len(faces))
-    report_unread("parts that are not surfaces, such as points and lines", left_out)
+    report_unread("parts other than surfaces, such as points and lines", left_out)
     _check_arrays(vertices, faces)
     return RawMesh(up, vertices, faces, held, unit)
 
@@ -114,7 +116,9 @@ def _report_other_words(data: bytes, kind: str, faces: int) -> None:
     if kind == "obj":
         lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
         words = Counter(line.split(None, 1)[0] for line in lines if line.strip())
-        for word in sorted(word for word in words if word not in _OBJ and not word.startswith(b"#")):
+        for word in sorted(
+            word for word in words if word not in _OBJ and not word.startswith(b"#")
+        ):
             report_unread(f"lines {quote(word, 20)}", words[word])
     elif kind == "ply":
         head = data.partition(b"end_header")[0]
@@ -126,7 +130,7 @@ def _report_other_words(data: bytes, kind: str, faces: int) -> None:
         if own != 0:
             # A text; what is left without its facets and names is of no known kind.
             rest = _STL_TEXT.sub(b"", data)
-            report_unread("words that are not facets", len(rest.split()))
+            report_unread("words besides facets", len(rest.split()))
             report_unread("facets", data.lower().count(b"endfacet") - faces)
 
 

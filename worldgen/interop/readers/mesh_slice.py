@@ -23,14 +23,7 @@ from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.account import report_unread
 from worldgen.interop.foreign_map import ForeignMap, check_sides
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
-from worldgen.interop.geometry.section import (
-    Bodies,
-    Section,
-    cut,
-    open_count,
-    paint,
-    sort_bodies,
-)
+from worldgen.interop.geometry.section import Bodies, Section, cut, open_count, paint, sort_bodies
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.bounds import check_between
@@ -180,7 +173,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         )
     level = floors[plane.floor]
     section = cut(bodies, level + plane.height)
-    report_unread("bodies that are not closed", open_count(bodies, level + plane.height))
+    report_unread("bodies with holes", open_count(bodies, level + plane.height))
     if not len(section.closed) and not len(section.sheets):
         raise FormatError(
             "nothing-there",

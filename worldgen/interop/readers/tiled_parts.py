@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import Parts, parse_json, report_unread
+from worldgen.interop.account import NamedParts, parse_json, report_unread
 from worldgen.support.arrays import Ints
 from worldgen.support.plain_text import quote
 
-TiledPart: TypeAlias = Parts
+TiledPart: TypeAlias = NamedParts
 # The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
@@ -58,7 +58,7 @@ def parse_tiled(data: bytes) -> TiledPart:
         raise FormatError(
             "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
         ) from error
-    if not isinstance(parsed, Parts) or not isinstance(parsed.get("layers"), list):
+    if not isinstance(parsed, NamedParts) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
             "unknown-format",
             "is JSON without layers; the only JSON maps that can be read are Tiled's",
@@ -116,7 +116,7 @@ def all_layers(parsed: TiledPart) -> list[TiledPart]:
     found: list[TiledPart] = []
     while waiting:
         layer = waiting.pop()
-        if not isinstance(layer, Parts) or len(found) >= _MOST_LAYERS:
+        if not isinstance(layer, NamedParts) or len(found) >= _MOST_LAYERS:
             raise FormatError(
                 "too-many-layers",
                 "a layer is not an object, or there are more than {most}",
@@ -180,10 +180,13 @@ def report_large_tiles(parsed: TiledPart) -> None:
     sets = parsed.get("tilesets")
     side = checked_number(parsed, "tilewidth")
     for one in sets if isinstance(sets, list) else ():
-        if isinstance(one, Parts):
+        if isinstance(one, NamedParts):
             sides = (one.get("tilewidth", side), one.get("tileheight", side))
             is_larger = any(isinstance(value, int) and value > side for value in sides)
-            report_unread("tilesets whose tiles reach beyond their cells", is_larger or bool(one.get("tileoffset")))
+            report_unread(
+                "tilesets whose tiles reach beyond their cells",
+                is_larger or bool(one.get("tileoffset")),
+            )
             one.pass_over()
 
 
@@ -318,7 +321,7 @@ def _objects(layers: list[TiledPart]) -> Iterator[TiledPart]:
     for layer in layers:
         objects = layer.peek("objects")
         if layer.peek("type") == "objectgroup" and isinstance(objects, list):
-            yield from (part for part in objects if isinstance(part, Parts))
+            yield from (part for part in objects if isinstance(part, NamedParts))
 
 
 def numbers_of(part: TiledPart, *keys: str) -> dict[str, float]:

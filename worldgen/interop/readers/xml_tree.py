@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import IsHarmless, Parts, Path, account_for
+from worldgen.interop.account import IsHarmless, NamedParts, Names, account_for
 
 _MOST_DEPTH = 64
 _MOST_ELEMENTS = 2_000_000
@@ -31,7 +31,7 @@ class XmlElement:
 
     name: str
     line: int
-    attributes: Parts = field(default_factory=Parts)
+    attributes: NamedParts = field(default_factory=NamedParts)
     inside: list[XmlElement] = field(default_factory=list)
     words: str = ""
     _is_taken: bool = False
@@ -65,11 +65,12 @@ class XmlElement:
             child._is_taken = True
             child.pass_over()
 
-    def left_over(self, path: Path, is_harmless: IsHarmless) -> Iterator[str]:
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
         """Yield a few words for each element and attribute that nobody took."""
         path = path or (self.name,)
         for name in self.attributes.untaken():
-            if not is_harmless((*path, name)):
+            # Namespaces and languages belong to XML itself.
+            if not (name.startswith(("xmlns", "xml:")) or is_harmless((*path, name))):
                 yield f"attributes {name} of <{path[-1]}>"
         if not self._has_text_taken and self.words.strip():
             yield f"texts in <{path[-1]}>"
@@ -167,7 +168,7 @@ class _TreeBuilder:
                 most_elements=_MOST_ELEMENTS,
                 line=self.parser.CurrentLineNumber,
             )
-        element = XmlElement(name, self.parser.CurrentLineNumber, Parts(attributes.items()))
+        element = XmlElement(name, self.parser.CurrentLineNumber, NamedParts(attributes.items()))
         self.open[-1].inside.append(element)
         self.open.append(element)
         self._texts.append([])

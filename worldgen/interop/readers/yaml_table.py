@@ -14,7 +14,7 @@ from typing import NamedTuple
 import yaml
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import IsHarmless, Path, account_for
+from worldgen.interop.account import IsHarmless, Names, account_for
 
 # The C parser is several times as fast, and is in every wheel of PyYAML.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -80,7 +80,7 @@ class YamlTable:
         self._taken.update(self._entries)
         self._inner.clear()
 
-    def left_over(self, path: Path, is_harmless: IsHarmless) -> Iterator[str]:
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
         """Yield a few words for each key that nobody took."""
         for key in self._entries:
             inner = (*path, key)
