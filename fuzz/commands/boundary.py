@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from worldgen.cli.usage import missing
 from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option
 
 if TYPE_CHECKING:
@@ -113,9 +114,7 @@ def _subject(
         return Subject(world, scenario)
     failure = Failure.found_in(world)
     if failure is None:
-        raise click.UsageError(
-            f"{path} does not hold a failure that names a controller; use --controller NAME"
-        )
+        raise missing("controller", f"{path} holds no failure, which would name one")
     return Subject(failure.world, failure.scenario)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from fuzz.commands._options import (
     output_options,
     seconds_of,
 )
+from worldgen.cli.usage import ConditionalCommand
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,
@@ -52,7 +54,15 @@ _HELP = {
 }
 
 
-@click.command(epilog=EXAMPLES)
+def _unless_resumed(given: Mapping[str, Any]) -> str:
+    return "" if given.get("resume") else "it is needed unless --resume continues a campaign"
+
+
+@click.command(
+    cls=ConditionalCommand,
+    needs={"controller": _unless_resumed, "out": _unless_resumed},
+    epilog=EXAMPLES,
+)
 @declared_options(_DECLARED, _HELP)
 @budget_options("to search and shrink")
 @workers_option
@@ -182,7 +192,7 @@ def fuzz(
 
 
 def _begin(
-    run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any
+    run_budget: Budget, *, out: Path, seed: int | None, force: bool, **said: Any
 ) -> CampaignRun:
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
@@ -190,8 +200,6 @@ def _begin(
     from sim.options.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
-    if not options.controller or out is None:
-        raise click.UsageError("use --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
             "use --world, or --family and --strategy, not both: on a fixed map only the poses vary"

@@ -7,12 +7,15 @@ rejection of options that are given twice.
 from __future__ import annotations
 
 import weakref
+from collections.abc import Mapping
 from typing import Any
 
 import click
 
 from worldgen.cli.configuration import FILE, configured
+from worldgen.cli.names import NameKind, kind_of, names_in_one
 from worldgen.cli.output import note
+from worldgen.cli.usage import ExtraWords, GivenTwice, UnknownCommand
 from worldgen.support.progress import set_verbosity
 
 
@@ -43,8 +46,6 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
     ),
 )
 
-# Other spellings of --picture that people try.
-_FOR_A_PICTURE = ("--html", "--image", "--out", "--plot", "--png", "--svg")
 _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
@@ -54,13 +55,18 @@ def equip(command: click.Command) -> click.Command:
     A second call changes nothing.
     """
     if isinstance(command, click.Group):
+        if command not in _EQUIPPED:
+            _EQUIPPED.add(command)
+            _watch_names(command)
+            watch_parser(command)
         for below in command.commands.values():
             equip(below)
         return command
     if command not in _EQUIPPED:
         _EQUIPPED.add(command)
         _add_options(command)
-        _watch_parser(command)
+        watch_parser(command)
+        _complete_names(command)
     return command
 
 
@@ -83,7 +89,33 @@ def _add_options(command: click.Command) -> None:
     command.get_params = with_ours  # type: ignore[method-assign, assignment]
 
 
-def _watch_parser(command: click.Command) -> None:
+def _complete_names(command: click.Command) -> None:
+    """Let shells complete the names that the command's options and arguments take."""
+    for parameter in command.params:
+        kind = kind_of(command, parameter)
+        if kind is not None:
+
+            def complete(context: click.Context, incomplete: str, kind: NameKind = kind) -> Any:
+                from worldgen.cli.completion import complete_names
+
+                return complete_names(kind, incomplete)
+
+            parameter.shell_complete = complete  # type: ignore[method-assign]
+
+
+def _watch_names(group: click.Group) -> None:
+    """Report an unknown command of a group like one of the whole program."""
+    resolve_command = group.resolve_command
+
+    def strict(context: click.Context, args: list[str]) -> Any:
+        if not args[0].startswith("-") and group.get_command(context, args[0]) is None:
+            raise UnknownCommand(args[0], group.list_commands(context), context)
+        return resolve_command(context, args)
+
+    group.resolve_command = strict  # type: ignore[method-assign]
+
+
+def watch_parser(command: click.Command) -> None:
     """Check the arguments before click does, because click would take the last of two values."""
     make_parser = command.make_parser
 
@@ -93,13 +125,21 @@ def _watch_parser(command: click.Command) -> None:
         parse_args = parser.parse_args
 
         def parse(args: list[str]) -> Any:
+            typed = tuple(args)  # click takes words out of the list
             try:
                 opts, rest, order = parse_args(args)
             except click.NoSuchOption as error:
-                message = _no_such_option(error.option_name, command.get_params(context))
-                raise click.UsageError(message, context) from None
-            _refuse_repetition(order, context)
+                flag = _as_typed(error.option_name, typed)
+                raise click.NoSuchOption(flag, _no_such_option(flag, context), ctx=context) from None
+            except click.UsageError as error:
+                error.ctx = error.ctx or context
+                raise
+            # Shell completion reads commands that are not complete yet.
             if not context.resilient_parsing:
+                _refuse_repetition(order, context)
+                _refuse_lists(command, opts, order, context)
+                if rest and not context.allow_extra_args:
+                    raise ExtraWords(rest, context)
                 given = {parameter.name for parameter in order if parameter.name is not None}
                 context.default_map = _defaults(command, context, given, aloud="verbose" in opts)
             return opts, rest, order
@@ -110,18 +150,35 @@ def _watch_parser(command: click.Command) -> None:
     command.make_parser = strict_parser  # type: ignore[method-assign, assignment]
 
 
-def _no_such_option(flag: str, parameters: list[click.Parameter]) -> str:
-    """Return the message about an unknown option, with the one that was probably meant.
+def _as_typed(flag: str, args: tuple[str, ...]) -> str:
+    """Return the word in which click found an unknown option: it reads -help as -h -e -l -p."""
+    if flag.startswith("--"):
+        return flag
+    long = (word for word in args if word[:1] == "-" != word[1:2] and flag[1:] in word[2:])
+    return next(long, flag)
 
-    click compares names with their dashes, which makes ``--out`` look like ``--quiet``.
-    """
-    import difflib
 
-    names = [one.removeprefix("--") for part in parameters for one in part.opts if "--" in one]
-    if flag in _FOR_A_PICTURE and "picture" in names:
-        return f"No such option {flag!r}; to draw, write --picture OUT"
-    close = difflib.get_close_matches(flag.lstrip("-"), names, 1)
-    return f"No such option {flag!r}" + (f"; did you mean --{close[0]}?" if close else "")
+def _refuse_lists(
+    command: click.Command,
+    opts: Mapping[str, Any],
+    order: list[click.Parameter],
+    context: click.Context,
+) -> None:
+    """Refuse ``--family maze,trap``, and say how to write it."""
+    for option in dict.fromkeys(order):
+        values = opts.get(option.name or "")
+        for text in values if isinstance(values, list) else ():
+            if isinstance(text, str) and names_in_one(command, option, text):
+                message = f"{text!r} is several names; write the option once for each"
+                raise click.BadParameter(message, context, option)
+
+
+def _no_such_option(flag: str, context: click.Context) -> str:
+    """Return the message about an unknown option, with the one that was probably meant."""
+    from worldgen.cli.corrections import meant_flag
+
+    meant = meant_flag(context, flag)
+    return f"there is no option {flag}" + (f"; did you mean {meant}?" if meant else "")
 
 
 def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> None:
@@ -131,8 +188,7 @@ def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> 
             flag = next(
                 (name for name in parameter.opts if name.startswith("--")), parameter.opts[0]
             )
-            several = "; worldgen compare runs several" if flag == "--controller" else ""
-            raise click.UsageError(f"{flag} is given twice; give it once{several}", context)
+            raise GivenTwice(parameter, flag, context)
         seen.add(parameter.name)
 
 

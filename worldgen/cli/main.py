@@ -9,18 +9,22 @@ import shlex
 import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
-from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
+from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip, watch_parser
 from worldgen.cli.output import note
 from worldgen.cli.overview import COMMANDS, describe_versions
+from worldgen.cli.usage import UnknownCommand
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
 from worldgen.support.progress import display_on_stderr
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 EPILOG = (
     "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
@@ -72,18 +76,25 @@ class LazyGroup(click.Group):
             return family_command(cmd_name)
         return None
 
+    def shell_complete(
+        self, ctx: click.Context, incomplete: str
+    ) -> list[CompletionItem[str]]:
+        """Complete a command's name without importing any command."""
+        from click.shell_completion import CompletionItem
+
+        if incomplete.startswith("-"):
+            return click.Command.shell_complete(self, ctx, incomplete)
+        summaries = {name: text for job in COMMANDS.values() for name, text in job.items()}
+        names = (name for name in self.list_commands(ctx) if name.startswith(incomplete))
+        return [CompletionItem(name, help=summaries.get(name)) for name in names]
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Suggest the nearest command for a misspelt one."""
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
-            import difflib
-
-            names = self.list_commands(ctx)
-            close = difflib.get_close_matches(name, names, n=1)
-            hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
-            ctx.fail(f"no command is called {name!r}; {hint}")
+            raise UnknownCommand(name, self.list_commands(ctx), ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -143,6 +154,9 @@ def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find worlds where they fail."""
 
 
+watch_parser(cli)
+
+
 def _say_how_to_import(error: NotAGrid) -> None:
     """Print the command that makes a world of another program's map, if the file is one."""
     from worldgen.interop.recognising import find_format, looks_like_a_map
@@ -170,6 +184,10 @@ def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
     # Our own packages come first, even if the user has a folder called sim.
     prefer_own_packages()
+    if "_WORLDGEN_COMPLETE" in os.environ:
+        from worldgen.cli.completion import offer_completion
+
+        offer_completion()
     # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
@@ -177,16 +195,28 @@ def main() -> NoReturn:
             sys.stdout.flush()
     except click.exceptions.Exit as stop:
         code = stop.exit_code
-    except click.ClickException as error:
+    except click.exceptions.NoArgsIsHelpError as error:
         error.show()
+        code = 2
+    except click.UsageError as error:
+        from worldgen.cli.corrections import answer
+
+        note(answer(error, cli, sys.argv[1:]), always=True)
+        code = 2
+    except click.ClickException as error:
+        note(f"worldgen: {error.format_message()}", always=True)
         code = 2
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         code = 130
     except WorldgenError as error:
         note(f"worldgen: {error}", always=True)
+        from worldgen.cli.corrections import answer_named
+
         if isinstance(error, NotAGrid):
             _say_how_to_import(error)
+        elif suggested := answer_named(error, cli, sys.argv[1:]):
+            note(f"  {suggested}", always=True)
         code = 2
     # The reader of the pipe has closed it, so writing to it again would also fail.
     except BrokenPipeError:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from worldgen.cli.usage import Instead
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import aligned, alternatives, shown_lines
@@ -140,7 +141,8 @@ def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> Non
         return
     if suffixes and out.suffix not in suffixes:
         endings = alternatives(suffixes)
-        raise click.UsageError(f"{option} {out}: use a name that ends in {endings}")
+        message = f"{option} {out}: use a name that ends in {endings}"
+        raise Instead(message, str(out), str(out.with_suffix(suffixes[0])))
     check_output(out, force)
 
 
