@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
-from worldgen.cli.usage import Instead
 from worldgen.cli.output import PATH, named_also
+from worldgen.cli.usage import Instead
 from worldgen.parameters import Parameter
 
 # Budget of a search if none is given.

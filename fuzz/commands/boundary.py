@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.usage import missing
 from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option
+from worldgen.cli.usage import missing
 
 if TYPE_CHECKING:
     from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.usage import missing
 from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, time_step_option
+from worldgen.cli.usage import missing
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 

@@ -16,7 +16,6 @@ from fuzz.commands._options import (
     output_options,
     seconds_of,
 )
-from worldgen.cli.usage import ConditionalCommand
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,
@@ -28,6 +27,7 @@ from worldgen.cli.output import (
     typed,
     workers_option,
 )
+from worldgen.cli.usage import ConditionalCommand
 
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun

@@ -214,6 +214,16 @@ def _program_hint(name: str) -> Message | None:
             command=command,
         )
 
+    # A path is neither registered nor a module.
+    if not place and "/" in first:
+        return Message(
+            "no-such-file",
+            "controller {name!r}: there is no file {file}",
+            "check the path; a program is written 'cmd:{name}', a class ./file.py:name",
+            name=name,
+            file=first,
+        )
+
     # A colon after a path that is not Python looks like a mistyped ./file.py:name.
     if "/" in place and not place.endswith(".py"):
         return Message(

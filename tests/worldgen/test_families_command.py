@@ -205,13 +205,13 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
     ("options", "message"),
     [
         (["--size", 5], "worldgen: size=5 cells is outside 10 to 20000 cells"),
-        (["--size", "big"], "Invalid value for '--size': 'big' is not a valid integer"),
+        (["--size", "big"], "--size: 'big' is not a whole number"),
         (["--algorithm", "prism"], "'prism' is not one of 'wilson', 'aldous-broder'"),
         (["--braid", "nan"], "worldgen: maze: braid=nan is not finite"),
-        (["--sise", 5], "No such option '--sise'"),
-        (["--seed", -1], "Invalid value for '--seed'"),
-        (["--count", 0], "Invalid value for '--count'"),
-        (["--count", 2], "--count 2 writes 2 files; choose a folder for them with --out"),
+        (["--sise", 5], "there is no option --sise; did you mean --size?"),
+        (["--seed", -1], "--seed: -1 is not a whole number from 0"),
+        (["--count", 0], "--count: 0 is not a whole number of at least 1"),
+        (["--count", 2], "--out is missing; --count 2 writes 2 files"),
         (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
         (["--count", 2, "--out", __file__], "is a file; choose a folder for more than one world"),
         (

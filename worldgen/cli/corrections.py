@@ -18,8 +18,8 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
 from worldgen.cli.names import CONTROLLER, NameKind, kind_of, names_in_one
+from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
 from worldgen.errors import WorldgenError
 from worldgen.support.known_names import nearest
 
@@ -109,13 +109,17 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
 def _clamped(error: WorldgenError, words: Sequence[str]) -> list[str] | None:
     facts = error.facts
     name, value, low, high = (facts.get(one) for one in ("name", "value", "low", "high"))
-    if not (isinstance(name, str) and isinstance(value, int | float)):
+    is_bound = error.code in ("out-of-range", "below-minimum")
+    if not (is_bound and isinstance(name, str) and isinstance(value, int | float)):
         return None
     bound = low if isinstance(low, int | float) and value < low else high
     flag = f"--{name.replace('_', '-')}"
     at = next((k for k, word in enumerate(words) if word.partition("=")[0] == flag), None)
     if at is None or not isinstance(bound, int | float):
         return None
+    # Zero itself may be too small, and the default never is.
+    if bound == 0 and isinstance(value, float):
+        return [*words[:at], *words[at + (1 if "=" in words[at] else 2) :]]
     text = f"{bound:g}" if isinstance(bound, float) else str(bound)
     end = at + (1 if "=" in words[at] else 2)
     return [*words[:at], flag, text, *words[end:]]
@@ -193,10 +197,34 @@ def _polished(group: click.Group, words: Sequence[str]) -> list[str]:
         kind = kind_of(command.command, argument)
         if kind is not None:
             part.value = _better_name(kind, part.value or "")
-        elif isinstance(argument.type, click.Path) and not Path(part.value or "").exists():
-            other = _other_file(part.value or "", "no-such-file")
-            part.value = other or part.value
-    return command.words()
+    for part in texts:
+        if part.value and isinstance(_argument_of(command, part, texts).type, click.Path):
+            _mend_path(command, part)
+    return command.words() if first_fault(group, command.words()) is None else list(words)
+
+
+def _argument_of(command: _Command, part: _Part, texts: list[_Part]) -> click.Argument:
+    at = next(k for k, one in enumerate(texts) if one is part)
+    return command.arguments[min(at, len(command.arguments) - 1)]
+
+
+def _mend_path(command: _Command, part: _Part) -> None:
+    """Replace a path that does not exist by the one that was meant, or by an option."""
+    text = part.value or ""
+    if Path(text).exists():
+        return
+    needed = sum(one.required for one in command.arguments)
+    option = next(_homes(command, text), None) if _word_count(command) > needed else None
+    is_plain = _NUMBER.fullmatch(text) or not Path(text).suffix
+    if option is not None and option.name not in _WRITTEN and is_plain:
+        command.parts.remove(part)
+        command.add(option, text)
+        return
+    part.value = _other_file(text, "no-such-file") or text
+    # A name that no file has: `run maze`.
+    example = command.example(command.arguments[0])
+    if part.value == text and not Path(text).suffix and "/" not in text and example:
+        part.value = example if Path(example).exists() else text
 
 
 def _better_name(kind: NameKind, text: str) -> str:
@@ -215,7 +243,9 @@ def _better_name(kind: NameKind, text: str) -> str:
         defined = kind.in_file(file) if file.suffix == ".py" else []
         if attribute not in defined:
             attribute = nearest(attribute, defined) or "".join(defined[:1])
-        found = f"{file if file != Path(place) else place}:{attribute}" if attribute else ""
+        spelt = place if file == Path(place) else str(file)
+        dot = "./" if place.startswith("./") and not spelt.startswith("./") else ""
+        found = f"{dot}{spelt}:{attribute}" if attribute else ""
     elif kind is CONTROLLER and Path(name).is_file():
         found = f"cmd:{name}" if "/" in name else f"cmd:./{name}"
     else:
@@ -378,6 +408,9 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
     if isinstance(error, ExtraWords):
         _place_words(command, error.words)
     elif isinstance(error, click.NoSuchOption):
+        after = _after_command(error, words)
+        if after is not None:
+            return after
         _rename_option(command, error.option_name)
     elif isinstance(error, click.MissingParameter):
         if not _fill_in(command, error.param):
@@ -403,7 +436,7 @@ def _other_command(error: UnknownCommand, words: Sequence[str]) -> list[str] | N
     if error.name.endswith((".grid", ".grid.gz")) and not before:
         return ["show", error.name, *after]
     if error.name.endswith(".py") and not before:
-        return ["run", error.name, *after]
+        return ["run", "--controller", error.name, *after]
     other = _COMMANDS.get(name)
     if other == "" and after and not before:
         return after
@@ -416,6 +449,16 @@ def _other_command(error: UnknownCommand, words: Sequence[str]) -> list[str] | N
     if before and "list" in error.known and Path(error.name).exists():
         return [*before, "list", error.name, *after]
     return None
+
+
+def _after_command(error: click.NoSuchOption, words: Sequence[str]) -> list[str] | None:
+    """Return the words with a command's options after its name; None if they are not before it."""
+    group = error.ctx.command if error.ctx is not None else None
+    if not isinstance(group, click.Group) or error.ctx is None:
+        return None
+    names = group.list_commands(error.ctx)
+    at = next((k for k, word in enumerate(words) if word in names), 0)
+    return [words[at], *words[at + 1 :], *words[:at]] if at else None
 
 
 def _with_instead(command: _Command, error: Instead) -> list[str]:
@@ -432,10 +475,16 @@ def _rename_option(command: _Command, flag: str) -> None:
     )
     if part is None:
         # click reads -version as -v -e ...
-        part = next((one for one in command.parts if one.flag[:1] == "-" and one.option is None), None)
+        part = next(
+            (one for one in command.parts if one.flag[:1] == "-" and one.option is None), None
+        )
     if part is None:
         return
-    name = part.flag.lstrip("-")
+    name = part.flag.lstrip("-").rstrip(":")
+    # --size60 is --size 60.
+    joined = re.fullmatch(r"([a-z][a-z-]*[a-z])(\d.*)", name)
+    if joined is not None and part.value is None and command.option(joined[1]) is not None:
+        name, part.value = joined[1], joined[2]
     meant = _meant_option(command, name)
     at = command.parts.index(part)
     following = command.parts[at + 1] if at + 1 < len(command.parts) else None
@@ -485,7 +534,19 @@ def _place_words(command: _Command, extra: Sequence[str]) -> None:
     """Turn words that no argument takes into values of options, or drop them."""
     for text in extra:
         part = next(one for one in reversed(command.parts) if not one.flag and one.value == text)
+        before = command.parts[command.parts.index(part) - 1]
         command.parts.remove(part)
+        # `--controller turn right` is one name, and `size=60` an option without its dashes.
+        kind = None if before.option is None else kind_of(command.command, before.option)
+        if kind is not None and f"{before.value}-{text}" in kind.names():
+            before.value = f"{before.value}-{text}"
+            continue
+        name, equals, value = text.partition("=")
+        named = command.option(name.replace("_", "-")) if equals else None
+        if named is not None:
+            if not command.has(named):
+                command.add(named, value)
+            continue
         option = next((one for one in _homes(command, text)), None)
         if option is not None:
             command.add(option, text)
@@ -498,11 +559,14 @@ def _homes(command: _Command, text: str) -> Iterator[click.Option]:
         kind = kind_of(command.command, option)
         if kind is not None and kind.is_named_by(text):
             yield option
+    for option in free:
+        if isinstance(option.type, click.Choice) and text in option.type.choices:
+            yield option
     by_name = {one.name: one for one in free}
     suffix = Path(text).suffix.lower()
     names = []
     if _NUMBER.fullmatch(text) or re.fullmatch(r"\d+[x,]\d+", text):
-        names = ["size", "units"]
+        names = ["size", "units", "radius"]
     elif suffix == ".py" and Path(text).exists():
         names = ["controller"]
     elif suffix == ".grid" and Path(text).exists():
@@ -519,7 +583,9 @@ def _fill_in(command: _Command, parameter: click.Parameter | None) -> bool:
     if isinstance(parameter, click.Option):
         words = [part for part in command.parts if not part.flag and part.value]
         fitting = [
-            part for part in words if parameter in _homes(command, part.value or "")
+            part
+            for part in words
+            if parameter in _homes(command, part.value or "")
             and not (len(words) <= len(command.arguments) and Path(part.value or "").exists())
         ]
         needed = sum(one.required for one in command.arguments)
@@ -616,6 +682,9 @@ def _better(parameter: click.Parameter, text: str) -> list[str]:
     if isinstance(kind, click.Choice):
         near = nearest(text, map(str, kind.choices))
         return [near] if near else []
+    if isinstance(kind, click.types.IntParamType) and text[:2].lower() == "0x":
+        with contextlib.suppress(ValueError):
+            return [str(int(text, 16))]
     found = _NUMBER.search(text)
     if found is None:
         return []
@@ -623,7 +692,9 @@ def _better(parameter: click.Parameter, text: str) -> list[str]:
     unit = re.match(r"\s*([a-zA-Z]+)", text[found.end() :])
     word = unit[1].casefold() if unit else ""
     if isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
-        value = number * (_UNITS.get(word, 1.0) if word in ("k", "cm", "mm", "ms", "min", "h") else 1.0)
+        value = number * (
+            _UNITS.get(word, 1.0) if word in ("k", "cm", "mm", "ms", "min", "h") else 1.0
+        )
         low, high = getattr(kind, "min", None), getattr(kind, "max", None)
         value = max(value, low) if low is not None else value
         value = min(value, high) if high is not None else value
@@ -688,7 +759,9 @@ def _described(
         reason = f"; {error.message}" if error.message else ""
         return f"{name} is missing{reason}"
     if isinstance(error, click.BadOptionUsage):
-        return f"{error.option_name} needs a value" if "requires" in error.message else error.message
+        return (
+            f"{error.option_name} needs a value" if "requires" in error.message else error.message
+        )
     if isinstance(error, click.BadParameter) and error.param is not None:
         return f"{_shown(error.param, error.ctx)}: {_value_fault(error)}"
     return error.format_message()
@@ -713,11 +786,17 @@ def _unexpected(error: ExtraWords, words: Sequence[str]) -> str:
         return f"{quoted} is not expected here"
     command = _Command(error.ctx, words)
     for text in error.words:
+        name, equals, value = text.partition("=")
+        named = command.option(name.replace("_", "-")) if equals else None
+        if named is not None:
+            return f"{text!r} is not expected here; write {_flag_of(named)} {shlex.quote(value)}"
         option = next(_homes(command, text), None)
         if option is not None:
             return f"{text!r} is not expected here; write {_flag_of(option)} {shlex.quote(text)}"
     names = " ".join(one.make_metavar(error.ctx) for one in command.arguments)
-    return f"{quoted} is not expected here; it takes " + (f"only {names}" if names else "only options")
+    return f"{quoted} is not expected here; it takes " + (
+        f"only {names}" if names else "only options"
+    )
 
 
 def _shown(parameter: click.Parameter, context: click.Context | None) -> str:

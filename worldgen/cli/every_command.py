@@ -130,7 +130,9 @@ def watch_parser(command: click.Command) -> None:
                 opts, rest, order = parse_args(args)
             except click.NoSuchOption as error:
                 flag = _as_typed(error.option_name, typed)
-                raise click.NoSuchOption(flag, _no_such_option(flag, context), ctx=context) from None
+                raise click.NoSuchOption(
+                    flag, _no_such_option(flag, context), ctx=context
+                ) from None
             except click.UsageError as error:
                 error.ctx = error.ctx or context
                 raise
@@ -154,7 +156,9 @@ def _as_typed(flag: str, args: tuple[str, ...]) -> str:
     """Return the word in which click found an unknown option: it reads -help as -h -e -l -p."""
     if flag.startswith("--"):
         return flag
-    long = (word for word in args if word[:1] == "-" != word[1:2] and flag[1:] in word[2:])
+    long = (
+        word for word in args if len(word) > 2 and word[0] == "-" != word[1] and flag[1:] in word
+    )
     return next(long, flag)
 
 

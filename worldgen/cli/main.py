@@ -76,9 +76,7 @@ class LazyGroup(click.Group):
             return family_command(cmd_name)
         return None
 
-    def shell_complete(
-        self, ctx: click.Context, incomplete: str
-    ) -> list[CompletionItem[str]]:
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
         """Complete a command's name without importing any command."""
         from click.shell_completion import CompletionItem
 
@@ -191,7 +189,7 @@ def main() -> NoReturn:
     # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
-            code = cli.main(standalone_mode=False)
+            code = cli.main(prog_name="worldgen", standalone_mode=False)
             sys.stdout.flush()
     except click.exceptions.Exit as stop:
         code = stop.exit_code

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from worldgen.cli.usage import ConditionalCommand, missing
 from worldgen.cli.output import (
     PATH,
     draw_seed,
@@ -20,6 +19,7 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
+from worldgen.cli.usage import ConditionalCommand, missing
 from worldgen.commands.set_output import Output, make_many
 from worldgen.commands.wanted_worlds import (
     CONSTRAINT_OPTIONS,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import PATH, emit_json, json_option
 from worldgen.errors import InvalidWorld
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 @click.command(
     epilog="\b\n  worldgen measure w.grid\n  worldgen measure worlds/ --csv > worlds.csv"
 )
-@click.argument(
-    "paths",
-    metavar="PATH...",
-    nargs=-1,
-    required=True,
-    type=click.Path(exists=True, path_type=Path),
-)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line for each world."
 )

@@ -25,7 +25,7 @@ SHOWN = 20
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
+@click.argument("path", metavar="SET", type=PATH)
 @click.option("--out", type=PATH, help="Folder or archive to make; with --check, the one to check.")
 @click.option(
     "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
