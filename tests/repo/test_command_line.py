@@ -115,7 +115,7 @@ def test_python_runs_the_program_as_a_module(tmp_path):
     )
     assert (
         done.returncode == 2
-        and done.stderr.count("\n") <= 2
+        and done.stderr.count("\n") <= 3
         and "outside 10 to 20000 cells" in done.stderr
     )
 

@@ -324,6 +324,8 @@ interface Studio {
   /** Null until the server has sent them. */
   limits: Limits | null;
   offered: Offered | null;
+  /** The files whose code the server runs, as it last reported them. */
+  code: CodeFile[];
   /** The largest radius that passes, m. */
   widest: number | symbol | null;
   askWidest(): void;

@@ -1,5 +1,7 @@
 // Failures as a gallery of small pictures: filtered, sorted, each drawn when it becomes visible.
 
+import { askAbout } from "#studio/shared/asking.js";
+import { codeText } from "#studio/shared/edits.js";
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
@@ -243,8 +245,8 @@ function pump(wall) {
   while (wall.busy < AT_ONCE && wall.queue.length > 0) {
     const { failure, done, fail } = wall.queue.shift();
     wall.busy += 1;
-    wall.campaign.studio.connection
-      .ask("look", { name: failure.name })
+    const { studio } = wall.campaign;
+    askAbout(studio.connection, () => codeText(studio, [failure.controller]), "look", { name: failure.name })
       .then(done, fail)
       .finally(() => {
         wall.busy -= 1;
