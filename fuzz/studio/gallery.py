@@ -158,6 +158,7 @@ class WallAnswers(Opened):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
             with refused_writes(copy):
                 copy.parent.mkdir(parents=True, exist_ok=True)
+            self.folder.check_replaceable(copy)
             write_bytes(copy, failure.dumps(), force=True)
         else:
             for entry in self._entries(KNOWN, [], part):

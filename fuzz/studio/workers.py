@@ -192,9 +192,7 @@ def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
             pipe.send((what, table, loaded_files(since)))
 
 
-def _send_part(
-    pipe: Connection, since: float, table: dict[str, Any], *, runs_code: object
-) -> None:
+def _send_part(pipe: Connection, since: float, table: dict[str, Any], *, runs_code: object) -> None:
     """Send a part of an answer; that of a run also says which code of the user's was loaded."""
     pipe.send(("part", table | {"code": loaded_files(since)} if runs_code else table, {}))
 

@@ -110,7 +110,7 @@ class CampaignAnswers(Opened):
     def _words(self, message: Request) -> list[str]:
         """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
         ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
-        return [*begun(message, self.named, self.folder), *ours]
+        return [*begun(message, self), *ours]
 
     def resume(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Resume the campaign in a folder; a part announces that it can be stopped."""
