@@ -133,7 +133,7 @@ def corrected(
 ) -> list[str] | None:
     """Return the words of a command that click accepts; None if no guess is worth showing."""
     tried: set[tuple[str, ...]] = {tuple(words)}
-    current: list[str] | None = list(words)
+    current = list(words)
     fault: click.UsageError | None = error
     if sum(map(len, words)) > _LONGEST:
         return None
@@ -142,9 +142,10 @@ def corrected(
     for _ in range(_MOST_FAULTS):
         if fault is None:
             break
-        current = _mended(fault, current)
-        if current is None or tuple(current) in tried:
+        mended = _mended(fault, current)
+        if mended is None or tuple(mended) in tried:
             return None
+        current = mended
         tried.add(tuple(current))
         fault = first_fault(group, current)
     return _polished(group, current) if fault is None else None
@@ -610,8 +611,8 @@ def _fill_in(command: _Command, parameter: click.Parameter | None) -> bool:
             return False
         # After the words before it, so that it becomes this argument.
         at = next((k for k, one in enumerate(command.parts) if one.flag), len(command.parts))
-        words = [k for k, one in enumerate(command.parts) if not one.flag]
-        command.parts.insert(words[-1] + 1 if words else at, _Part(None, "", value))
+        places = [k for k, one in enumerate(command.parts) if not one.flag]
+        command.parts.insert(places[-1] + 1 if places else at, _Part(None, "", value))
         return True
     return False
 

@@ -100,7 +100,7 @@ def _complete_names(command: click.Command) -> None:
 
                 return complete_names(kind, incomplete)
 
-            parameter.shell_complete = complete  # type: ignore[method-assign]
+            parameter.shell_complete = complete  # type: ignore[method-assign, assignment]
 
 
 def _watch_names(group: click.Group) -> None:
@@ -112,7 +112,7 @@ def _watch_names(group: click.Group) -> None:
             raise UnknownCommand(args[0], group.list_commands(context), context)
         return resolve_command(context, args)
 
-    group.resolve_command = strict  # type: ignore[method-assign]
+    group.resolve_command = strict  # type: ignore[method-assign, assignment]
 
 
 def watch_parser(command: click.Command) -> None:
