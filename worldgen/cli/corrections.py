@@ -93,7 +93,8 @@ def answer_named(error: WorldgenError, group: click.Group, words: Sequence[str])
 
 def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list[str] | None:
     facts = error.facts
-    came, meant = facts.get("name"), facts.get("near")
+    came = facts.get("name")
+    meant = facts.get("near")
     if error.code in _FILE_CODES:
         came = str(getattr(error, "source", None) or facts.get("source") or facts.get("path") or "")
         meant = _other_file(came, error.code) if came else ""
@@ -236,7 +237,8 @@ def _better_name(kind: NameKind, text: str) -> str:
     place, colon, attribute = name.rpartition(":")
     # mine.py, mine:Robot and ./mine.py:robot are classes in a file; so is a class alone.
     if name.endswith(".py"):
-        place, attribute = name, ""
+        place = name
+        attribute = ""
     elif colon and place.isidentifier() and Path(f"{place}.py").is_file():
         place = f"./{place}.py"
     if place.endswith(".py"):
@@ -363,7 +365,10 @@ class _Command:
                 short = self.written(flag[:2])
                 # -o3 is -o 3.
                 if short is not None and not short.is_flag:
-                    option, flag, equals, value = short, flag[:2], "=", word[2:]
+                    option = short
+                    flag = flag[:2]
+                    equals = "="
+                    value = word[2:]
             if equals:
                 yield _Part(option, flag, value)
             elif option is not None and not option.is_flag and not option.count and rest:
@@ -429,7 +434,8 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
 
 def _other_command(error: UnknownCommand, words: Sequence[str]) -> list[str] | None:
     at = words.index(error.name)
-    before, after = list(words[:at]), list(words[at + 1 :])
+    before = list(words[:at])
+    after = list(words[at + 1 :])
     name = error.name.casefold()
     # These are options of the program.
     if not before and name in ("help", "version"):
@@ -696,7 +702,8 @@ def _better(parameter: click.Parameter, text: str) -> list[str]:
         value = number * (
             _UNITS.get(word, 1.0) if word in ("k", "cm", "mm", "ms", "min", "h") else 1.0
         )
-        low, high = getattr(kind, "min", None), getattr(kind, "max", None)
+        low = getattr(kind, "min", None)
+        high = getattr(kind, "max", None)
         value = max(value, low) if low is not None else value
         value = min(value, high) if high is not None else value
         is_whole = isinstance(kind, click.types.IntParamType)
@@ -711,7 +718,8 @@ def _flag_of(option: click.Option) -> str:
 
 def _unused(name: str) -> str:
     """Return a name to write to, which does not exist yet."""
-    stem, slash = name.rstrip("/"), "/" if name.endswith("/") else ""
+    stem = name.rstrip("/")
+    slash = "/" if name.endswith("/") else ""
     path = Path(stem)
     number = 2
     while path.exists() and number < 100:
@@ -774,7 +782,8 @@ def _value_fault(error: click.BadParameter) -> str:
     came = re.match(r"'(?:[^'\\]|\\.)*'|\"[^\"]*\"|-?[\d.]+", text)
     if came is not None and isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
         noun = "whole number" if isinstance(kind, click.types.IntParamType) else "number"
-        low, high = getattr(kind, "min", None), getattr(kind, "max", None)
+        low = getattr(kind, "min", None)
+        high = getattr(kind, "max", None)
         limits = f" from {low} to {high}" if None not in (low, high) else ""
         limits = f" of at least {low}" if low is not None and high is None else limits
         return f"{came[0]} is not a {noun}{limits}"
