@@ -91,6 +91,7 @@ class ExchangeAnswers(Opened):
         known = _format_name(message)
         if known is None:
             raise InvalidParameter("empty-name", "no format is given", "choose one")
+        # Read the message, and make the export.
         sent = checked(message, _Outgoing)
         world = restored(sent.world)
         place = self.folder.place(sent.name)
@@ -107,6 +108,7 @@ class ExchangeAnswers(Opened):
             name: [describe_note(one) for one in getattr(export, name)]
             for name in ("lost", "notes")
         }
+        # Write it to the folder, or return it for the browser.
         if sent.keep:
             # A link with the name of an accompanying file would lead outside the folder.
             for other in export.files:

@@ -231,6 +231,7 @@ def _mend_path(command: _Command, part: _Part) -> None:
 
 def _better_name(kind: NameKind, text: str) -> str:
     """Return what a value that names nothing most likely means, or the value itself."""
+    # Names that exist, and those with a prefix, are left alone.
     name, plus, options = text.partition("+")
     if name in kind.names() or name.startswith(("cmd:", "lib:", "learned:", "behaviours")):
         return text
@@ -241,6 +242,7 @@ def _better_name(kind: NameKind, text: str) -> str:
         attribute = ""
     elif colon and place.isidentifier() and Path(f"{place}.py").is_file():
         place = f"./{place}.py"
+    # Look the class up in the file, and the file among its neighbours.
     if place.endswith(".py"):
         file = Path(place) if Path(place).is_file() else Path(_other_file(place, "no-such-file"))
         defined = kind.in_file(file) if file.suffix == ".py" else []
@@ -249,6 +251,7 @@ def _better_name(kind: NameKind, text: str) -> str:
         spelt = place if file == Path(place) else str(file)
         dot = "./" if place.startswith("./") and not spelt.startswith("./") else ""
         found = f"{dot}{spelt}:{attribute}" if attribute else ""
+    # Any other file is a program.
     elif kind is CONTROLLER and Path(name).is_file():
         found = f"cmd:{name}" if "/" in name else f"cmd:./{name}"
     else:
@@ -351,6 +354,7 @@ class _Command:
 
     def _taken_apart(self, words: Sequence[str]) -> Iterator[_Part]:
         rest = list(words)
+        # Words first, as click sees them.
         while rest:
             word = rest.pop(0)
             if word == "--":
@@ -359,6 +363,7 @@ class _Command:
             if not word.startswith("-") or word == "-" or _NUMBER.fullmatch(word):
                 yield _Part(None, "", word)
                 continue
+            # Then options, whose value may be in the same word.
             flag, equals, value = word.partition("=")
             option = self.written(flag)
             if option is None and not flag.startswith("--") and len(flag) > 2:
@@ -408,6 +413,7 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
         return None
     if isinstance(error, UnknownCommand):
         return _other_command(error, words)
+    # Take the command apart, and mend the one fault that click reported.
     command = _Command(error.ctx, words)
     if isinstance(error, Instead):
         return _with_instead(command, error)
@@ -418,6 +424,7 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
         if after is not None:
             return after
         _rename_option(command, error.option_name)
+    # Some faults cannot be mended.
     elif isinstance(error, click.MissingParameter):
         if not _fill_in(command, error.param):
             return None
@@ -491,7 +498,8 @@ def _rename_option(command: _Command, flag: str) -> None:
     # --size60 is --size 60.
     joined = re.fullmatch(r"([a-z][a-z-]*[a-z])(\d.*)", name)
     if joined is not None and part.value is None and command.option(joined[1]) is not None:
-        name, part.value = joined[1], joined[2]
+        name = joined[1]
+        part.value = joined[2]
     meant = _meant_option(command, name)
     at = command.parts.index(part)
     following = command.parts[at + 1] if at + 1 < len(command.parts) else None
@@ -561,6 +569,7 @@ def _place_words(command: _Command, extra: Sequence[str]) -> None:
 
 def _homes(command: _Command, text: str) -> Iterator[click.Option]:
     """Return the options that may take a word, the most likely first."""
+    # Names and choices fit only one option.
     free = [one for one in command.options if not command.has(one) or one.multiple]
     for option in free:
         kind = kind_of(command.command, option)
@@ -570,6 +579,7 @@ def _homes(command: _Command, text: str) -> Iterator[click.Option]:
         if isinstance(option.type, click.Choice) and text in option.type.choices:
             yield option
     by_name = {one.name: one for one in free}
+    # Numbers and files are recognised by their form.
     suffix = Path(text).suffix.lower()
     names = []
     if _NUMBER.fullmatch(text) or re.fullmatch(r"\d+[x,]\d+", text):
@@ -588,6 +598,7 @@ def _homes(command: _Command, text: str) -> Iterator[click.Option]:
 def _fill_in(command: _Command, parameter: click.Parameter | None) -> bool:
     """Give a missing option or argument a value: a word that fits it, or that of an example."""
     if isinstance(parameter, click.Option):
+        # A word of the command may be the value.
         words = [part for part in command.parts if not part.flag and part.value]
         fitting = [
             part
@@ -603,6 +614,7 @@ def _fill_in(command: _Command, parameter: click.Parameter | None) -> bool:
             command.add(parameter, part.value)
         if fitting:
             return True
+        # Otherwise an example has one.
         value = command.example(parameter)
         value = value or ("turn-right" if kind_of(command.command, parameter) else None)
         if value is None and isinstance(parameter.type, click.Choice):
@@ -685,6 +697,7 @@ def _accepts(parameter: click.Parameter, text: str, context: click.Context) -> b
 
 def _better(parameter: click.Parameter, text: str) -> list[str]:
     """Return what a refused value may have meant, the most likely first."""
+    # A choice is misspelt.
     kind = parameter.type
     if isinstance(kind, click.Choice):
         near = nearest(text, map(str, kind.choices))
@@ -695,6 +708,7 @@ def _better(parameter: click.Parameter, text: str) -> list[str]:
     found = _NUMBER.search(text)
     if found is None:
         return []
+    # Read the number and its unit, then keep it within its bounds.
     number = float(found[0])
     unit = re.match(r"\s*([a-zA-Z]+)", text[found.end() :])
     word = unit[1].casefold() if unit else ""
