@@ -245,7 +245,14 @@ def compile_core(
     subprocess.run(
         [*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True
     )
-    # A running process may have the old module open; a rename leaves that one intact.
+    replace_module(fresh, made)
+
+
+def replace_module(fresh: Path, made: Path) -> None:
+    """Copy a new extension module to its place.
+
+    A running process may have the old module open; a rename leaves that one intact.
+    """
     replacement = made.with_name(f".{made.name}.{os.getpid()}")
     shutil.copyfile(fresh, replacement)
     replacement.replace(made)
