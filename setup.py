@@ -11,7 +11,7 @@ from setuptools.command.build_ext import build_ext
 
 sys.path.insert(0, str(Path(__file__).parent))  # setuptools may run this file from elsewhere
 
-from build_tools.cores import CORES, compile_core, suffix
+from build_tools.cores import CORES, ROOT, compile_core, replace_module, suffix
 from build_tools.targets import chosen_target
 
 TARGET = chosen_target()
@@ -29,6 +29,11 @@ class BuildCores(build_ext):
         core = next(core for core in CORES if core.module == ext.name)
         made = Path(self.get_ext_fullpath(ext.name))
         compile_core(core, made, Path(self.build_temp) / ext.name, target=TARGET)
+        # Python that starts in the checkout finds the packages there before the installed ones, so
+        # they need the core as well, not only in an editable installation.
+        in_place = ROOT / self.get_ext_filename(ext.name)
+        if TARGET is None and made.resolve() != in_place:
+            replace_module(made, in_place)
 
 
 wheel = {"py_limited_api": "cp311"} | ({} if TARGET is None else {"plat_name": TARGET.platform})

@@ -32,6 +32,9 @@ from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from sim.scenario import Scenario
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--units", "1", "--examples", "1")
+
 WORLDS = 1_000_000_000
 # Units done first: after them every kernel is loaded.
 _WARM = 4
@@ -143,9 +146,9 @@ def model(
     return rows
 
 
-def measure(units: int, controller: str) -> dict[str, Any]:
+def measure(units: int, controller: str, examples: int) -> dict[str, Any]:
     """Return everything: ``strategies``, ``campaign``, ``task_s`` and ``billion``."""
-    config = CampaignConfig(Scenario(controller), seed=1)
+    config = CampaignConfig(Scenario(controller), seed=1, examples=examples)
     state, costs = whole(config, _WARM + units)
     rates = list(strategies(config, units, state.memory))
     task_s = scheduler(config)
@@ -168,9 +171,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--units", type=int, default=3)
     parser.add_argument("--controller", default="turn-right")
+    parser.add_argument("--examples", type=int, default=400, help="worlds that a unit tries")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    result = measure(options.units, options.controller)
+    result = measure(options.units, options.controller, options.examples)
     if options.json:
         click.echo(json.dumps(result))
         return

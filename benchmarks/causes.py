@@ -45,6 +45,9 @@ from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import is_hazard
 from sim.scenario import Scenario
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--units", "1", "--faults", "bug2-stale-line", "--workers", "1")
+
 DESIGN = tuple(sorted(FAULTS)[::2])
 """The faults whose worlds were looked at while the rules for causes were written."""
 

@@ -47,6 +47,9 @@ from worldgen.errors import WorldgenError
 from worldgen.files.grid import write_world
 from worldgen.world import World
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--quick", "--fault", "bug2-stale-line", "--searcher", "native", "--part", "faults")
+
 # Worlds of a unit, so that it is known which world it was.
 EXAMPLES = 1
 # Strategies that do not ask oracles about runs that arrive.

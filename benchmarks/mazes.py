@@ -36,6 +36,9 @@ from worldgen.families.builtin.maze import maze
 from worldgen.families.parts.mazes import METHODS, cells_of, grow, pitch
 from worldgen.random_streams import RandomStream
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--sizes", "60", "--rounds", "1", "--peer-seconds", "0")
+
 LARGE = (
     "eller",
     "sidewinder",

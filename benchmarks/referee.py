@@ -27,6 +27,9 @@ from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--moves", "100")
+
 SOLID = int(CellState.SOLID)
 # Lattice units.
 TOLERANCE = 1e-6

@@ -10,6 +10,7 @@ draws without a graphics card.
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,9 @@ from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened
 from worldgen import generate
 from worldgen.files.grid import write_world
+
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--side", "60", "--steps", "1000")
 
 # Cells.
 SIDE = 2_000
@@ -43,8 +47,12 @@ _FRAMES = """async (act) => {
 
 def main() -> None:
     """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--side", type=int, default=SIDE, help=f"cells (default {SIDE})")
+    parser.add_argument("--steps", type=int, default=STEPS, help=f"of the run (default {STEPS})")
+    given = parser.parse_args()
     with tempfile.TemporaryDirectory() as there:
-        write_world(generate("cave", 3, size=SIDE), Path(there) / "big.grid")
+        write_world(generate("cave", 3, size=given.side), Path(there) / "big.grid")
         with (
             studio_of(Path(there)) as gate,
             chromium_browser() as browser,
@@ -52,10 +60,10 @@ def main() -> None:
         ):
             page.set_default_timeout(300_000)
             click.echo(f"{'':32} median ms   19 in 20 below")
-            _measure(page)
+            _measure(page, given.steps)
 
 
-def _measure(page: Any) -> None:
+def _measure(page: Any, steps: int) -> None:
     # Open the world, and measure the board.
     page.locator("#tab-files").click()
     page.locator(".file", has_text="big.grid").click()
@@ -69,7 +77,7 @@ def _measure(page: Any) -> None:
     page.locator("#play").get_by_label("Motion model").select_option("swept")
     page.locator("#play").get_by_label("random-walk").check()
     page.locator("input[type=checkbox][value=thesis-2]").uncheck()
-    page.locator("#play").get_by_label("Steps", exact=True).fill(str(STEPS))
+    page.locator("#play").get_by_label("Steps", exact=True).fill(str(steps))
     page.keyboard.press("Control+Enter")
     page.locator(".result[data-controller=random-walk]").wait_for()
     run = page.locator(".result .quiet").first.inner_text()

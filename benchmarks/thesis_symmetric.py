@@ -27,6 +27,9 @@ from worldgen import write_world
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--rounds", "1")
+
 # Ticks of rules 1 and 2 in configuration 2: the published times, 11.940 and 8.370 s.
 TICKS = (796, 558)
 RULES = ("thesis-1", "thesis-2")

@@ -46,6 +46,9 @@ from worldgen.lattice import radius_in_cells
 from worldgen.reach import REACHABLE, check_certificate, decide, decide_many
 from worldgen.world import Pose, Target, World
 
+# The words of a round that takes seconds; the gate runs it.
+TINY = ("--sizes", "60", "--rounds", "1")
+
 STILL = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 BATCH = 100
 MARKS = (

@@ -122,6 +122,8 @@ _BEHAVIOURS = "sim/include/worldgen_behaviours.h"
 _SIM = (
     "sim/core/wg_sim.h",
     "sim/core/wg_episode.h",
+    "sim/core/wg_parts.h",
+    "sim/core/fleet/wg_fleet.h",
     "sim/core/runs/wg_guard.h",
     "sim/core/controllers/wg_controllers.h",
 )
@@ -142,11 +144,9 @@ CORES = (
             _BEHAVIOURS,
             *_SIM,
             "sim/core/runs/wg_python_act.h",
-            "sim/core/wg_parts.h",
             "sim/core/runs/wg_runs.h",
             "sim/core/runs/wg_navigate.h",
             "sim/core/thesis/wg_thesis.h",
-            "sim/core/fleet/wg_fleet.h",
         ),
         ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
@@ -155,15 +155,7 @@ CORES = (
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (
-            _TYPES,
-            _CONTROLLER,
-            _BEHAVIOURS,
-            *_SIM,
-            "sim/core/wg_parts.h",
-            "fuzz/core/wg_looks.h",
-            "fuzz/core/wg_faults.h",
-        ),
+        (_TYPES, _CONTROLLER, _BEHAVIOURS, *_SIM, "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
         ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
 )
@@ -245,7 +237,14 @@ def compile_core(
     subprocess.run(
         [*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True
     )
-    # A running process may have the old module open; a rename leaves that one intact.
+    replace_module(fresh, made)
+
+
+def replace_module(fresh: Path, made: Path) -> None:
+    """Copy a new extension module to its place.
+
+    A running process may have the old module open; a rename leaves that one intact.
+    """
     replacement = made.with_name(f".{made.name}.{os.getpid()}")
     shutil.copyfile(fresh, replacement)
     replacement.replace(made)

@@ -20,7 +20,7 @@ from worldgen.plugins.own_packages import check_hidden
 from worldgen.support.lazy import lazy_names
 
 try:
-    from sim.containment import contain
+    import sim.verdict  # noqa: F401 - fails if another package of that name comes first
 except ModuleNotFoundError:
     check_hidden()  # raises a clearer error if the user's own package `sim` was imported instead
     raise
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
     from fuzz.triage.judging import Replay, failure_of, replay
-
-# A campaign, a replay or a shrink runs other people's controllers, and any of them may crash.
-contain()
 
 __getattr__, __dir__ = lazy_names(
     __name__,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzz.boundary import describe_boundaries
-from fuzz.failure import Failure
+from fuzz.failure import Failure, ShrinkState
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
@@ -20,11 +19,17 @@ from sim.evidence import Evidence
 from sim.runners.stopping import OutOfTime
 from worldgen.render import draw_terminal, wants_color
 from worldgen.render.overlay import naming
-from worldgen.support.plain_text import counted, shown, shown_lines
+from worldgen.support.plain_text import Styled, counted, joined, shown
+from worldgen.support.results import results
 
 if TYPE_CHECKING:
     from fuzz.overview.counterfactual import Counterfactuals
 
+_SHRUNK = {
+    ShrinkState.DONE: "1-minimal",
+    ShrinkState.CUT_SHORT: "shrinking cut short",
+    ShrinkState.NONE: "not shrunk",
+}
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
@@ -49,7 +54,7 @@ def describe(
     *,
     met: Counter[str] | None = None,
     why: Counterfactuals | None = None,
-) -> str:
+) -> Styled:
     """Return a failure for the terminal: what happened, why, the picture, the command to replay it.
 
     Args:
@@ -75,10 +80,9 @@ def describe(
     # Collect everything known about how often, from where and how reliably the failure occurs.
     often = f", met {counted(met[bucket], 'time')}" if met and met[bucket] else ""
     seeds = describe_seeds(failure)
-    chance = f", {seeds}" if seeds else ""
+    chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
-    minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     cause = cause_of(failure)
     repeats = ""
     if trail is not None and not failure.is_breach and failure.oracle is None:
@@ -87,21 +91,22 @@ def describe(
     who = "The fleet" if world.others else "It"
     depends = f"  {who} {why.describe()}.\n" if why else ""
     marked = naming(trail, why.cells if why else ())
-    color = wants_color(sys.stdout)
+    color = wants_color(results())
     happened = f"{record.verdict}{shown(words)}"
     first = happened if cause.is_vague else cause.sentence_in(world)
-    return (
+    return joined(
         f"{shown(failure.who)}: {first}\n"
-        f"{shown_lines(depends)}"
+        f"{depends}"
         f"{f'  {who} {repeats}.{chr(10)}' if repeats else ''}"
         f"{'' if cause.is_vague else f'  {happened}{chr(10)}'}"
-        f"{shown_lines(describe_frames(evidence))}"
+        f"{describe_frames(evidence)}"
         f"{_doubt(failure)}"
-        f"{f'  {begins}{chr(10)}' if begins else ''}"
+        f"{f'  {shown(begins)}{chr(10)}' if begins else ''}"
         f"  cause {cause.value}, class {shown(bucket)}{often}; "
-        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
-        f"{draw_terminal(failure.stored, trail=marked, color=color)}"
-        f"  {shown(failure.replay_command(path))}\n"
+        f"{world.width} x {world.height} cells, {world.solid_cells} solid, "
+        f"{_SHRUNK[failure.shrinking]}{chance}\n",
+        draw_terminal(failure.stored, trail=marked, color=color),
+        f"  {shown(failure.replay_command(path))}\n",
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import shlex
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
 
@@ -21,6 +22,21 @@ from worldgen.world import Cut, FailureRecord, Value, World
 
 ID_DIGITS = 16
 """Number of hex digits in a failure's id."""
+
+
+class ShrinkState(StrEnum):
+    """How far shrinking got with a failure, as its record says."""
+
+    DONE = "done"
+    """It finished, and a separate check found nothing that can still be removed."""
+    CUT_SHORT = "cut short"
+    """Time ran out, or Ctrl-C came, before it finished."""
+    NONE = "none"
+    """It was not tried, or could not prove the failure again: the world is as it was found."""
+
+
+SHRINKING = "shrinking"
+"""The detail that names the state; a record without it was never shrunk."""
 
 
 @dataclass(frozen=True)
@@ -170,9 +186,17 @@ class Failure:
         return isinstance(self.world.certificate, Cut)
 
     @property
-    def is_shrunk(self) -> bool:
-        """True if the failure has been shrunk."""
-        return "shrunk_from" in self.record.details
+    def shrinking(self) -> ShrinkState:
+        """How far shrinking got, as recorded."""
+        details = self.record.details
+        recorded = details.get(SHRINKING)
+        if recorded in set(ShrinkState):
+            return ShrinkState(recorded)
+        # Older files only have the outcome of the check, which is made at the end.
+        minimal = details.get("one_minimal")
+        if isinstance(minimal, bool):
+            return ShrinkState.DONE if minimal else ShrinkState.CUT_SHORT
+        return ShrinkState.NONE
 
     @property
     def original(self) -> str | None:
@@ -237,6 +261,11 @@ class Failure:
             if controller is None
             else replace(self, record=replace(self.record, controller=controller))
         )
+
+    def without(self, *details: str) -> Failure:
+        """Return the failure without these details of its record."""
+        kept = {name: value for name, value in self.record.details.items() if name not in details}
+        return replace(self, record=replace(self.record, details=kept))
 
     def noting(self, **details: Value) -> Failure:
         """Return the failure with these details added to its record."""

@@ -263,7 +263,7 @@ class _Search:
             objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))
             made = ffi.from_buffer(endings[done:])
             try:
-                check(episode.call("wg_call_outcomes", objects, len(states) - done, (made,)).result)
+                check(episode.call("wg_call_outcomes", objects, len(states) - done, (made,)))
                 done = len(states)
             except ControllerDied:
                 done += int((endings[done:] == _NOT_DONE).argmax())

@@ -17,6 +17,7 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.verdict import Verdict
+from worldgen.support.plain_text import Styled, joined, shown
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
@@ -73,7 +74,7 @@ def describe_evidence(episode: Episode) -> str:
                 f"up{_multiple(budget)})"
             )
         case FaultEvidence() as fault:
-            return f" ({_of_robot(fault.robot)}{_fault(episode.verdict, fault)})"
+            return f" ({_of_robot(fault.robot)}{shown(_fault(episode.verdict, fault))})"
     return ""
 
 
@@ -92,9 +93,9 @@ def _joint(joint: JointLoopEvidence) -> str:
         if (one, by) not in face_to_face
     ]
     blocks = blocks or [_never_arrive(joint)]
-    shown = blocks[:_MOST_BLOCKS]
-    more = f", and {len(blocks) - len(shown)} more" if len(blocks) > len(shown) else ""
-    return f"{back}: {', '.join(shown)}{more}"
+    named = blocks[:_MOST_BLOCKS]
+    more = f", and {len(blocks) - len(named)} more" if len(blocks) > len(named) else ""
+    return f"{back}: {', '.join(named)}{more}"
 
 
 def _own_loops(joint: JointLoopEvidence) -> str:
@@ -128,13 +129,13 @@ def _of_robot(number: int | None) -> str:
     return "" if number is None else f"robot {number}, "
 
 
-def describe_frames(evidence: Evidence | None) -> str:
+def describe_frames(evidence: Evidence | None) -> Styled:
     """Return where a controller crashed: one line for each frame, the innermost last.
 
     A line reads ``  mine.py:12 in act: gap = 1 / free`` and ends with a newline.
     """
     frames = evidence.frames if isinstance(evidence, FaultEvidence) else None
-    return "".join(f"  {_frame(frame)}\n" for frame in frames or ())
+    return joined(*(f"  {shown(_frame(frame))}\n" for frame in frames or ()))
 
 
 def _frame(frame: Mapping[str, Value]) -> str:

@@ -25,6 +25,7 @@ from sim.options.run import (
 from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options, with_options
+from worldgen.plugins.trust import admit_argument
 from worldgen.world import Value, World
 
 _OF_EVERY_RUN = {
@@ -77,6 +78,7 @@ class Scenario:
             InvalidParameter: If the text names no controller, or an option is unknown or out of
                 range.
         """
+        admit_argument(text)
         controller, settings = read_settings(text, defaults.get("motion", RunOptions.motion))
         return cls(controller, RunOptions(**(defaults | settings)))
 

@@ -37,13 +37,16 @@ FAILURES = tuple(verdict for verdict in Verdict if verdict not in ARRIVALS)
 JOINT_LOOPS = (Verdict.LIVELOCK, Verdict.DEADLOCK, Verdict.STARVED)
 """Verdicts on several robots whose joint state provably recurs."""
 
-NEVER = (Verdict.LOOP, *JOINT_LOOPS, Verdict.STALLED)
-"""Verdicts on robots that never arrive, however long they drive."""
+NEVER = (Verdict.LOOP, *JOINT_LOOPS)
+"""Verdicts that prove that a robot never arrives, however long it drives."""
+
+STUCK = (*NEVER, Verdict.STALLED)
+"""Verdicts on robots that get nowhere new, proved or not."""
 
 OUT_OF_BUDGET = (Verdict.STALLED, Verdict.TIMEOUT)
 """Verdicts on a run that ended because its budget was spent."""
 
-UNENDED = (Verdict.LOOP, *JOINT_LOOPS, *OUT_OF_BUDGET)
+UNENDED = (*NEVER, *OUT_OF_BUDGET)
 """Verdicts on a run that ended only because of its budget, or because it provably repeats."""
 
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
@@ -51,6 +54,16 @@ BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 
 AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.BURNED, *BY_THE_CONTROLLER)
 """Verdicts on an event that ends a run in the step in which it happens."""
+
+
+def without_arrival(verdict: str) -> str:
+    """Return how to put that a run with this verdict did not arrive.
+
+    Every text that could promise something about the future takes its words from here: ``never`` is
+    for verdicts that prove it.
+    """
+    return "never" if verdict in NEVER else "no arrival"
+
 
 MEANINGS = {
     Verdict.REACHED: "The robot arrives.",

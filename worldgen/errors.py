@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any, Self
 
-from worldgen.support.plain_text import quote
+from worldgen.support.plain_text import quote, shown
 
 __all__ = [
     "FormatError",
@@ -37,7 +37,9 @@ class _Listed(str):
 
 
 class _Words(string.Formatter):
-    """``str.format`` with conversions for messages.
+    """``str.format`` with conversions for messages, in which every fact is safe to print.
+
+    A fact can be a stranger's text: a file's name, an exception's words. The template is ours.
 
     ``{name!q}`` quotes text from outside; ``{names!l:none}`` joins the items of a list by commas,
     and becomes ``none`` if there are no items; ``{size!n}`` is a number with six digits, or all
@@ -54,6 +56,9 @@ class _Words(string.Formatter):
         if conversion == "u":
             return value and f" {value}"
         return super().convert_field(value, conversion)
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return shown(super().format_field(value, format_spec))
 
 
 def _plain(value: Any) -> Any:
@@ -220,6 +225,9 @@ class WorldgenError(Exception):
         error.message = message
         return error
 
+    notes: tuple[str, ...] = ()
+    """What was learned about the input before the fault, in sentences; shown before the error."""
+
     @property
     def code(self) -> str:
         """The rule that was broken, in lower case with dashes.
@@ -312,7 +320,7 @@ class FormatError(WorldgenError, ValueError):
         """``FILE:LINE``, as far as known."""
         if self.source is None and self.line is not None:
             return f"line {self.line}"
-        return ":".join(str(part) for part in (self.source, self.line) if part is not None)
+        return ":".join(shown(part) for part in (self.source, self.line) if part is not None)
 
     def __str__(self) -> str:
         return ": ".join(filter(None, (self.place, str(self.message))))

@@ -12,18 +12,20 @@ from __future__ import annotations
 import contextlib
 import math
 import random
+import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from worldgen.errors import WorldgenError
-from worldgen.family import MARGIN, Family, Parameter
+from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.family import FAMILIES, MARGIN, Family, Parameter
 from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
 from worldgen.reach import check_certificate, witness_margin
 from worldgen.support.plain_text import quote
-from worldgen.support.time_limit import TimeLimitReached, time_limit
+from worldgen.support.workers import WorkerPool
 from worldgen.timeline import CellState
 from worldgen.world import JointWitness, Value, Witness, World
 
@@ -354,43 +356,86 @@ def _refused(what: str) -> Iterator[None]:
 
 
 def _absurd(family: Family, case: Mapping[str, Value]) -> None:
-    for parameter in family.parameters:
-        for value in _absurd_values(parameter):
-            what = f"{parameter.name}={quote(str(value))}"
+    values = [
+        (parameter.name, value)
+        for parameter in family.parameters
+        for value in _absurd_values(parameter)
+    ]
+    # Another process makes the worlds, because only a process can be ended at any time.
+    pool = WorkerPool(1)
+    try:
+        names = _names_for_processes(family)
+        name = None
+        # A script without ``if __name__ == "__main__"`` cannot start processes.
+        with contextlib.suppress(BrokenProcessPool):
+            name = pool.submit(_first_that_loads, names).result() if names else None
+        for parameter, value in values:
+            what = _setting(parameter, value)
             try:
-                with _patience(what):
-                    world: World = generate(family, 0, **{**case, parameter.name: value})
-                _demand(
-                    check_certificate(world).valid,
-                    f"{what} gives a world whose witness does not hold",
-                )
-            except WorldgenError as error:
-                _demand("\n" not in str(error), f"{what} is refused in more than one line")
-            except BrokenContract:
-                raise
-            except Exception as error:
-                told = f"{type(error).__name__}: {str(error)[:80]}"
-                raise BrokenContract(
-                    f"{what} raises {told}; refuse it with check_between() or the like"
-                ) from error
+                # No other process can load a family that a function defines: it has no time limit.
+                if name is None:
+                    fault = _fault_of_value(family, case, parameter, value)
+                else:
+                    waiting = pool.submit(_fault_of_named, name, case, parameter, value)
+                    fault = waiting.result(PATIENCE)
+            except TimeoutError:
+                fault = f"{what} takes more than {PATIENCE} s; refuse values that are too large"
+            except BrokenProcessPool:
+                fault = f"{what} ends Python; refuse it"
+            _demand(not fault, fault)
+    finally:
+        pool.end()
+
+
+def _names_for_processes(family: Family) -> list[str]:
+    """Return the names under which another process might find the family."""
+    if family.name in FAMILIES.names() and FAMILIES.get(family.name) is family:
+        return [family.name]
+    module = sys.modules.get(family.build.__module__)
+    if module is None or module.__name__ == "__main__":
+        return []
+    names = [name for name, thing in vars(module).items() if thing is family]
+    # Python may not find a module by its name, such as a test's or one of a user's file.
+    return [f"{place}:{name}" for name in names for place in (module.__name__, module.__file__)]
+
+
+def _first_that_loads(names: list[str]) -> str | None:
+    for name in names:
+        with contextlib.suppress(InvalidParameter):
+            FAMILIES.get(name)
+            return name
+    return None
+
+
+def _fault_of_named(name: str, case: Mapping[str, Value], parameter: str, value: Value) -> str:
+    """Call :func:`_fault_of_value` in another process."""
+    return _fault_of_value(FAMILIES.get(name), case, parameter, value)
+
+
+def _fault_of_value(family: Family, case: Mapping[str, Value], parameter: str, value: Value) -> str:
+    """Return what is wrong with the world of a parameter's value, or with its refusal."""
+    what = _setting(parameter, value)
+    try:
+        world: World = generate(family, 0, **{**case, parameter: value})
+        if not check_certificate(world).valid:
+            return f"{what} gives a world whose witness does not hold"
+    except WorldgenError as error:
+        if "\n" in str(error):
+            return f"{what} is refused in more than one line"
+    except Exception as error:  # noqa: BLE001 - a family is foreign code
+        told = f"{type(error).__name__}: {str(error)[:80]}"
+        return f"{what} raises {told}; refuse it with check_between() or the like"
+    return ""
+
+
+def _setting(parameter: str, value: Value) -> str:
+    return f"{parameter}={quote(str(value))}"
 
 
 def _absurd_values(parameter: Parameter) -> tuple[Value, ...]:
     if parameter.choices:
         return (*parameter.choices, *_ABSURD[str])
     return _ABSURD.get(type(parameter.default), (True, False))
-
-
-@contextlib.contextmanager
-def _patience(what: str) -> Iterator[None]:
-    """End code that takes too long."""
-    try:
-        with time_limit(PATIENCE):
-            yield
-    except TimeLimitReached:
-        raise BrokenContract(
-            f"{what} takes more than {PATIENCE} s; refuse values that are too large"
-        ) from None
 
 
 FAMILY_CHECKS = (

@@ -120,6 +120,19 @@ class Provenance:
     params: Mapping[str, Value] = field(default_factory=dict)
     metrics: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Elements of an imported file that the world lacks, such as ``"1 shape of <mesh>"``.
+
+        It is empty if the user chose to ignore them. Before version 3, only such imports, and those
+        that are blocked in any case, became a world.
+        """
+        unread = self.params.get("unread")
+        is_open = self.family == "import" and self.version >= 3
+        if not is_open or not isinstance(unread, list) or self.params.get("ignore_unread") is True:
+            return ()
+        return tuple(str(what) for what in unread)
+
 
 @dataclass(frozen=True, slots=True)
 class FailureRecord:
@@ -333,7 +346,7 @@ class World(HoldsFrozen):
     Raises:
         InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
             the grid; if robots overlap at the start, or their targets exclude each other; or if the
-            certificate is not for this number of robots.
+            certificate is not for this number of robots, or is about a map that was not read whole.
     """
 
     walls: Bools
@@ -397,8 +410,15 @@ class World(HoldsFrozen):
             raise InvalidWorld.of(fault)
 
     def _check_certificate(self) -> None:
-        """Reject a certificate for another number of robots."""
+        """Reject a certificate for another number of robots, or one of a map read in part."""
         proof = self.certificate
+        if proof is not None and self.unread:
+            raise InvalidWorld(
+                "part-not-read",
+                "a certificate in a world of whose map something was not read: {unread!l}",
+                "drop it; import the map with ignore_unread if that cannot block the robot",
+                unread=list(self.unread),
+            )
         count = len(self.others) + 1
         # A cut proves something about one robot; a joint witness needs a path for each.
         if isinstance(proof, Cut):
@@ -500,6 +520,11 @@ class World(HoldsFrozen):
             others=tuple(others),
             **parts,
         )
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Elements of the imported map that are not in this world; nothing about it is proved."""
+        return () if self.provenance is None else self.provenance.unread
 
     @property
     def is_dynamic(self) -> bool:

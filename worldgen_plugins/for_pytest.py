@@ -7,6 +7,7 @@ it.
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -99,6 +100,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Read the options, and collect the corpora too."""
     config.addinivalue_line("markers", _MARK)
+    # The code there is trusted, as conftest.py is (worldgen.plugins.trust). This process reads it
+    # from its environment, because a run without worlds imports nothing of worldgen.
+    os.environ["WORLDGEN_PYTEST_ROOT"] = f"{os.getpid()}:{config.rootpath}"
     options = config.option
     given = [config.invocation_params.dir / folder for folder in options.worldgen_corpus or ()]
     expect = options.worldgen_expect or config.getini("worldgen_expect") or EXPECTATIONS[0]
@@ -160,9 +164,9 @@ class NotAsExpected(Exception):
     """
 
     def __init__(self, reason: object) -> None:
-        from worldgen.support.plain_text import shown
+        from worldgen.support.plain_text import printed
 
-        super().__init__(shown(reason))
+        super().__init__(printed(str(reason)))
 
 
 class FailureTest(pytest.Item):

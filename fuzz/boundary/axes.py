@@ -46,6 +46,7 @@ class Axis:
         index: Returns the index nearest to a subject's own value; ``None`` if the subject has no
             such number.
         at: Returns the subject with another value, or raises if it cannot be made.
+        quantity: Name by which a campaign's constraint may fix the number; empty if none can.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Axis:
     value: Callable[[int], float]
     index: Callable[[Subject], int | None]
     at: Callable[[Subject, float], Subject]
+    quantity: str = ""
 
 
 def three_digits(index: int) -> float:
@@ -124,11 +126,11 @@ AXES = {
     axis.name: axis
     for axis in (
         Axis("radius", "m", index_of(1e-4), index_of(1e3), three_digits,
-             lambda subject: index_of(subject.world.robot_radius), _with_radius),
+             lambda subject: index_of(subject.world.robot_radius), _with_radius, "robot_radius"),
         Axis("speed", "m/s", index_of(1e-3), index_of(1e4), three_digits,
-             lambda subject: index_of(subject.world.robot_speed), _with_speed),
+             lambda subject: index_of(subject.world.robot_speed), _with_speed, "robot_speed"),
         Axis("time-step", "s", index_of(1e-3), index_of(1e1), three_digits,
-             lambda subject: index_of(subject.scenario.run.time_step), _with_time_step),
+             lambda subject: index_of(subject.scenario.run.time_step), _with_time_step, "time_step"),
         Axis("heading", "degrees", -179, 180, float,
              lambda subject: round(math.degrees(math.remainder(subject.world.start.heading, math.tau))), _with_heading),
         Axis("depth", "cells", 1, 100, float, _depth, _with_depth),

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
+from fuzz.campaign.constraint import Constraint
 from fuzz.campaign.options import SearchOptions
 from fuzz.campaign.variation import Variation
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
-from worldgen.world import World
+from worldgen.world import Value, World
 
 # A step in Python takes microseconds.
 _SLOWER = 8
+# Shares of the radius of a map's robot: that of the robots that a campaign puts on the map.
+_SHARES_ON_A_MAP = (1.0, 0.75, 0.5)
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class CampaignConfig(SearchOptions):
         fixed_map: A map on which only its robots' starts, headings, targets and radii vary.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
         robots: Number of robots in each world.
+        fixes_time_step: Whether the user gave the time step, so that every failure must have it.
     """
 
     scenario: Scenario
@@ -43,9 +48,55 @@ class CampaignConfig(SearchOptions):
     fixed_map: World | None = None
     shrink: bool = True
     robots: int = 1
+    fixes_time_step: bool = False
+
+    @cached_property
+    def constraint(self) -> Constraint:
+        """What every failure must keep: each option that was given, and each varied one's values.
+
+        On a map, also the robots and the targets' radii that the map allows.
+        """
+        allowed: dict[str, tuple[Value, ...]] = {}
+        if self.fixed_map is not None:
+            robots = self.fixed_map.robots
+            allowed["robot_radius"] = radii_on(self.fixed_map)
+            allowed["robot_speed"] = tuple(robot.speed for robot in robots)
+            allowed["target_radius"] = tuple(robot.target.radius for robot in robots)
+        if self.fixes_time_step:
+            allowed["time_step"] = (self.scenario.run.time_step,)
+        # Nothing ever changes an option that is a list, so no failure needs to repeat it.
+        for name, value in self.scenario.run.changed().items():
+            if not isinstance(value, list):
+                allowed[name] = (value,)
+        for one in self.vary:
+            allowed[one.name] = one.values
+        return Constraint.of(allowed)
 
     @property
     def slower(self) -> int:
         """Factor by which a unit does less work than with a fast compiled controller."""
         controller = CONTROLLERS.get(self.scenario.controller)
         return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER
+
+
+def radii_on(world: World) -> tuple[float, ...]:
+    """Return the radii, m, of the robots that a campaign puts on a map, the map's own first."""
+    own = dict.fromkeys(robot.radius for robot in world.robots)
+    return tuple(_scaled(radius, share) for share in _SHARES_ON_A_MAP for radius in own)
+
+
+def radius_beside(first: float, like: World, number: int) -> float:
+    """Return the radius, m, of another robot on a map, which shrinks as the first one does.
+
+    Args:
+        first: Radius of the first robot, m; one of :func:`radii_on`.
+        like: The map.
+        number: Number of the robot on the map, from 1.
+    """
+    share = next(one for one in _SHARES_ON_A_MAP if _scaled(like.robot_radius, one) == first)
+    return _scaled(like.robots[number - 1].radius, share)
+
+
+def _scaled(radius: float, share: float) -> float:
+    """Return a share of a radius, m, without the digits that rounding errors add."""
+    return radius if share == 1.0 else round(radius * share, 6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import fields
 
 from fuzz.campaign.config import CampaignConfig
@@ -15,10 +16,10 @@ from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.runners.try_out import EMPTY_ARENA, try_out
-from sim.scenario import Scenario
+from sim.scenario import Scenario, read_settings
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.files.grid import read_world
+from worldgen.files.worlds import read_whole_world
 from worldgen.support.progress import working
 from worldgen.world import World
 
@@ -48,7 +49,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
             controller=options.controller,
         )
     usual = RunOptions.time_step
-    fixed_map = None if options.world is None else read_world(options.world)
+    fixed_map = None if options.world is None else read_whole_world(options.world)
     scenario = Scenario.parse(
         options.controller,
         motion=options.motion,
@@ -60,11 +61,15 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     for name in families:
         check_strategy(name, scenario, robots)
     time_steps: tuple[float, ...] = (scenario.run.time_step,)
-    unsaid = options.time_step is None and scenario.run.time_step == usual
-    if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
+    # Omitted options are None, whether a command, its settings or a form would have given them.
+    _, settings = read_settings(options.controller, options.motion)
+    fixes_time_step = options.time_step is not None or "time_step" in settings
+    if not fixes_time_step and MOTIONS.get(scenario.run.motion).name == "endpoint":
         time_steps = TIME_STEPS
     # Read the quantities that vary; each may be named only once.
     varied = tuple(Variation.parse(text, scenario) for text in options.vary)
+    given = {"time_step"} if fixes_time_step else set()
+    _refuse_both(varied, given | scenario.run.changed().keys())
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InvalidParameter(
@@ -84,11 +89,25 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         fixed_map,
         shrink=fixed_map is None if options.shrink is None else options.shrink,
         robots=robots,
+        fixes_time_step=fixes_time_step,
         **(kept | {"oracles": options.asked_oracles}),
     )
     with working("loading the simulator and the controller"):
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
     return config
+
+
+def _refuse_both(varied: Iterable[Variation], given: Collection[str]) -> None:
+    """Refuse a quantity that has a fixed value and is to vary."""
+    both = next((one.name for one in varied if one.name in given), None)
+    if both is not None:
+        raise InvalidParameter(
+            "twice",
+            "{name} is both fixed and in {option}",
+            "omit one of the two",
+            option=_VARY,
+            name=both,
+        )
 
 
 def _robots_on(fixed_map: World, options: CampaignOptions) -> int:

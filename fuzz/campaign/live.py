@@ -52,7 +52,7 @@ class LiveCounts:
 
     def plus(self, worlds: int, steps: int, verdicts: Mapping[str, int]) -> LiveCounts:
         """Return these counts plus those of a unit's result."""
-        failed = sum(count for verdict, count in verdicts.items() if has_not_arrived(verdict))
+        failed = not_arrived(verdicts)
         return LiveCounts(self.worlds + worlds, self.steps + steps, self.failed + failed)
 
     def without(self, handed_in: LiveCounts) -> LiveCounts:
@@ -99,6 +99,11 @@ class LiveState:
 def has_not_arrived(verdict: str) -> bool:
     """Return True if a run with this verdict in screening did not arrive, and should have."""
     return verdict not in _EXPECTED
+
+
+def not_arrived(verdicts: Mapping[str, int]) -> int:
+    """Return the number of runs that did not arrive in screening, and should have."""
+    return sum(count for verdict, count in verdicts.items() if has_not_arrived(verdict))
 
 
 def count_in(counters: Counters) -> None:

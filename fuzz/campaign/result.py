@@ -36,6 +36,8 @@ class UnitResult:
         verdicts: Counts of verdicts in screening; if the target is walled off, ``breach`` for a
             robot that got there, ``sealed`` for one that did not.
         failures: The smallest failure of each class, with witness, evidence and class.
+        judged: Number of runs that did not arrive and were judged: proved to be failures, or known
+            not to be any.
         met: Counts of each class among the classified failures.
         elites: Candidates for the archive, by cell.
         cut: Whether time ran out before its work was done; the other fields hold the results until
@@ -48,6 +50,7 @@ class UnitResult:
     worlds: int = 0
     steps: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
+    judged: int = 0
     failures: dict[str, Failure] = field(default_factory=dict)
     met: Counter[str] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)

@@ -13,7 +13,7 @@ from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
+from fuzz.campaign.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
@@ -22,7 +22,7 @@ from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.campaign.unit_search import Submitted, UnitSearch
-from fuzz.failure import Failure
+from fuzz.failure import SHRINKING, Failure, ShrinkState
 
 
 class Campaign(UnitSearch[UnitResult, Progress]):
@@ -68,6 +68,8 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         self.state = CampaignState()
         self._is_known = is_known
         self._store = store or CampaignStore()
+        # Failures whose shrinking ended before any simpler world was proved, by id.
+        self._cut_short: set[str] = set()
         self._queue = ShrinkQueue(shrinks=config.shrink, by_size=not self._schedule.is_unlimited)
         # Findings of cut units are kept and shown. The knowledge of later units, and what is stored
         # about them, depends only on complete units; otherwise an interrupted campaign would
@@ -96,7 +98,12 @@ class Campaign(UnitSearch[UnitResult, Progress]):
 
         This is useful after an interruption, or when time is up.
         """
-        return self._queue.unshrunk(self.state.best)
+        return {
+            bucket: one.noting(**{SHRINKING: ShrinkState.CUT_SHORT.value})
+            if one.id in self._cut_short
+            else one
+            for bucket, one in self._queue.unshrunk(self.state.best).items()
+        }
 
     def live(self) -> LiveState:
         """Return the campaign's activity, with the runs of units in progress.
@@ -106,9 +113,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         counted = self._executor.counts() or self._handed_in
         more = counted.without(self._handed_in)
         state = self.state
-        failed = sum(
-            count for verdict, count in [*state.verdicts.items()] if has_not_arrived(verdict)
-        )
+        failed = not_arrived(dict(state.verdicts))
         tried = state.worlds + more.worlds
         if not self._schedule.is_ready or not (tried or state.until):
             phase = Phase.PREPARING
@@ -272,6 +277,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
+        state.judged += result.judged
         state.met += result.met
         # Select the results worth storing, and store them.
         jobs, kept = self._enter_failures(unit, result, seconds)
@@ -349,8 +355,9 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             if submitted.seconds is None and result.complete:
                 self._store.save_shrunk(job.failure, job.kept, shrunk)
             self._count_time()
-            # No time was left for it.
-            if not result.complete and not shrunk.is_shrunk:
+            # Time ran out before any simpler world was proved.
+            if not result.complete and shrunk.shrinking == ShrinkState.NONE:
+                self._cut_short.add(job.failure.id)
                 continue
             # Shrinking moved it here from a new class, which is processed at the end.
             if self._is_known(shrunk):

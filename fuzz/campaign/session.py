@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import shlex
-import sys
 import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import click
-
+from fuzz.campaign.answer import Answer, AnswerNumbers, answer_of
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import LiveState, Phase, has_not_arrived, shown_in
+from fuzz.campaign.live import LiveState, Phase, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -27,9 +26,9 @@ from fuzz.campaign.summary import (
 )
 from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.describe import describe
-from fuzz.failure import Failure
+from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Cause, Overview
-from fuzz.overview.building import Conclusion, build_overview
+from fuzz.overview.building import Conclusion, answer_numbers, build_overview
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
@@ -37,12 +36,13 @@ from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
 from sim.controllers.contract import state_survives_reset
 from sim.runners.stopping import stopping_when
-from worldgen.cli.output import emit_json, note
+from worldgen.cli.output import emit_json, note, say
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
 from worldgen.support.plain_text import counted, shown
 from worldgen.support.progress import is_verbose, working
+from worldgen.support.results import results
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
@@ -52,6 +52,14 @@ _TO_DRAW = 2.0
 _TO_CONCLUDE = 0.15
 # Seconds for that after Ctrl-C.
 _TO_CONCLUDE_AT_ONCE = 1.0
+
+
+# Times the budget, and minutes, that a campaign without an answer is offered.
+_MORE = 4
+_FEWEST_MINUTES = 5
+
+NO_ANSWER = 4
+"""Exit code of a campaign that tried too little to say whether the controller fails."""
 
 
 class CampaignSession:
@@ -64,6 +72,7 @@ class CampaignSession:
         outputs: Reports to write at the end.
         conclusion: What to conclude from, without a time limit. Classes that it knows are only
             counted.
+        accepts_no_answer: True if the exit code is 0 although there is no answer.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
         began: When the command began.
@@ -78,11 +87,13 @@ class CampaignSession:
         quiet: bool = False,
         outputs: Outputs = NO_OUTPUTS,
         conclusion: Conclusion | None = None,
+        accepts_no_answer: bool = False,
         count_hazards: bool = False,
         began: Beginning | None = None,
         lasts: bool = True,
     ) -> None:
         self._conclusion = conclusion or Conclusion()
+        self._accepts_no_answer = accepts_no_answer
         self._count_hazards = count_hazards
         self._config = campaign_run.config
         self._store = campaign_run.store
@@ -91,6 +102,7 @@ class CampaignSession:
         self._out = campaign_run.store.out
         self._lasts = lasts
         budget = campaign_run.budget
+        self._budget = budget
         self._campaign = Campaign(
             campaign_run.config,
             units=budget.units,
@@ -166,13 +178,34 @@ class CampaignSession:
             note("interrupted; nothing was kept")
         if stopped:
             return 130
-        if idle := self._nothing_ran():
-            raise idle
-        return 1 if self._failing() else 0
+        if unfit := self._no_world_fits():
+            raise unfit
+        if self._failing():
+            return 1
+        is_open = self._answer[0] == Answer.NONE and not self._accepts_no_answer
+        return NO_ANSWER if is_open else 0
 
     @property
     def _way_on(self) -> str:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} continues it"
+
+    @property
+    def _answer(self) -> tuple[Answer, str]:
+        return answer_of(self._numbers())
+
+    def _numbers(self) -> AnswerNumbers:
+        return answer_numbers(
+            self._config, self._campaign.state, self._overview, self._failing().keys()
+        )
+
+    @property
+    def _with_more(self) -> str:
+        """The command that continues the campaign with several times its budget."""
+        command = f"worldgen fuzz --resume {shlex.quote(str(self._out))}"
+        if self._budget.seconds is None:
+            return f"{command} --units {_MORE * max(self._campaign.state.until, 1)}"
+        minutes = math.ceil(_MORE * self._budget.seconds / 60.0)
+        return f"{command} --budget {max(minutes, _FEWEST_MINUTES)}m"
 
     def _failing(self) -> dict[str, Failure]:
         """Return the classes, with counts, that make the exit code 1."""
@@ -192,24 +225,12 @@ class CampaignSession:
             if bucket not in failing
         }
 
-    def _nothing_ran(self) -> InvalidParameter | None:
-        """Return an error if no world could be run.
-
-        A build must not mistake that for a controller without failures.
-        """
+    def _no_world_fits(self) -> InvalidParameter | None:
+        """Return an error if no world could be run although there was time for it."""
         state = self._campaign.state
         strategies = self._campaign.state.memory.strategies.keys()
-        if state.worlds or (strategies and strategies <= {DATABASE}):
+        if state.worlds or state.cut or strategies <= {DATABASE}:
             return None
-        if state.cut or not strategies:
-            return InvalidParameter(
-                "too-slow",
-                "no world was finished within {limit}: the controller, or this machine, is too "
-                "slow",
-                "use a larger --budget, or smaller worlds",
-                at_terminal=True,
-                limit=self._limit,
-            )
         robots = self._config.robots
         return InvalidParameter(
             "no-world-fits",
@@ -236,12 +257,12 @@ class CampaignSession:
             with contextlib.suppress(OutputError):
                 self._keep_status(Status.FAILED)
             raise
-        idle = None if stopped else self._nothing_ran()
-        if idle is not None:
-            record_error(self._out, idle)
+        unfit = None if stopped else self._no_world_fits()
+        if unfit is not None:
+            record_error(self._out, unfit)
         else:
             stopped = self._conclude(stopped=stopped)
-        ended = Status.FAILED if idle else Status.DONE
+        ended = Status.FAILED if unfit else Status.DONE
         self._keep_status(Status.STOPPED if stopped else ended)
         return stopped
 
@@ -251,7 +272,7 @@ class CampaignSession:
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
-                    self._overview = self._build(self._to_conclude, natural=True)
+                    self._overview = self._build(self._time_left(), natural=True)
             except KeyboardInterrupt:
                 stopped = True
         if stopped:
@@ -264,6 +285,13 @@ class CampaignSession:
             self._remove_outdated()
         write_overview(self._overview, self._out)
         return stopped
+
+    def _time_left(self) -> float | None:
+        """Return the seconds for the conclusion: its share, and what the search left."""
+        if self._to_conclude is None or self._budget.seconds is None:
+            return None
+        left = self._budget.seconds - sum(self._campaign.state.times.values())
+        return max(self._to_conclude, left)
 
     def _write_examples(self) -> None:
         """Write the worlds that show causes, unless a class's file already has them."""
@@ -301,7 +329,8 @@ class CampaignSession:
             self._store.save_summary(self._summary())
 
     def _summary(self) -> Summary:
-        return summary_of(self._config, self._campaign.state, self._status)
+        numbers = None if self._status == Status.RUNNING else self._numbers()
+        return summary_of(self._config, self._campaign.state, self._status, numbers)
 
     def _search(self) -> bool:
         """Do the work; return whether Ctrl-C stopped it."""
@@ -323,21 +352,21 @@ class CampaignSession:
                 self._see(event)
         self._goes_on = False
         late = sum(
-            not one.is_shrunk
+            one.shrinking != ShrinkState.DONE
             for one in {**self._campaign.state.best, **self._save_pending()}.values()
         )
         if late and self._config.shrink:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Print how many classes were not shrunk, and why.
+        """Print how many classes were not shrunk to the end, and why.
 
         If time ran out, print the command that shrinks them, too.
         """
         state = self._campaign.state
         are = (
             f"{late} of {counted(len(state.best), 'class', 'classes')} "
-            f"{'is' if late == 1 else 'are'} as found"
+            f"{'is' if late == 1 else 'are'} not fully shrunk"
         )
         if self._campaign.units is not None:
             note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
@@ -359,7 +388,7 @@ class CampaignSession:
         if live.phase == Phase.PREPARING:
             return "loading the simulator in each process"
         state = self._campaign.state
-        shrunk = sum(one.is_shrunk for one in state.best.values())
+        shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
         classes = counted(
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
@@ -421,6 +450,8 @@ class CampaignSession:
         if is_verbose():
             self._report_in_detail()
         scenario = self._config.scenario
+        numbers = self._numbers()
+        answer, reason = answer_of(numbers)
         headline = Headline(
             f"{scenario.label()} under {scenario.run.motion}",
             self._out,
@@ -428,22 +459,21 @@ class CampaignSession:
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
-            not_arrived=sum(
-                count for verdict, count in state.verdicts.items() if has_not_arrived(verdict)
-            ),
-            has_units=state.units > 0,
+            unjudged=numbers.searched_unjudged,
+            no_answer=reason if answer == Answer.NONE else "",
+            remedy=self._with_more,
             robots=self._config.robots,
         )
-        color = wants_color(sys.stdout)
+        color = wants_color(results())
         for line in overview_lines(self._overview, headline):
-            click.echo(line, color=color)
+            say(line, color=color)
         if state.known:
             times = counted(state.known.total(), "time")
-            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
+            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )
-        click.echo(
+        say(
             f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
             f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
             f"runs: {verdicts or 'none'}; {state.met.total()} examined"
@@ -469,26 +499,30 @@ class CampaignSession:
         state = self._campaign.state
         hazards = self._hazards()
         for bucket, failure in sorted(self._failing().items()):
-            click.echo(describe(failure, self._path(bucket), met=state.met))
+            say(describe(failure, self._path(bucket), met=state.met))
         if hazards:
-            click.echo(
-                f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
-            )
+            say(f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}")
+            say("")
         for bucket, failure in sorted(hazards.items()):
-            click.echo(describe(failure, self._path(bucket), met=state.met))
-        click.echo(describe_strategies(state))
+            say(describe(failure, self._path(bucket), met=state.met))
+        say(describe_strategies(state))
         if state.known:
             often = ", ".join(
                 f"{shown(bucket)} {counted(times, 'time')}"
                 for bucket, times in sorted(state.known.items())
             )
-            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
+            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""
         state = self._campaign.state
         scenario = self._config.scenario
-        facts = {"controller": shown(scenario.label()), "motion": scenario.run.motion}
+        answer, reason = self._answer
+        facts = {
+            "controller": shown(scenario.label()),
+            "motion": scenario.run.motion,
+            "answer": answer.value,
+        }
         numbers = {
             "seed": self._config.seed,
             "units": state.units,
@@ -522,7 +556,14 @@ class CampaignSession:
             for key, (path, one) in stored
             if state.known[key[2]]
         ]
-        return Report("fuzz", (*new, *met), facts)
+        return Report(
+            "fuzz",
+            (*new, *met),
+            facts,
+            no_answer=reason if answer == Answer.NONE else "",
+            remedy=shown(self._with_more),
+            is_accepted=self._accepts_no_answer,
+        )
 
     def _in_order(self) -> list[tuple[Failure, Path, Counterfactuals | None]]:
         """Return a failure of each class, its file and what it depends on, if that was tried.
@@ -549,7 +590,7 @@ class CampaignSession:
                 "verdict": failure.verdict,
                 "class": bucket,
                 "solid_cells": failure.world.solid_cells,
-                "shrunk": failure.is_shrunk,
+                "shrinking": failure.shrinking.value,
                 "replay": failure.replay_command(self._path(bucket)),
             }
             for bucket, failure in sorted(failures.items())

@@ -83,6 +83,7 @@ class CampaignState:
         times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
         effort: For this run, how units and shrinking spent their time, over all workers.
         verdicts: Counts of the verdicts in screening.
+        judged: Runs that did not arrive in screening and were judged.
         met: Counts of each class.
         known: The same, for classes in the baseline.
         best: The smallest shrunk failure of each class.
@@ -100,6 +101,7 @@ class CampaignState:
     times: dict[str, float] = field(default_factory=dict)
     effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
+    judged: int = 0
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
     best: dict[str, Failure] = field(default_factory=dict)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from msgspec import UNSET
 
+from fuzz.campaign.answer import AnswerNumbers, answer_of
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY, Archive, BucketTotals, Status, StrategyTotals, Summary
@@ -13,14 +14,21 @@ from worldgen.files.json_file import converted
 from worldgen.support.plain_text import aligned, counted
 
 
-def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> Summary:
+def summary_of(
+    config: CampaignConfig,
+    state: CampaignState,
+    status: Status,
+    numbers: AnswerNumbers | None = None,
+) -> Summary:
     """Return the summary of a campaign's current state.
 
     Args:
         config: Definition of the campaign.
         state: Its state.
         status: Its progress.
+        numbers: The numbers that decide its answer; ``None`` while it runs.
     """
+    answer, reason = (UNSET, UNSET) if numbers is None else answer_of(numbers)
     strategies = [
         StrategyTotals(
             name,
@@ -55,6 +63,9 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> 
         steps=state.steps,
         seconds=round(state.seconds, 3),
         status=status,
+        answer=answer,
+        answer_reason=reason,
+        answer_numbers=numbers or UNSET,
         verdicts=dict(state.verdicts),
         met=dict(state.met),
         known=dict(state.known),

@@ -9,6 +9,8 @@ from typing import Any
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
 from worldgen.support.known_names import unknown_name
 from worldgen.world import Provenance, Value, World
 
@@ -100,6 +102,25 @@ def applied(
         elif name not in robot:
             scenario = scenario.with_option(name, value)
     return world, scenario
+
+
+def generated(family: str, seed: int, values: Mapping[str, Value]) -> World:
+    """Return a family's world for a robot with these values, as far as the family has parameters.
+
+    :func:`applied` gives it the rest.
+
+    Args:
+        family: Name of the family.
+        seed: Seed of the world.
+        values: As for :func:`applied`.
+
+    Raises:
+        GenerationFailed: If no layout is solvable for the robot.
+        InvalidParameter: If the family cannot have such a robot.
+    """
+    found = FAMILIES.get(family)
+    own = {one.name for one in found.all_parameters}
+    return generate(found, seed, **{name: value for name, value in values.items() if name in own})
 
 
 def map_provenance(world: World) -> Provenance | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,6 +41,9 @@ class FindingState(StrEnum):
 _MOST_PICTURE = 20_000  # characters; larger worlds are better viewed from their file
 
 
+_OF_LINES = ("frames", "picture")
+
+
 @dataclass(frozen=True)
 class CiFinding:
     """A failure and its description.
@@ -62,6 +65,7 @@ class CiFinding:
         sentence: The cause as a sentence, with a full stop; empty if ``what`` says more.
         why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
+        shrinking: See :attr:`fuzz.failure.Failure.shrinking`; empty if not known.
     """
 
     state: FindingState
@@ -80,6 +84,7 @@ class CiFinding:
     sentence: str = ""
     why: str = ""
     frames: str = ""
+    shrinking: str = ""
 
     @classmethod
     def of(
@@ -131,20 +136,30 @@ class CiFinding:
             state,
             file,
             controller=record.controller,
-            who=shown(failure.who),
-            verdict=shown(record.verdict),
-            bucket=shown(failure.bucket),
-            what=shown(what),
-            frames=shown_lines(frames),
+            who=failure.who,
+            verdict=record.verdict,
+            bucket=failure.bucket,
+            what=what,
+            frames=frames,
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
-            picture=shown_lines(picture),
+            picture=picture,
             world_id=world_digest(failure.stored),
             seed=record.seed,
-            replay=shown(replay),
+            replay=replay,
             cause=cause.value,
             sentence="" if cause.is_vague else cause.sentence_in(world),
-            why=shown(why.describe()) if why else "",
+            why=why.describe() if why else "",
+            shrinking=failure.shrinking.value,
         )
+
+    def __post_init__(self) -> None:
+        """Make every text safe for a log, a browser and a parser, whoever made the finding."""
+        for one in fields(self):
+            text = getattr(self, one.name)
+            # The controller's name is looked up, not shown.
+            if isinstance(text, str) and one.name not in ("state", "controller"):
+                safe = shown_lines(text) if one.name in _OF_LINES else shown(text)
+                object.__setattr__(self, one.name, safe)
 
     @property
     def fails(self) -> bool:
@@ -171,11 +186,16 @@ class CiFinding:
         return f"{self.sentence or f'{self.what}.'} It {self.why}."
 
     @property
+    def extent(self) -> str:
+        """The size of the world, and how far shrinking got."""
+        return f"{self.size}, shrinking {self.shrinking}" if self.shrinking else self.size
+
+    @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
         happened = "" if self.what in self.headline else f"{self.what}\n"
         cause = f"cause {self.cause}, " if self.cause else ""
-        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.size}"
+        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.extent}"
         return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 
@@ -187,11 +207,22 @@ class Report:
         command: ``fuzz`` or ``replay``.
         findings: In the order in which to show them.
         facts: Named values, such as the seed.
+        no_answer: Why a campaign has no answer, as a sentence without a full stop; empty if it has.
+        remedy: The next command to type, if it has none.
+        is_accepted: True if the user accepts that there is no answer.
     """
 
     command: str
     findings: tuple[CiFinding, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
+    no_answer: str = ""
+    remedy: str = ""
+    is_accepted: bool = False
+
+    def __post_init__(self) -> None:
+        """Make the values of the facts safe, as those of a finding are."""
+        safe = {name: shown(value) for name, value in self.facts.items()}
+        object.__setattr__(self, "facts", safe)
 
     @property
     def failing(self) -> int:
@@ -201,6 +232,8 @@ class Report:
     @property
     def conclusion(self) -> str:
         """The outcome in a few words."""
+        if self.no_answer:
+            return f"no answer: {self.no_answer}"
         others = len(self.findings) - self.failing
         hazards = sum(finding.state == FindingState.HAZARD for finding in self.findings)
         if self.command == "replay":

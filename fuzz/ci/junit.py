@@ -18,7 +18,8 @@ def junit(report: Report) -> bytes:
 
     A finding that makes the command exit with code 1 is a failure. Known classes and hazards are
     skipped, and confirmed files pass. A campaign that finds nothing new gets one additional test
-    case that passes, because a report without any would look as if nothing had run.
+    case that passes, because a report without any would look as if nothing had run. If it has no
+    answer, that test case is an error; it is skipped if the user accepts that.
     """
     suites = Element("testsuites", name="worldgen")
     suite = SubElement(suites, "testsuite", name=f"worldgen {report.command}")
@@ -26,12 +27,12 @@ def junit(report: Report) -> bytes:
     for finding in report.findings:
         _case(suite, report.command, finding)
     if report.command == "fuzz" and not report.failing:
-        SubElement(suite, "testcase", classname="worldgen.fuzz", name=report.conclusion)
+        _outcome(suite, report)
     # CI services show these totals, so they must agree with the cases.
     counts = {
         "tests": len(suite.findall("testcase")),
         "failures": report.failing,
-        "errors": 0,
+        "errors": len(suite.findall("testcase/error")),
         "skipped": len(suite.findall("testcase/skipped")),
     }
     for element in (suites, suite):
@@ -39,6 +40,19 @@ def junit(report: Report) -> bytes:
     indent(suites, " ")
     text: bytes = tostring(suites, "utf-8", xml_declaration=True)
     return text + b"\n"
+
+
+def _outcome(suite: Element, report: Report) -> None:
+    """Add the test case of a campaign that found nothing new."""
+    name = "no answer" if report.no_answer else report.conclusion
+    case = SubElement(suite, "testcase", classname="worldgen.fuzz", name=name)
+    if not report.no_answer:
+        return
+    if report.is_accepted:
+        SubElement(case, "skipped", message=report.conclusion)
+        return
+    error = SubElement(case, "error", type="no-answer", message=report.conclusion)
+    error.text = f"{report.conclusion}\nnext: {report.remedy}"
 
 
 def _case(suite: Element, command: str, finding: CiFinding) -> None:
@@ -50,6 +64,7 @@ def _case(suite: Element, command: str, finding: CiFinding) -> None:
         "class": finding.bucket,
         "cause": finding.cause,
         "why": finding.why,
+        "shrinking": finding.shrinking,
         "seed": finding.seed,
         "world": finding.world_id,
         "replay": finding.replay,

@@ -13,8 +13,15 @@ _MARKUP = re.compile(r"[\\`*_{}\[\]<>#!|~&@$^]|(?<=:)//|(?<=www)\.")
 
 def markdown(report: Report) -> str:
     """Return a report for people; it ends with an empty line, so that another can follow it."""
-    mark = "❌" if report.failing else "✅"
+    mark = "❌" if report.failing else "❔" if report.no_answer else "✅"
     lines = [f"## {mark} worldgen {report.command}: {report.conclusion}", ""]
+    if report.no_answer:
+        lines += [
+            "The search did not try enough to say whether the robot fails. Next:",
+            "",
+            f"    {report.remedy}",
+            "",
+        ]
     if report.facts:
         lines += [
             ", ".join(f"{escaped(name)} {escaped(value)}" for name, value in report.facts.items()),
@@ -52,7 +59,7 @@ def _row(finding: CiFinding) -> str:
         finding.explanation,
         finding.what,
         finding.who,
-        finding.size,
+        finding.extent,
         finding.bucket,
         finding.place,
     )

@@ -65,8 +65,20 @@ def sarif(report: Report, root: Path) -> bytes:
         ],
         "properties": dict(report.facts),
     }
+    if report.no_answer:
+        run["invocations"] = [_no_answer(report)]
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
     return (json.dumps(log, indent=1) + "\n").encode()
+
+
+def _no_answer(report: Report) -> dict[str, Any]:
+    """Return the invocation of a campaign without an answer, with a notification that says so."""
+    notification = {
+        "descriptor": {"id": "no-answer"},
+        "level": "note" if report.is_accepted else "error",
+        "message": {"text": _message(f"{report.conclusion}. Next: {report.remedy}")},
+    }
+    return {"executionSuccessful": report.is_accepted, "toolExecutionNotifications": [notification]}
 
 
 def _category(report: Report) -> str:
@@ -134,6 +146,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         "properties": {
             "state": finding.state,
             **({"cause": finding.cause} if finding.cause else {}),
+            **({"shrinking": finding.shrinking} if finding.shrinking else {}),
             "seed": str(finding.seed),
             "world": finding.world_id,
         },

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from worldgen.cli.output import PATH, named_also
+from worldgen.cli.usage import Instead
 from worldgen.parameters import Parameter
 
 # Budget of a search if none is given.
@@ -50,6 +51,13 @@ class Duration(click.ParamType[float]):
         return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]
 
 
+def _refuse_both(context: click.Context, option: click.Parameter, value: Any) -> Any:
+    other = "budget" if option.name == "units" else "units"
+    if value is not None and context.params.get(other) is not None:
+        raise Instead("use --budget or --units, not both", "--budget", context=context)
+    return value
+
+
 def budget_options(purpose: str) -> Callable[[F], F]:
     """Add ``--budget`` and ``--units``, of which at most one can be given.
 
@@ -62,6 +70,7 @@ def budget_options(purpose: str) -> Callable[[F], F]:
             click.option(
                 "--units",
                 type=click.IntRange(1),
+                callback=_refuse_both,
                 help="Run this many units of work instead; the result then depends only on the "
                 "seed.",
             ),
@@ -69,6 +78,7 @@ def budget_options(purpose: str) -> Callable[[F], F]:
                 "--budget",
                 type=Duration(),
                 metavar="TIME",
+                callback=_refuse_both,
                 help=f"Time {purpose}, such as 30s, 5m or 1h.  [default: 30s]",
             ),
         ):
@@ -79,13 +89,7 @@ def budget_options(purpose: str) -> Callable[[F], F]:
 
 
 def seconds_of(budget: float | None, units: int | None) -> float | None:
-    """Return the time that ``--budget`` and ``--units`` give, s; ``None`` for a number of units.
-
-    Raises:
-        click.UsageError: If both are given.
-    """
-    if budget is not None and units is not None:
-        raise click.UsageError("use --budget or --units, not both")
+    """Return the time that ``--budget`` and ``--units`` give, s; ``None`` for a number of units."""
     return None if units is not None else budget or _USUAL_SECONDS
 
 

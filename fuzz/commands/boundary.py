@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option
+from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option, say
+from worldgen.cli.usage import missing
 
 if TYPE_CHECKING:
     from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
@@ -88,9 +89,7 @@ def boundary(
         for one in stretches:
             verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
             values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
-            click.echo(
-                f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs"
-            )
+            say(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
     if any(one.outcome == "fails" for one in stretches):
         raise SystemExit(1)
 
@@ -103,9 +102,9 @@ def _subject(
     from sim.options.run import RunOptions
     from sim.runners.try_out import try_out
     from sim.scenario import Scenario
-    from worldgen.files.grid import read_world
+    from worldgen.files.worlds import read_whole_world
 
-    world = read_world(path)
+    world = read_whole_world(path)
     if controller is not None:
         step = RunOptions.time_step if time_step is None else time_step
         scenario = Scenario.parse(controller, motion=motion, time_step=step, seed=seed)
@@ -113,9 +112,7 @@ def _subject(
         return Subject(world, scenario)
     failure = Failure.found_in(world)
     if failure is None:
-        raise click.UsageError(
-            f"{path} does not hold a failure that names a controller; use --controller NAME"
-        )
+        raise missing("controller", f"{path} holds no failure, which would name one")
     return Subject(failure.world, failure.scenario)
 
 

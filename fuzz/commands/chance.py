@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, time_step_option
+from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, say, time_step_option
+from worldgen.cli.usage import missing
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -66,7 +67,7 @@ def chance(
     elif (failure := Failure.found_in(world)) is not None:
         scenario = failure.scenario
     else:
-        raise click.UsageError("use --controller; only the file of a failure names its own")
+        raise missing("controller", "only the file of a failure names its own")
     # Explore all states, or fall back to counting seeds.
     with working(f"exploring every draw of {scenario.label()}") as work:
         found = chance_of(
@@ -79,7 +80,7 @@ def chance(
     if as_json:
         emit_json(found.as_dict() | counted)
     else:
-        click.echo(shown(f"{scenario.label()}: {in_words(found, counted)}"))
+        say(shown(f"{scenario.label()}: {in_words(found, counted)}"))
     raise SystemExit(
         int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure")
     )

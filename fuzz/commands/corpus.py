@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, note
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    say,
+    skip_bad_file,
+)
 from worldgen.files.whole import write_bytes
 from worldgen.support.plain_text import aligned, counted, shown
 
@@ -55,7 +64,7 @@ def corpus() -> None:
 @_filters
 @json_option
 def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """List failures: class, verdict, controller, motion model, first date, size, digest."""
+    """List failures: class, verdict, controller, motion model, first date, size, shrinking, digest."""
     found = _read(paths, patterns)
     entries = found.entries
     classes = len({entry.facts.key for entry in entries})
@@ -70,7 +79,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
         return
     if entries:
         rows = [_row(entry) for entry in entries]
-        click.echo(
+        say(
             aligned(
                 [
                     [
@@ -80,6 +89,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
                         "motion",
                         "first seen",
                         "size",
+                        "shrinking",
                         "digest",
                         "file",
                     ],
@@ -87,7 +97,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
                 ]
             )
         )
-    click.echo(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
+    say(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
     if found.others:
         note(f"skipped {counted(found.others, 'world')} without a failure")
 
@@ -133,11 +143,9 @@ def show(
     for entry in entries:
         failure = Failure.read(entry.path)
         try:
-            click.echo(describe(failure, entry.path))
+            say(describe(failure, entry.path))
         except WorldgenError as error:
-            click.echo(
-                f"{shown(entry.path)}: {shown(entry.facts.bucket)}, {entry.facts.describe_size()}"
-            )
+            say(f"{shown(entry.path)}: {shown(entry.facts.bucket)}, {entry.facts.describe_size()}")
             note(f"  {entry.facts.controller} cannot be run here: {error}")
     if not entries:
         note("no failure fits")
@@ -170,7 +178,7 @@ def merge(
             }
         )
         return
-    click.echo(
+    say(
         f"{counted(len(entries), 'failure')}, {counted(len(written), 'class', 'classes')} in "
         f"{shown(out)}"
     )
@@ -215,12 +223,12 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
             if difference.change != "same"
         ]
         if rows_of_text:
-            click.echo(
+            say(
                 aligned(
                     [["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]
                 )
             )
-        click.echo(", ".join(f"{count[change]} {change}" for change in changes))
+        say(", ".join(f"{count[change]} {change}" for change in changes))
     if count["new"]:
         raise SystemExit(1)
 
@@ -254,7 +262,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
         judged.append(judgement)
         if not as_json and judgement.reason:
             word = "keep" if judgement.keep else "would drop" if dry_run else "drop"
-            click.echo(f"{word} {shown(judgement.entry.path)}: {shown(judgement.reason)}")
+            say(f"{word} {shown(judgement.entry.path)}: {shown(judgement.reason)}")
     dropped = [judgement for judgement in judged if not judgement.keep]
     unsure = [judgement for judgement in judged if not judgement.judged]
     for judgement in () if dry_run else dropped:
@@ -275,7 +283,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
         )
     else:
         word = "would be dropped" if dry_run else "dropped"
-        click.echo(f"{len(judged) - len(dropped)} kept, {len(dropped)} {word}")
+        say(f"{len(judged) - len(dropped)} kept, {len(dropped)} {word}")
     if unsure:
         raise SystemExit(1)
 
@@ -306,13 +314,13 @@ def export(
     if as_json:
         emit_json({"file": str(out), "failures": count})
         return
-    click.echo(f"wrote {shown(out)}: {counted(count, 'failure')}")
+    say(f"wrote {shown(out)}: {counted(count, 'failure')}")
 
 
 def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:
     from fuzz.corpus import Selection, read_corpus
 
-    return read_corpus(paths, Selection(**patterns))
+    return read_corpus(paths, Selection(**patterns), skip_bad_file)
 
 
 def _json(entry: CorpusEntry) -> dict[str, Any]:
@@ -329,4 +337,5 @@ def _row(entry: CorpusEntry) -> list[str]:
         facts.motion,
         entry.first_seen[:10] or "-",
     )
-    return [*map(shown, words), facts.describe_size(), facts.digest[:12], shown(entry.path)]
+    size = (facts.describe_size(), facts.shrinking)
+    return [*words, *size, facts.digest[:12], str(entry.path)]

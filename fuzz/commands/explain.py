@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,13 +17,14 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     write_out,
 )
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.world import World
+    from fuzz.failure import Failure
 
 EXAMPLES = (
     "\b\n  worldgen explain failures/loop-wall.grid --picture why.png"
@@ -60,29 +61,24 @@ def explain(
     explained this way. Exit code 2 if a file holds no failure that can be explained.
     """
     from fuzz.campaign.store import controller_change
-    from fuzz.failure import Failure
+    from fuzz.commands._failure_files import FailureFiles
     from fuzz.overview.explanation import explain_failure
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
-    from worldgen.files.worlds import read_worlds
 
     # Refuse a picture of several failures before the work.
     check_out("--picture", picture, *_PICTURES, force=force)
-    worlds = read_worlds(paths)
+    files = FailureFiles(paths)
+    failures: Iterable[tuple[Path, Failure]] = files
     if picture is not None:
-        worlds = _with_one_failure(worlds, picture)
-    # Explain one failure after another; skip files that have none.
+        failures = _with_one_failure(files, picture)
+    # Explain one failure after another.
     rows: list[dict[str, object]] = []
     explained = 0
     is_complete = True
     said: set[str] = set()
     change_since = functools.cache(controller_change)
-    for path, world in worlds:
-        failure = Failure.found_in(world)
-        if failure is None:
-            note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
-            is_complete = False
-            continue
+    for path, failure in failures:
         began = Effort.so_far()
         with working(f"explaining {path}"):
             explanation = explain_failure(failure, controller, with_code=not no_code)
@@ -93,9 +89,9 @@ def explain(
         )
         # The run shows something even if no change explains it, as for a controller that crashes.
         if not as_json and (lines := explanation.text()):
-            click.echo(f"{shown(path)}: {lines[0]}")
+            say(f"{shown(path)}: {lines[0]}")
             for line in lines[1:]:
-                click.echo(f"  {line}")
+                say(f"  {line}")
         if change and change not in said:
             note(f"note: {change}")
             said.add(change)
@@ -113,18 +109,18 @@ def explain(
     # Print the object, and fail if a file could not be explained.
     if as_json:
         emit_json({"explained": explained, "failures": rows})
-    if not is_complete:
+    if not (is_complete and files.is_complete):
         raise SystemExit(2)
 
 
 def _with_one_failure(
-    worlds: Iterable[tuple[Path, World]], picture: Path
-) -> Iterator[tuple[Path, World]]:
-    """Return the worlds; refuse several failures, because a picture shows only one."""
-    found = list(worlds)
-    if sum(world.failure is not None for _, world in found) > 1:
+    failures: Iterable[tuple[Path, Failure]], picture: Path
+) -> list[tuple[Path, Failure]]:
+    """Return the failures; refuse several, because a picture shows only one."""
+    found = list(failures)
+    if len(found) > 1:
         raise click.UsageError(f"--picture {picture} shows one failure; pass a single file")
-    return iter(found)
+    return found
 
 
 def _campaign_folder(path: Path) -> Path | None:

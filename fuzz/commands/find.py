@@ -18,6 +18,7 @@ from worldgen.cli.output import (
     json_option,
     motion_option,
     note,
+    say,
     seed_option,
     time_step_option,
     workers_option,
@@ -32,7 +33,7 @@ EXAMPLES = (
     "w.grid\n"
     '  worldgen find --outcome "thesis-1=reached@330, thesis-2=loop" --motion stepped --family '
     "trap --out w.grid\n"
-    '  worldgen find --outcome "thesis-1=never, thesis-3=reached" --motion stepped --from '
+    '  worldgen find --outcome "thesis-1=stuck, thesis-3=reached" --motion stepped --from '
     "sketch.grid --out w.grid"
 )
 
@@ -101,7 +102,7 @@ def find(
     r"""Search for a world with the outcomes that you name.
 
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
-    invalid-command), never (loop or stalled; for random controllers also timeout), or fails
+    invalid-command), stuck (loop or stalled; for random controllers also timeout), or fails
     (anything but reached). Add steps to reached, or the period to loop: reached@330,
     reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, at least 19 of
     20 seeds must have that outcome; for a time, the median counts.
@@ -113,8 +114,8 @@ def find(
 
     from fuzz.find import FindConfig, OutcomeSearch, parse_targets
     from sim.options.run import RunOptions
-    from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
+    from worldgen.files.worlds import read_whole_world
     from worldgen.support.progress import working
 
     # Refuse contradicting options before any work.
@@ -138,7 +139,7 @@ def find(
         seed=draw_seed(seed),
         families=families,
         params=tuple(_parameters(families, settings).items()),
-        begin=None if begin is None else read_world(begin),
+        begin=None if begin is None else read_whole_world(begin),
         start=None if start is None else _pose(start),
         mirror=symmetric,
         fixed_target=keep_target,
@@ -293,10 +294,8 @@ def _report(
         return
     for target, result in zip(targets, best.results, strict=True):
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
-        click.echo(
-            f"{target.scenario.label()}: wanted {target.text}, got {_got(target, result)}: {off}"
-        )
-    click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
+        say(f"{target.scenario.label()}: wanted {target.text}, got {_got(target, result)}: {off}")
+    say(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
     first = targets[0].scenario
     note(
         f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.run.motion} "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ from worldgen.cli.output import (
     typed,
     workers_option,
 )
+from worldgen.cli.usage import ConditionalCommand
 
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
@@ -52,7 +54,15 @@ _HELP = {
 }
 
 
-@click.command(epilog=EXAMPLES)
+def _unless_resumed(given: Mapping[str, Any]) -> str:
+    return "" if given.get("resume") else "it is needed unless --resume continues a campaign"
+
+
+@click.command(
+    cls=ConditionalCommand,
+    needs={"controller": _unless_resumed, "out": _unless_resumed},
+    epilog=EXAMPLES,
+)
 @declared_options(_DECLARED, _HELP)
 @budget_options("to search and shrink")
 @workers_option
@@ -86,6 +96,11 @@ _HELP = {
     help="Also count as failures hazards that the controller cannot sense, and disturbances that "
     "no controller is certain to withstand.",
 )
+@click.option(
+    "--accept-no-answer",
+    is_flag=True,
+    help="Exit with 0 even if too little was tried to say whether the controller fails.",
+)
 @code_option
 @output_options
 @seed_option
@@ -100,6 +115,7 @@ def fuzz(
     report: Path | None,
     baseline: tuple[Path, ...],
     count_hazards: bool,
+    accept_no_answer: bool,
     no_code: bool,
     as_json: bool,
     junit: Path | None,
@@ -111,7 +127,8 @@ def fuzz(
     """Search for worlds in which a controller fails.
 
     The smallest world of each class of failure is written to a .grid file. Exits with 1 if it finds
-    a class that is in no --baseline, and with 0 otherwise. Hazards that the controller cannot sense
+    a class that is in no --baseline, with 4 if it tried too little to say whether there is one, and
+    with 0 otherwise. Hazards that the controller cannot sense
     or withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
     again, or --resume FOLDER, to continue.
     """
@@ -170,6 +187,7 @@ def fuzz(
             quiet=as_json,
             outputs=outputs,
             conclusion=Conclusion(was_known, last, with_code=not no_code),
+            accepts_no_answer=accept_no_answer,
             count_hazards=count_hazards,
             began=Beginning(began, loaded.since().own),
         )
@@ -182,7 +200,7 @@ def fuzz(
 
 
 def _begin(
-    run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any
+    run_budget: Budget, *, out: Path, seed: int | None, force: bool, **said: Any
 ) -> CampaignRun:
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
@@ -190,8 +208,6 @@ def _begin(
     from sim.options.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
-    if not options.controller or out is None:
-        raise click.UsageError("use --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
             "use --world, or --family and --strategy, not both: on a fixed map only the poses vary"
@@ -214,7 +230,7 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
     from worldgen.errors import WorldgenError
 
     with contextlib.suppress(WorldgenError):
-        entries = read_corpus([campaign_run.store.out]).entries
+        entries = read_corpus([campaign_run.store.out], skip=lambda _: None).entries
         if entries:
             return Baseline.of(entries, campaign_run.config.scenario, lambda _: None)
     return Baseline()

@@ -15,6 +15,7 @@ from worldgen.cli.output import (
     json_option,
     motion_option,
     note,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def init(
     the known failures, which takes longer; you can keep working in the meantime, or press Ctrl-C.
     """
     import contextlib
+    import io
     import os
     import tempfile
 
@@ -76,9 +78,10 @@ def init(
     from fuzz.campaign.configure import configure
     from fuzz.campaign.executors import local_executor
     from fuzz.campaign.options import CampaignOptions
-    from fuzz.campaign.session import CampaignSession
+    from fuzz.campaign.session import NO_ANSWER, CampaignSession
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
+    from worldgen.support.results import results_to
 
     # Before the search, refuse anything that the project cannot have.
     project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
@@ -95,12 +98,17 @@ def init(
             f"(--units {max(1, units // 3)} takes less time)"
         )
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
-        with contextlib.redirect_stdout(None):
+        with results_to(io.StringIO()):
             code = CampaignSession(
                 campaign_run, local_executor(os.cpu_count() or 1), lasts=False
             ).run()
-        if code not in (0, 1):
+        if code not in (0, 1, NO_ANSWER):
             raise SystemExit(code)
+        if code == NO_ANSWER:
+            note(
+                f"{controller} has no answer yet, so CI will fail: see why with worldgen fuzz, use "
+                "more --units, or set accept-no-answer = true in pyproject.toml"
+            )
         failures = {
             found.name: found.read_bytes()
             for found in sorted((Path(scratch) / "found").glob("*.grid"))
@@ -184,13 +192,13 @@ def _report(project: Project, failures: int, written: list[Path]) -> None:
     from fuzz.ci.project import FIXED, KNOWN
     from worldgen.support.plain_text import counted
 
-    click.echo(f"{KNOWN}: {counted(failures, 'known failure')}")
+    say(f"{KNOWN}: {counted(failures, 'known failure')}")
     for path in written:
-        click.echo(f"wrote {path}")
+        say(f"wrote {path}")
     if missing := project.must_be_told_where_worldgen_is:
-        click.echo(f"fill in {missing}; CI installs worldgen from there")
+        say(f"fill in {missing}; CI installs worldgen from there")
     if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
-        click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
+        say("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
     if not project.runs_fixed_failures:
-        click.echo(f'add to your pytest settings: worldgen_corpus = ["{FIXED}"]')
-    click.echo("next: commit these files; worldgen fuzz --out failures/ searches as CI does")
+        say(f'add to your pytest settings: worldgen_corpus = ["{FIXED}"]')
+    say("next: commit these files; worldgen fuzz --out failures/ searches as CI does")

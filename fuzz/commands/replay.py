@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import output_options
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -57,19 +57,18 @@ def replay(
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
     certificate. Exits with 0 if all are confirmed, with 1 if any of them is not (even if the robot
-    now arrives), with 2 if a file contains no failure or the controller cannot be loaded.
+    now arrives), with 2 if PATH or DIR holds no failure, if a file cannot be read, or if the
+    controller cannot be loaded. Other worlds in a folder are only counted.
     """
     from fuzz.ci import CiFinding, FindingState, Outputs, Report
+    from fuzz.commands._failure_files import FailureFiles
     from fuzz.describe import describe
-    from fuzz.failure import Failure
     from fuzz.overview.building import explained
     from fuzz.replay.answer import answer
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
-    from worldgen.files.worlds import read_worlds
-    from worldgen.support.plain_text import shown_lines
 
     # Check that the reports can be written.
     reports = Outputs(**outputs, force=force)
@@ -78,14 +77,9 @@ def replay(
     findings: list[CiFinding] = []
     states: list[State] = []
     surviving: list[str] = []
-    without = 0
-    # Replay one failure after another; skip files that have none.
-    for path, world in read_worlds(paths):
-        failure = Failure.found_in(world)
-        if failure is None:
-            note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
-            without += 1
-            continue
+    files = FailureFiles(paths)
+    # Replay one failure after another.
+    for path, failure in files:
         if transcript is not None and results:
             raise click.UsageError(
                 f"--transcript {transcript} records one failure; give replay one file"
@@ -109,11 +103,11 @@ def replay(
             }
         )
         if not as_json:
-            click.echo(f"{shown(path)}: {shown(now.words)}")
+            say(f"{shown(path)}: {shown(now.words)}")
             if with_picture and confirmed:
-                click.echo(describe(failure, path, why=explained(failure.driven_by(controller))))
+                say(describe(failure, path, why=explained(failure.driven_by(controller))))
             elif now.episode is not None:
-                click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
+                say(describe_frames(now.episode.evidence), nl=False)
         if reports:
             findings.append(
                 CiFinding.of(
@@ -128,19 +122,28 @@ def replay(
         note(f"note: {sentence}")
     # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))
-    _summarise(results, states, as_json=as_json)
+    _summarise(results, states, files.others, as_json=as_json)
     if not all(result["confirmed"] for result in results):
         raise SystemExit(1)
-    if without:
+    if not files.is_complete:
         raise SystemExit(2)
 
 
-def _summarise(results: list[dict[str, object]], states: list[State], *, as_json: bool) -> None:
+def _summarise(
+    results: list[dict[str, object]], states: list[State], others: int, *, as_json: bool
+) -> None:
     """Print how many failures are confirmed."""
     from fuzz.replay.answer import describe_summary
 
     if as_json:
         confirmed = sum(bool(result["confirmed"]) for result in results)
-        emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
+        emit_json(
+            {
+                "replayed": len(results),
+                "confirmed": confirmed,
+                "others": others,
+                "failures": results,
+            }
+        )
     else:
-        click.echo(describe_summary(states))
+        say(describe_summary(states))

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from fuzz.commands._options import code_option
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, skip_bad_file
 
 
 @click.command(epilog="\b\n  worldgen report failures/ --out report.html")
@@ -39,6 +39,7 @@ def report(
             title=title,
             force=force,
             with_code=not no_code,
+            skip=skip_bad_file,
             progress=lambda done, of: work.count(done, of, "failures"),
         )
     note(f"wrote {out}: {counted(count, 'failure')}")

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note
+from worldgen.cli.output import (
+    PATH,
+    emit_data,
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    say,
+)
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -24,15 +33,15 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
     if not wanted or context.resilient_parsing:
         return
-    click.echo("Passes, in order; they repeat until none of them makes the failure simpler:")
+    say("Passes, in order; they repeat until none of them makes the failure simpler:")
     for one in PASSES:
-        click.echo(f"  {one.name:15} {one.says}")
-    click.echo(
+        say(f"  {one.name:15} {one.says}")
+    say(
         "A failure is simpler than another if it has less of the following; the first difference "
         "decides:"
     )
     for measure in ORDER:
-        click.echo(f"  {measure.name:15} {measure.says}")
+        say(f"  {measure.name:15} {measure.says}")
     context.exit()
 
 
@@ -91,7 +100,7 @@ def shrink(
     the smallest world so far.
     """
     from fuzz.describe import describe
-    from fuzz.failure import Failure
+    from fuzz.failure import Failure, ShrinkState
     from fuzz.shrink import snippet
     from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
@@ -120,10 +129,11 @@ def shrink(
         emit_json({**_summary(result, target), "changed": changed})
         return
     if target is None or as_snippet:
-        click.echo(snippet(result.failure), nl=False)
+        emit_data(snippet(result.failure))
     else:
-        click.echo(describe(result.failure, target))
-    state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
+        say(describe(result.failure, target))
+    is_done = result.failure.shrinking == ShrinkState.DONE
+    state = "1-minimal" if is_done else "shrinking cut short; run it again to continue"
     note(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
         f"{state}, {result.simulations} runs"
@@ -185,6 +195,7 @@ def _summary(result: Shrunk, target: Path) -> dict[str, object]:
         "height": result.failure.world.height,
         "simulations": result.simulations,
         "kept": result.kept,
+        "shrinking": result.failure.shrinking.value,
         "one_minimal": not result.left,
         "complete": result.complete,
         "interrupted": result.interrupted,

@@ -5,10 +5,12 @@
 
 #include "looks.h"
 #include "step.h"
+#include "stopwatch.h"
 
 enum {
     LARGEST_SIDE = WG_SMALLEST_SIDE + WG_SIDES - 1,
     MOST_STEPS = 1 << 30,
+    MOST_TIME = 250000000, // ns that a call takes, about, so that its caller notices Ctrl-C
 };
 
 // A seat and everything that it points to, in one block.
@@ -303,6 +305,7 @@ int64_t wg_call_looks(const WgCall *call)
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
 {
     int64_t left = most_steps;
+    int64_t began = wg_now();
     while (left > 0) {
         if (seat->run < 0) {
             if (wg_seat_next(seat) < 0) {
@@ -317,6 +320,9 @@ int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
         if (over) {
             seat->run = -1;
             seat->looks->at++;
+        }
+        if (wg_now() - began > MOST_TIME) {
+            return WG_GOES_ON;
         }
     }
     return WG_GOES_ON;

@@ -33,6 +33,7 @@ class Facts:
         height: Height in cells.
         solid: Number of solid cells.
         events: Number of events that change a cell.
+        shrinking: See :attr:`fuzz.failure.Failure.shrinking`.
         digest: See :attr:`fuzz.failure.Failure.digest`.
         size: See :attr:`fuzz.failure.Failure.size`.
     """
@@ -45,6 +46,7 @@ class Facts:
     height: int
     solid: int
     events: int
+    shrinking: str
     digest: str
     size: tuple[int, ...]
 
@@ -79,6 +81,7 @@ class Facts:
             height=world.height,
             solid=world.solid_cells,
             events=len(world.timeline),
+            shrinking=failure.shrinking.value,
             digest=failure.digest,
             size=failure.size,
         )

@@ -20,7 +20,8 @@ from worldgen.files.whole import check_output, write_bytes
 from worldgen.plugins.installation import pip_install
 
 TABLE = "corpus.csv"  # name of the table in an archive
-_FACTS = [field.name for field in fields(Facts) if field.name != "size"]
+# The table's columns stay as they are, because scripts read them; the files say the rest.
+_FACTS = [field.name for field in fields(Facts) if field.name not in ("size", "shrinking")]
 _COLUMNS = ("file", *("class" if name == "bucket" else name for name in _FACTS))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -11,10 +11,10 @@ from pathlib import Path
 from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.index import Index
 from worldgen.errors import FormatError
-from worldgen.files.archives import Member, is_archive, members
+from worldgen.files.archives import Member
 from worldgen.files.grid.disk import unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
-from worldgen.files.worlds import files_in, is_world_file
+from worldgen.files.worlds import Skip, walk
 
 
 @dataclass(frozen=True)
@@ -57,45 +57,43 @@ class Corpus:
     others: int = 0
 
 
-def read_corpus(paths: Iterable[Path], selection: Selection | None = None) -> Corpus:
+def read_corpus(
+    paths: Iterable[Path], selection: Selection | None = None, skip: Skip | None = None
+) -> Corpus:
     """Return the contents of folders, archives and files.
 
     Args:
         paths: For a folder, all ``.grid`` and ``.grid.gz`` files in it and below are read; it may
             be empty.
         selection: The failures to select; all if omitted.
+        skip: See :func:`worldgen.files.worlds.walk`.
 
     Raises:
         FormatError: If a path or a file cannot be read.
     """
     entries: list[CorpusEntry] = []
     others = 0
-    for path in paths:
-        for place, facts, seen in _found(path):
-            if facts is None:
-                others += 1
-            elif selection is None or selection.fits(facts):
-                entries.append(CorpusEntry(place, facts, seen))
+    indexes: dict[Path, Index] = {}
+
+    def read(path: Path, place: Path, member: Member | None) -> tuple[Facts | None, int | None]:
+        if member is not None:
+            return Facts.in_world(unpack_world(member, str(place)), str(place)), None
+        if path.is_dir() and path not in indexes:
+            indexes[path] = Index(path)
+        return _read_file(place, indexes.get(path))
+
+    for place, (facts, seen) in walk(paths, read, skip, may_be_empty=True):
+        if facts is None:
+            others += 1
+        elif selection is None or selection.fits(facts):
+            entries.append(CorpusEntry(place, facts, seen))
+    for index in indexes.values():
+        index.save()
     return Corpus(tuple(entries), others)
 
 
 def _fits_one(text: str, patterns: tuple[str, ...]) -> bool:
     return any(text == pattern or fnmatchcase(text, pattern) for pattern in patterns)
-
-
-def _found(path: Path) -> Iterator[tuple[Path, Facts | None, int | None]]:
-    if path.is_dir():
-        index = Index(path)
-        for file in files_in(path):
-            yield file, *_read_file(file, index)
-        index.save()
-    elif is_archive(path):
-        for member in members(path):
-            if is_world_file(member.name):
-                place = path / member.name
-                yield place, Facts.in_world(unpack_world(member, str(place)), str(place)), None
-    else:
-        yield path, *_read_file(path, None)
 
 
 def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:

@@ -131,6 +131,8 @@ def _check_joint_loop(
         places = np.stack([trace.path_x[first:last], trace.path_y[first:last]], axis=1)
         if len(places) and (places != [trace.x[entry], trace.y[entry]]).any():
             moving.append(number)
+    if wrong := _check_first_return(traces, entry, own):
+        return wrong
     if tuple(moving) != evidence.moving:
         return f"robots {moving} move within the period, not {list(evidence.moving)}"
     wanted = Verdict.LIVELOCK if moving else Verdict.DEADLOCK
@@ -162,6 +164,20 @@ def _check_separate(
             reach = max(reach, sensed)
         if apart <= reach:
             return f"robots {one} and {other} come within {apart:g} m, and have different periods"
+    return ""
+
+
+def _check_first_return(traces: Sequence[Trace], entry: int, own: dict[int, int]) -> str:
+    """Check that the robots of each period do not return together before its end."""
+    for period in sorted({*own.values()}):
+        numbers = [number for number in own if own[number] == period]
+        returned = np.ones(period - 1, np.bool_)
+        for number in numbers:
+            states = traces[number - 1].states
+            returned &= (states[entry + 1 : entry + period] == states[entry]).all(axis=1)
+        if returned.any():
+            steps = int(np.argmax(returned)) + 1
+            return f"robots {numbers} return to their states after {steps} steps, not {period}"
     return ""
 
 

@@ -16,7 +16,7 @@ from sim.evidence import LoopEvidence
 from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
-from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
+from sim.verdict import FAILURES, STUCK, UNENDED, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -34,7 +34,8 @@ _TIMED_STEPS = 1_000
 # Limit on a run's length, as a multiple of the requested steps.
 _LATE = 3
 
-_GROUPS = {"never": NEVER, "fails": FAILURES}
+_GROUPS = {"stuck": STUCK, "fails": FAILURES}
+_OLD_NAMES = {"never": "stuck"}
 _EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
 _OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
 _NUMBER = r"\d+(?:\.\d+)?s?"
@@ -198,15 +199,15 @@ class OutcomeTarget:
     def _distance(self, verdict: str, number: int, chance: bool) -> float:
         """Return the distance of one run from the target.
 
-        With randomness, no state needs to recur, so ``never`` only means not within the budget.
+        With randomness, no state needs to recur, so ``stuck`` only means not within the budget.
         """
         if verdict in self.verdicts or (
-            chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]
+            chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["stuck"]
         ):
             return self._off(number)
         if verdict not in (Verdict.REACHED, *UNENDED):
             return _BROKEN
-        # The later it arrives, the closer it is to never.
+        # The later it arrives, the closer it is to not arriving.
         if verdict == Verdict.REACHED:
             return _OTHERWISE - min(number / self.steps, 1.0)
         return _OTHERWISE
@@ -226,7 +227,7 @@ def parse_targets(
     """Read ``CONTROLLER=OUTCOME, ...``.
 
     Args:
-        text: Each outcome is a verdict, ``never`` (loop or stalled; for random controllers also
+        text: Each outcome is a verdict, ``stuck`` (loop or stalled; for random controllers also
             timeout) or ``fails`` (anything but reached); ``reached`` and ``loop`` can be followed
             by ``@`` and steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``;
             an
@@ -253,6 +254,7 @@ def _parse_target(part: str, motion: str, time_step: float) -> OutcomeTarget:
         )
     scenario = Scenario.parse(name, motion=motion, time_step=time_step)
     CONTROLLERS.get(scenario.controller)
+    outcome = _OLD_NAMES.get(outcome.strip(), outcome)
     match = _OUTCOME.fullmatch(outcome.strip())
     if match is None or match["word"] not in (*Verdict, *_GROUPS):
         known = [str(word) for word in (*_GROUPS, *Verdict)]

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
+from fuzz.campaign.answer import FEWEST, AnswerNumbers
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.constraint import Constraint
 from fuzz.campaign.deadline import now
+from fuzz.campaign.live import not_arrived
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
-from fuzz.failure import Failure
+from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
@@ -114,16 +117,15 @@ def build_overview(
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
-    # For a user's own map, and for several robots, "natural" is not defined.
-    is_usual = config.fixed_map is None and config.robots == 1
-    families = natural_families(config.families) if is_usual else []
+    families = families_of(config)
     if natural and families:
         runs = natural_runs(
             config.scenario,
             families,
             _natural_count(config, state, seconds),
             config.seed,
-            _after(began, seconds, _NATURAL_TIME),
+            _enough_natural(began, seconds, has_failures=bool(causes)),
+            config.vary,
         )
         causes = with_natural(causes, runs.causes)
     causes = with_joined(causes)
@@ -143,6 +145,7 @@ def build_overview(
                 state.best,
                 conclusion.known,
                 lambda failure: _shrunk(failure, until) if config.shrink else failure,
+                config.constraint,
             )
         ),
         None if seconds is None else began + seconds,
@@ -156,6 +159,40 @@ def build_overview(
     return Overview(tuple(shown), runs, comparison)
 
 
+def families_of(config: CampaignConfig) -> list[str]:
+    """Return the families of a campaign's natural worlds.
+
+    Empty if they are not defined: for a user's own map, for several robots, and if no chosen
+    strategy draws from a family.
+    """
+    is_usual = config.fixed_map is None and config.robots == 1
+    return natural_families(config.families) if is_usual else []
+
+
+def answer_numbers(
+    config: CampaignConfig, state: CampaignState, overview: Overview, failing: Collection[str]
+) -> AnswerNumbers:
+    """Return the numbers that decide what a campaign answers.
+
+    Args:
+        config: Its definition.
+        state: Its results.
+        overview: Its overview; empty before it is built.
+        failing: Classes of failures that no baseline has, without hazards that do not count.
+    """
+    own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
+    shown = {one.failure.bucket for one in own if one.failure is not None}
+    finished = None if overview.natural is None else overview.natural.finished
+    return AnswerNumbers(
+        failures=len(failing),
+        known=len((state.known.keys() | shown) - set(failing)),
+        natural=(finished or 0) if families_of(config) else None,
+        natural_unjudged=sum(one.natural or 0 for one in own if one.failure is None),
+        searched=state.worlds,
+        searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),
+    )
+
+
 def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
     if seconds is not None:
         return _MOST_NATURAL
@@ -163,11 +200,24 @@ def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float 
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 
-def _after(began: float, seconds: float | None, share: float) -> Callable[[], bool]:
+def _enough_natural(
+    began: float, seconds: float | None, *, has_failures: bool
+) -> Callable[[int], bool]:
+    """Return a function that decides, by how many are finished, whether to stop natural worlds.
+
+    Without failures there is nothing else to do, so the first few get all of the time: an answer
+    needs them.
+    """
     if seconds is None:
-        return lambda: False
-    end = began + share * seconds
-    return lambda: time.monotonic() >= end
+        return lambda _: False
+    end = began + seconds
+    early = began + _NATURAL_TIME * seconds
+
+    def is_enough(finished: int) -> bool:
+        needs_more = finished < FEWEST and not has_failures
+        return time.monotonic() >= (end if needs_more else early)
+
+    return is_enough
 
 
 def with_worlds(
@@ -242,7 +292,11 @@ def _with_worlds(
 def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
     """Return the failures of a campaign's search that have a cause."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
-    own = [one for one in {one.id: one for one in found}.values() if cause_of(one) in cause.parts]
+    # A failure that waits to be shrunk is in both, but only the first says how far that got.
+    distinct: dict[str, Failure] = {}
+    for one in found:
+        distinct.setdefault(one.without(SHRINKING).id, one)
+    own = [one for one in distinct.values() if cause_of(one) in cause.parts]
     return [_world_file(failure, cause, state.best, known) for failure in own]
 
 
@@ -252,6 +306,7 @@ def _in_natural_world(
     best: Mapping[str, Failure],
     known: Baseline,
     shrunk: Callable[[Failure], Failure],
+    constraint: Constraint,
 ) -> list[WorldFile]:
     """Return the failure in a cause's simplest natural world, if it can be proved.
 
@@ -262,7 +317,7 @@ def _in_natural_world(
         return []
     world, scenario = min(cases, key=simplicity)
     try:
-        failure = failure_of(world, scenario, found_by=NATURAL)
+        failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
     except (WorldgenError, OutOfTime):
         return []
     if failure is None or cause_of(failure) not in cause.parts:
@@ -270,8 +325,9 @@ def _in_natural_world(
     if known.has(failure):
         return [WorldFile(failure, "", exists=False)]
     smaller = shrunk(failure)
-    if smaller is failure or cause_of(smaller) not in cause.parts:
-        return [_world_file(failure, cause, best, known)]
+    if smaller.world is failure.world or cause_of(smaller) not in cause.parts:
+        same = smaller if smaller.world is failure.world else failure
+        return [_world_file(same, cause, best, known)]
     small = _world_file(smaller, cause, best, known)._replace(original=failure)
     return [small, _world_file(failure, cause, best, known)]
 
@@ -284,7 +340,10 @@ def _shrunk(failure: Failure, until: float | None) -> Failure:
     if left <= 0.0:
         return failure
     # The result takes a little longer to be proved.
-    return shrunk_or_same(failure, seconds=0.7 * left, end=now() + left).failure
+    result = shrunk_or_same(failure, seconds=0.7 * left, end=now() + left)
+    if result.failure is failure and not result.complete:
+        return failure.noting(**{SHRINKING: ShrinkState.CUT_SHORT.value})
+    return result.failure
 
 
 def _world_file(

@@ -64,9 +64,9 @@ class CauseTotals:
         return sum(self.verdicts.values())
 
     @property
-    def is_only_shrunk(self) -> bool:
-        """True if only shrinking found it: no world of the search and no natural one shows it."""
-        return not self.met and not self.natural
+    def is_met(self) -> bool:
+        """True if a world of the search or a natural one shows it, and not only a shrunk one."""
+        return self.met > 0 or bool(self.natural)
 
     def table(self) -> CauseRow:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
@@ -105,7 +105,7 @@ def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[C
         classes.setdefault(cause, []).append(bucket)
         verdicts.setdefault(cause, Counter())[failure.verdict] += met.get(bucket, 1)
     return in_order(
-        CauseTotals(cause, tuple(buckets), dict(verdicts[cause].most_common()))
+        CauseTotals(cause, tuple(buckets), dict((+verdicts[cause]).most_common()))
         for cause, buckets in classes.items()
     )
 
@@ -141,7 +141,7 @@ def with_joined(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
     A cause that only shrinking found says nothing about the others.
     """
     own = list(causes)
-    shown = joined([one.cause for one in own if not one.is_only_shrunk])
+    shown = joined([one.cause for one in own if one.is_met])
     groups: dict[Cause, list[CauseTotals]] = {}
     for one in own:
         groups.setdefault(shown.get(one.cause, one.cause), []).append(one)

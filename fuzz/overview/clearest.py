@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fuzz.failure import Failure
+from fuzz.failure import Failure, ShrinkState
 from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.cause import Cause
@@ -92,7 +92,7 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
         is_degenerate |= cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
         is_tangled = behaviour.length > _TANGLE * max(world.width, world.height)
     others = len(world.others)
-    is_unshrunk = not failure.is_shrunk
+    is_unshrunk = failure.shrinking != ShrinkState.DONE
     return Clarity(others, is_degenerate, is_tangled, is_unshrunk, flaws, windings, failure.order)
 
 
@@ -105,8 +105,8 @@ def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
     """
     candidates = sorted(failures, key=lambda failure: failure.order)
     # Examine both shrunk and unshrunk ones, the simplest of each.
-    shrunk = [failure for failure in candidates if failure.is_shrunk][:_MOST]
-    others = [failure for failure in candidates if not failure.is_shrunk][:_MOST]
+    shrunk = [one for one in candidates if one.shrinking == ShrinkState.DONE][:_MOST]
+    others = [one for one in candidates if one.shrinking != ShrinkState.DONE][:_MOST]
     best: tuple[Clarity, Failure] | None = None
     for failure in (*shrunk, *others):
         try:

@@ -119,9 +119,7 @@ def explain_failure(
 
 def _unclassified(failure: Failure) -> Failure:
     """Return a failure without the recorded cause and class."""
-    record = failure.record
-    kept = {name: value for name, value in record.details.items() if name not in (CAUSE, "class")}
-    return replace(failure, record=replace(record, details=kept))
+    return failure.without(CAUSE, "class")
 
 
 def _as_run(failure: Failure, episode: Episode) -> Failure:

@@ -15,12 +15,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fuzz.campaign.variation import Variation, applied, generated
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
-from fuzz.triage.hazards import is_harm_unsensed
+from fuzz.triage.hazards import could_not_know
+from fuzz.triage.proofs import certified
 from sim.episode import Episode, simulate
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
@@ -28,10 +30,9 @@ from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
-from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
-from worldgen.world import Witness
+from worldgen.world import Value, Witness
 
 NATURAL = "natural"
 """The random stream of natural worlds, from which no unit of a search draws."""
@@ -75,6 +76,11 @@ class NaturalRuns:
     clearances: dict[str, tuple[int, int]] = field(default_factory=dict)
     turns: dict[str, tuple[int, int]] = field(default_factory=dict)
     is_complete: bool = True
+
+    @property
+    def finished(self) -> int:
+        """Number of worlds run, with those in which such a hazard harmed the robot."""
+        return self.worlds + self.unsensed
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -156,7 +162,8 @@ def natural_runs(
     families: Sequence[str],
     count: int,
     seed: int,
-    is_over: Callable[[], bool] = lambda: False,
+    is_over: Callable[[int], bool] = lambda _: False,
+    vary: Sequence[Variation] = (),
 ) -> NaturalRuns:
     """Run a scenario in natural worlds, each family in turn.
 
@@ -167,18 +174,25 @@ def natural_runs(
         families: Names of families.
         count: Number of worlds.
         seed: Seed of the campaign.
-        is_over: Returns True once no more worlds should be run.
+        is_over: Returns True once no more worlds should be run, given the number of those that are
+            finished.
+        vary: Quantities of the robot and the run to draw from, as the search does.
     """
     runs = NaturalRuns()
     stream = RandomStream(seed).child(NATURAL)
+    # Another stream, so that the worlds are the same whatever varies.
+    values = RandomStream(seed).child(NATURAL, "vary")
     for number in range(count if families else 0):
         world_seed = stream.next64()
         family = families[number % len(families)]
         try:
-            with stopping_when(is_over):
-                if is_over():
+            with stopping_when(lambda: is_over(runs.finished)):
+                if is_over(runs.finished):
                     raise OutOfTime
-                case = Case(generate(family, world_seed), scenario.with_run(seed=number))
+                drawn = {one.name: values.choice(one.values) for one in vary}
+                case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
+                if case is None:
+                    continue
                 episode, cause = _run(case)
         except OutOfTime:
             runs.is_complete = False
@@ -188,6 +202,15 @@ def natural_runs(
             continue
         runs.count(case, family, episode, cause)
     return runs
+
+
+def _natural_case(
+    family: str, seed: int, scenario: Scenario, values: Mapping[str, Value]
+) -> Case | None:
+    """Return a family's world with the drawn robot; ``None`` if it cannot arrive there."""
+    world, scenario = applied(values, generated(family, seed, values), scenario)
+    proved = world if world.certificate else certified(world)
+    return None if proved is None else Case(proved, scenario)
 
 
 def _run(case: Case) -> tuple[Episode, Cause | None]:
@@ -207,7 +230,7 @@ def _run(case: Case) -> tuple[Episode, Cause | None]:
     if recorded.verdict in ARRIVALS:
         return episode, Cause.UNKNOWN
     episode = recorded
-    if is_harm_unsensed(world, episode, scenario):
+    if could_not_know(world, episode, scenario):
         return episode, Cause.HARMED_UNSENSED
     others = OtherWorlds(scenario.controller, options)
     return episode, cause_of_run(world, episode, others)

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import click
-
 from fuzz.campaign.store import MEMORY
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
 from fuzz.triage.cause import Cause, Severity
-from worldgen.support.plain_text import alternatives, counted, shown
+from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
 # whole campaign, this makes fifteen.
@@ -31,14 +29,14 @@ _LESS_THAN_HALF = 0.5
 _NEARLY_ALWAYS = 0.95
 
 _COLOURS = {
-    Severity.THROUGH_WALLS: "red",
-    Severity.THROUGH_ROBOTS: "red",
-    Severity.CONTROLLER_ERROR: "red",
-    Severity.HARMED: "red",
-    Severity.NEVER_ARRIVES: "yellow",
-    Severity.TOO_SLOW: "yellow",
-    Severity.QUESTIONABLE: "cyan",
-    Severity.UNSENSED: "blue",
+    Severity.THROUGH_WALLS: "31",  # red
+    Severity.THROUGH_ROBOTS: "31",  # red
+    Severity.CONTROLLER_ERROR: "31",  # red
+    Severity.HARMED: "31",  # red
+    Severity.NEVER_ARRIVES: "33",  # yellow
+    Severity.TOO_SLOW: "33",  # yellow
+    Severity.QUESTIONABLE: "36",  # cyan
+    Severity.UNSENSED: "34",  # blue
 }
 
 
@@ -53,8 +51,9 @@ class Headline:
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
         lasts: False if the folder is deleted after the command, so that no command can use it.
-        not_arrived: Worlds of the search in which the robot did not arrive.
-        has_units: False if the time was too short for even one unit, so that nothing was proved.
+        unjudged: Worlds of the search in which the robot did not arrive, and which are not judged.
+        no_answer: Why the campaign has no answer; empty if it has.
+        remedy: The command that gives it more time.
         robots: Robots in each world.
     """
 
@@ -64,24 +63,28 @@ class Headline:
     is_failing: bool = True
     is_known: bool = False
     lasts: bool = True
-    not_arrived: int = 0
-    has_units: bool = True
+    unjudged: int = 0
+    no_answer: str = ""
+    remedy: str = ""
     robots: int = 1
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``click.echo`` removes it if necessary."""
+    """Return the summary for the terminal, in colour; ``say`` removes it if necessary."""
     # Say first whether it works and how often the robot arrives.
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
         lines.append(f"  {describe_rate(overview.natural, overview.causes)}")
+    elif overview.natural is not None and overview.natural.unsensed:
+        harmed = counted(overview.natural.unsensed, "natural world")
+        lines.append(f"  hazards that it cannot sense harmed it in {harmed}, and no other was run")
     elif headline.robots > 1 and not headline.is_known:
         lines.append(
             "  how often several robots arrive is not measured: no worlds are natural for them; "
             "worldgen compare counts it in worlds that you choose"
         )
     # Describe the worst cause in full, the next ones in short, and name the others.
-    causes = _counted_causes(overview) or overview.causes
+    causes = _counted_causes(overview) or [one for one in overview.causes if one.is_met]
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
@@ -97,8 +100,8 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
         lines.append(f"look at it: worldgen report {folder} --out report.html")
-    if _is_open(overview, headline) and headline.lasts:
-        lines.append(f"give it more time: worldgen fuzz --resume {folder} --budget 5m")
+    if headline.no_answer and headline.lasts:
+        lines.append(f"give it more time: {shown(headline.remedy)}")
     return lines
 
 
@@ -119,15 +122,13 @@ def _others(
 def _counted_causes(overview: Overview) -> list[CauseTotals]:
     """Return the causes that count: the controller's own, met in a world that nobody shrunk."""
     return [
-        one
-        for one in overview.causes
-        if one.cause.severity != Severity.UNSENSED and not one.is_only_shrunk
+        one for one in overview.causes if one.cause.severity != Severity.UNSENSED and one.is_met
     ]
 
 
 def _uncounted(cause: CauseTotals) -> str:
     """Return why a cause does not count, after its name."""
-    if cause.is_only_shrunk:
+    if not cause.is_met:
         return f"{cause.cause} (only in worlds that shrinking made)"
     met = _verdicts(cause)
     return f"{cause.cause}{f' ({met})' if met else ''}"
@@ -182,22 +183,15 @@ def never_tried(natural: NaturalRow) -> list[str]:
     return never
 
 
-def _is_open(overview: Overview, headline: Headline) -> bool:
-    """Return True if the time was too short to tell whether there are failures."""
-    tried = headline.not_arrived > 0 and not headline.has_units
-    return tried and not headline.is_failing and not overview.causes
-
-
 def _verdict_line(overview: Overview, headline: Headline) -> str:
     """Return in a few words whether it works."""
     # Hazards that the robot cannot sense are not its own failures.
     own = _counted_causes(overview)
     searched = f"{counted(headline.worlds, 'world')} searched"
-    if _is_open(overview, headline):
-        too_short = click.style("too little time for an answer", fg="yellow", bold=True)
-        return (
-            f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
-            f"{headline.not_arrived}, and none of these is proved to be a failure yet"
+    if headline.no_answer:
+        open_still = styled("no answer", "33;1")
+        return joined(
+            f"{shown(headline.who)}: ", open_still, f": {shown(headline.no_answer)}; {searched}"
         )
     # Without failures, mention the runs that the search did not count as failures.
     if not headline.is_failing:
@@ -207,34 +201,35 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         others = len(own) < len(overview.causes)
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
-        if headline.not_arrived and not overview.causes and not headline.is_known:
+        if headline.unjudged and not headline.is_known:
             searched += (
-                f"; it did not arrive in {headline.not_arrived}, and none of these is proved to "
+                f"; it did not arrive in {headline.unjudged}, and none of these is proved to "
                 "be a failure"
             )
-        return f"{click.style(found, fg='green', bold=True)}; {searched}"
+        return joined(styled(found, "32;1"), f"; {searched}")
     # Otherwise the worst cause determines the verdict.
-    own = own or list(overview.causes)
-    who = click.style(shown(headline.who), bold=True)
+    own = own or [one for one in overview.causes if one.is_met] or list(overview.causes)
+    who = styled(headline.who, "1")
     worst = own[0].cause.severity
     words = own[0].cause.phrase
     if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
-        # It never arrives in the failures, but that is not what it does in general.
+        # It does not arrive in the failures, but that is not what it does in general.
         natural = None if overview.natural is None else overview.natural.table()
         often = how_often_it_arrives(natural)
         words = f"{often}, and {words}" if worst == Severity.HARMED else often
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
-    failed = click.style(words, fg=_COLOURS[worst], bold=True)
+    failed = styled(words, f"{_COLOURS[worst]};1")
     classes = counted(sum(len(one.classes) for one in own), "class", "classes")
-    return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+    found = f"; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+    return joined(who, ": ", failed, found)
 
 
 def how_often_it_arrives(natural: NaturalRow | None) -> str:
     """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
         if not natural.arrived:
-            return "never arrived"
+            return "arrived in no natural world"
         if natural.high < _RARE:
             return "rarely arrives"
         if natural.high < _LESS_THAN_HALF:
@@ -245,9 +240,9 @@ def how_often_it_arrives(natural: NaturalRow | None) -> str:
 
 
 def _title(cause: CauseTotals, natural: NaturalRuns | None) -> str:
-    name = click.style(cause.cause.value, fg=_COLOURS[cause.cause.severity], bold=True)
-    new = f" {click.style('NEW', fg='magenta', bold=True)}" if cause.state == "new" else ""
-    return f"{name}{new}: {_how_often(cause, natural)}"
+    name = styled(cause.cause.value, f"{_COLOURS[cause.cause.severity]};1")
+    new = (" ", styled("NEW", "35;1")) if cause.state == "new" else ()
+    return joined(name, *new, f": {_how_often(cause, natural)}")
 
 
 def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
@@ -260,8 +255,6 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     met = _verdicts(cause)
     if met:
         parts.append(f"examined: {met}")
-    elif cause.is_only_shrunk:
-        parts.append("only in worlds that shrinking made")
     else:
         parts.append("not met by the search")
     return "; ".join(parts)
@@ -273,7 +266,7 @@ def _verdicts(cause: CauseTotals) -> str:
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
-    lines = [f"1. {_title(cause, natural)}", f"   {cause.sentence} {cause.cause.advice}"]
+    lines = [joined("1. ", _title(cause, natural)), f"   {cause.sentence} {cause.cause.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)

@@ -24,7 +24,7 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world, write_world
 from worldgen.render import draw_terminal
 from worldgen.support.bounds import check_choice
-from worldgen.support.plain_text import shown_lines
+from worldgen.support.plain_text import printed, shown, stacked
 from worldgen.world import World
 
 FIXED = "fixed"
@@ -135,7 +135,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
             f"{who_drives(seen.scenario)}: {seen.episode.verdict}{describe_evidence(seen.episode)}"
         )
     trail = None if seen.episode is None else trails_of(seen.episode, seen.world)
-    lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
+    lines += draw_terminal(seen.world, trail=trail, color=False).splitlines()
     # Add the command to replay it: the stored file's if that shows the same, otherwise that of a
     # newly saved file.
     replayed_by = seen.stored
@@ -149,7 +149,8 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
     if replayed_by:
         properties["replay"] = replayed_by
         lines.append(f"replay: {replayed_by}")
-    return FailingWorld(shown_lines("\n".join(lines)), properties)
+    safe = {name: shown(value) for name, value in properties.items()}
+    return FailingWorld(printed(stacked(lines)), safe)
 
 
 def _keep(seen: RegressionRun, path: Path) -> str:

@@ -16,6 +16,7 @@ from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.disk import expansion_limit, unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.worlds import Skip
 
 # More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
 MOST_FAILURES = 1_000
@@ -86,18 +87,19 @@ class ReportSubject:
     others: int
 
 
-def gather(paths: Sequence[Path]) -> ReportSubject:
+def gather(paths: Sequence[Path], skip: Skip | None = None) -> ReportSubject:
     """Find the failures and campaigns to report on.
 
     Args:
         paths: Folders, archives and files. Campaigns keep their state in hidden folders, so read
             those too.
+        skip: See :func:`worldgen.files.worlds.walk`.
 
     Raises:
         InvalidParameter: If there is nothing to report on, or more than ``MOST_FAILURES``.
         FormatError: If a path or a file cannot be read.
     """
-    corpus = read_corpus(paths)
+    corpus = read_corpus(paths, skip=skip)
     folders = [folder for path in paths for folder in _campaign_folders(path)]
     campaigns = [
         ReportedCampaign(folder, summary, controller_change(folder, summary.controller))

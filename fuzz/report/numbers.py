@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeAlias
 from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
 from fuzz.describe import describe_seeds
+from fuzz.failure import SHRINKING, ShrinkState
 from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
 from sim.evidence import JointLoopEvidence, LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
@@ -31,6 +32,7 @@ _SAID = (
     "motion_version",
     "original",
     "one_minimal",
+    SHRINKING,
     "failing_seeds",
     "failing_share_at_least",
     "chance",
@@ -40,6 +42,11 @@ _SAID = (
     "kept",
     "shrunk_from",
 )
+_SHRUNK = {
+    ShrinkState.DONE: "done: no cell, row or column can be removed",
+    ShrinkState.CUT_SHORT: "cut short: time ran out before it finished",
+    ShrinkState.NONE: "none: the world is as it was found",
+}
 _KEPT = {"verdict": "kept the verdict", "class": "kept the class"}
 
 
@@ -99,10 +106,7 @@ def _of_the_failure(reported: Reported) -> list[Row]:
     begins = describe_boundaries(seen.failure)
     if begins:
         rows.append(("boundary", begins))
-    minimal = record.details.get("one_minimal")
-    if isinstance(minimal, bool):
-        answer = "yes: no cell, row or column can be removed" if minimal else "no"
-        rows.append(("1-minimal", answer))
+    rows.append(("shrinking", _SHRUNK[seen.failure.shrinking]))
     return rows
 
 

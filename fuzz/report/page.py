@@ -34,6 +34,7 @@ from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.controllers import CONTROLLERS
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
+from worldgen.files.worlds import Skip
 from worldgen.support.plain_text import counted
 
 _ID_DIGITS = 12  # hex digits of a failure's digest, used as its address in the page
@@ -47,6 +48,7 @@ def write_report(
     force: bool = False,
     with_code: bool = True,
     progress: Callable[[int, int], None] = lambda done, of: None,
+    skip: Skip | None = None,
 ) -> int:
     """Write failures and their campaigns as one HTML page.
 
@@ -59,6 +61,7 @@ def write_report(
         force: Overwrite an existing file.
         with_code: False to leave out the source lines and the state of Python controllers.
         progress: Called with the number of failures done and the total.
+        skip: See :func:`worldgen.files.worlds.walk`.
 
     Returns:
         The number of failures on the page.
@@ -70,7 +73,7 @@ def write_report(
     """
     # Refuse before the work rather than after it: replaying a corpus may take minutes.
     check_output(out, force)
-    subject = gather(paths)
+    subject = gather(paths, skip)
     answers = answers_for(subject.entries, subject.campaigns)
     causes = {cause.file: cause for answer in answers for cause in answer.causes}
     failures = []
@@ -166,7 +169,7 @@ def _failure(
         "advice": cause.advice,
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
-        "shrunk": seen.failure.is_shrunk,
+        "shrinking": seen.failure.shrinking.value,
         "changed": campaigns[reported.campaign].change
         if campaign is not None and campaign.controller == record.controller
         else "",

@@ -20,7 +20,7 @@ from sim.runners.core_calls import Driver, headings, ray_table
 from sim.runners.packing import disc_numbers
 from worldgen.lattice import UNIT, in_cells
 from worldgen.support.arrays import Bytes, Ints, Words
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 
 Columns = npt.NDArray[np.void]
 
@@ -112,15 +112,14 @@ class Batch:
         for k, one in enumerate(settings):
             ffi.memmove(ffi.addressof(self._settings, k), one, ffi.sizeof("WgSettings"))
         discs, targets = _discs(radii)
-        # The core holds addresses, so the objects they point to are kept here.
         made = (layouts, seeds, kinds, budgets, np.array(radii), targets)
-        self._arrays = (*(memory.own(array) for array in made), headings())
-        self._discs = memory.new("WgDisc[]", discs, ffi)
-        self._rays = ray_table()
+        arrays = (*(memory.own(array) for array in made), headings())
+        described_discs = memory.new("WgDisc[]", discs, ffi)
+        rays = ray_table()
         layouts_at, seeds_at, kinds_at, budgets_at, radii_at, targets_at, headings_at = (
-            pointer(ffi, array, array.dtype.type) for array in self._arrays
+            pointer(ffi, array, array.dtype.type) for array in arrays
         )
-        self.c: Any = memory.new(
+        batch = memory.new(
             "WgLooks *",
             {
                 "layouts": layouts_at,
@@ -131,18 +130,21 @@ class Batch:
                 "budgets": budgets_at,
                 "settings": self._settings,
                 "setting_count": len(settings),
-                "discs": self._discs,
+                "discs": described_discs,
                 "radii": radii_at,
                 "radius_count": len(radii),
                 "targets": targets_at,
                 "target_count": len(targets),
                 "headings": headings_at,
-                "rays": ffi.cast("WgRay *", int(sim_ffi.cast("uintptr_t", self._rays))),
+                "rays": ffi.cast("WgRay *", int(sim_ffi.cast("uintptr_t", rays))),
                 "patience": tuple(patience),
                 "looks": ffi.cast("WgLook *", writable(ffi, self.looks.view(np.uint8), np.uint8)),
             },
             ffi,
         )
+        # What the settings point to belongs to the runs that they come from.
+        held = (arrays, described_discs, rays, self._settings, self.looks, settings)
+        self.c: Any = kept(ffi, batch, held)
 
     def __len__(self) -> int:
         return len(self.looks)
@@ -191,37 +193,32 @@ class Seat:
     ) -> None:
         room = batch.memory
         self.memory = room.own(np.array(memory, np.float64))
-        controller = room.new("WgController *", ffi=ffi)
+        held = (batch.c, driver and driver.c, self.memory)
+        controller = kept(ffi, room.new("WgController *", ffi=ffi), held)
         controller.memory_size = len(self.memory)
         if len(self.memory):
             controller.memory = pointer(ffi, self.memory, np.float64)
         if driver is not None:
             controller.act = ffi.cast("WgAct", int(ffi.cast("uintptr_t", driver.c.act)))
             controller.flat = ffi.cast("WgFlatAct", int(ffi.cast("uintptr_t", driver.c.flat)))
-        self._blocks: tuple[Any, ...] = ()
-        self.c: Any = None
-        if room.is_shared:
-            self._place(batch, controller)
+            controller.cage = ffi.cast("WgCage *", int(sim_ffi.cast("uintptr_t", driver.c.cage)))
+        if driver is not None and driver.cage is not None:
+            self.c: Any = self._placed(batch, controller)
         else:
             made = ffi.new("WgSeat **")
             check(lib.wg_seat_new(batch.c, controller, made))
-            self.c = ffi.gc(made[0], lib.wg_seat_free)
+            self.c = kept(ffi, made[0], controller, free=lib.wg_seat_free)
         self.c.number = number
-        self._held = (batch, driver)
 
-    def _place(self, batch: Batch, controller: Any) -> None:
-        """Create the seat where the process that runs its robot can find it."""
+    @staticmethod
+    def _placed(batch: Batch, controller: Any) -> Any:
+        """Return a WgSeat that the process that runs its robot can find."""
         sizes = ffi.new("int64_t[3]")
         check(lib.wg_seat_sizes(batch.c, controller, sizes))
-        seat, episode, log = sizes
-        memory = batch.memory
-        self._blocks = (
-            memory.new("char[]", seat),
-            memory.new("char[]", episode),
-            memory.new("char[]", log),
-        )
-        blocks = ffi.new("void *[3]", [ffi.cast("void *", block) for block in self._blocks])
-        self.c = lib.wg_seat_place(blocks, batch.c, controller)
+        blocks = [batch.memory.new("char[]", size) for size in sizes]
+        places = ffi.new("void *[3]", [ffi.cast("void *", block) for block in blocks])
+        made = lib.wg_seat_place(places, batch.c, controller)
+        return kept(ffi, made, blocks, controller)
 
     @property
     def episode(self) -> Any:

@@ -382,10 +382,10 @@ class _Packed:
         # Compiled controllers run inside the core.
         if isinstance(self.controller, CompiledController):
             memory = self.controller.memory
-            driver = Driver(self.controller, memory)
+            driver = Driver(self.controller, memory, self.runs[0].settings)
             seat = Seat(batch, memory, driver)
-            if driver.guarded:
-                look_guarded(batch, seat, driver.guarded)
+            if driver.cage is not None:
+                look_guarded(batch, seat, driver.guarded, driver.cage)
                 return
             while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
                 pass

@@ -11,6 +11,7 @@ from dataclasses import replace
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import CRASH, HANG, Batch, Seat
 from fuzz.triage.crash_bucket import crash_bucket
+from sim.controllers.shared.cage import Cage
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
@@ -25,7 +26,7 @@ MOST_HANGS = 2
 _PORTION = 1 << 24
 
 
-def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
+def look_guarded(batch: Batch, seat: Seat, act: int, cage: Cage) -> None:
     """Run a controller in the worlds of a batch.
 
     After a death, the batch continues with the run after the one that caused it.
@@ -34,6 +35,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
         batch: The runs; their results are filled in.
         seat: The seat to run them in.
         act: Address of the controller's function.
+        cage: Where it acts.
     """
     work = ffi.addressof(lib, "wg_call_looks")
     report = ffi.addressof(seat.c.episode.robot.report)
@@ -41,10 +43,9 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
     # Each hang costs seconds, so after a few of them the rest of the batch is skipped.
     while hangs < MOST_HANGS:
         try:
-            if (
-                call(work, act, (seat.c,), _PORTION, report=report, progress=(batch.c,)).result
-                == lib.WG_OVER
-            ):
+            progress = (report, batch.c)
+            result = call(work, (act,), (seat.c,), _PORTION, progress=progress, cages=(cage,))
+            if result == lib.WG_OVER:
                 return
         except ControllerDied as death:
             n = batch.at

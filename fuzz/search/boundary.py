@@ -1,6 +1,7 @@
 """The boundary strategy: change one number of a scenario until the outcome changes.
 
-Other strategies leave radius, speed and time step as they are. Half of the scenarios here are known
+Other strategies leave radius, speed and time step as they are; this one changes those that the user
+has not fixed. Half of the scenarios here are known
 failures, for which the search looks for the nearest value at which the robot arrives. The other
 half are drawn, and the search looks for the nearest value at which the robot fails. Two
 neighbouring values with different outcomes make a failure whose record states the boundary. A drawn
@@ -8,6 +9,8 @@ scenario that fails but has no boundary within reach is passed to triage unchang
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from fuzz.boundary import (
     AXES,
@@ -18,6 +21,7 @@ from fuzz.boundary import (
     nearest_boundary,
     subject_of,
 )
+from fuzz.campaign.variation import applied, generated
 from fuzz.search.features import decode_world
 from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.search.task import SearchTask
@@ -25,9 +29,10 @@ from fuzz.triage.proofs import certified
 from sim.episode import Episode
 from sim.outcome import Outcome
 from sim.runners.stopping import OutOfTime, check_time
-from worldgen.errors import GenerationFailed
-from worldgen.generation import generate
+from sim.scenario import Scenario
+from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.random_streams import RandomStream
+from worldgen.world import Value
 
 BOUNDARY = "boundary"
 
@@ -49,9 +54,12 @@ def search(task: SearchTask) -> None:
         task.triage.count(look.outcome.verdict, look.outcome.steps)
         check_time()
 
+    # What the user fixed is not varied, or the failure would be another robot's.
+    constraint = task.config.constraint
+    free = [name for name, axis in AXES.items() if not constraint.fixes(axis.quantity)]
     # A boundary takes many runs, so only a fraction of the examples is spent here.
     for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
-        axis = AXES[stream.choice(tuple(AXES))]
+        axis = AXES[stream.choice(free)]
         subject = _subject(task, stream, known, axis)
         start = None if subject is None else axis.index(subject)
         if subject is None or start is None:
@@ -105,13 +113,29 @@ def _subject(
     if task.config.fixed_map is not None:
         return None
     scenario = task.scenario(stream.below(2**32), stream.choice(task.config.time_steps))
-    if axis.name != "depth":
-        world = certified(decode_world(stream.bits(LAYOUT_BYTES // 8).astype("<u8").tobytes()))
-        return None if world is None else Subject(world, scenario)
+    values = {one.name: stream.choice(one.values) for one in task.config.vary}
     try:
-        return Subject(generate("trap", stream.below(2**32)), scenario)
-    except GenerationFailed:
+        return _drawn(task, stream, axis, scenario, values)
+    # The family makes no such world, or the robot does not fit at its start.
+    except (GenerationFailed, InvalidParameter, InvalidWorld):
         return None
+
+
+def _drawn(
+    task: SearchTask,
+    stream: RandomStream,
+    axis: Axis,
+    scenario: Scenario,
+    values: Mapping[str, Value],
+) -> Subject | None:
+    """Return a world in which the robot can arrive, and the scenario, with the drawn values."""
+    if axis.name != "depth":
+        world = decode_world(stream.bits(LAYOUT_BYTES // 8).astype("<u8").tobytes())
+    else:
+        world = generated("trap", stream.below(2**32), values)
+    world, scenario = applied(values, world, scenario)
+    proved = world if world.certificate else certified(world)
+    return None if proved is None else Subject(proved, scenario)
 
 
 def _cause(outcome: Outcome | Episode) -> str:

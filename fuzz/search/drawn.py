@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
-from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig, radii_on
 from fuzz.campaign.variation import map_provenance
 from fuzz.failure import regardless_of_walls
 from fuzz.search.database import Failed, exception_of, remembered
@@ -236,9 +236,7 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
     if not len(free):
         raise InvalidWorld("no-free-cell", "the map has no free cell to start from")
     plain = replace(world.alone(1), provenance=map_provenance(world))
-    radii = sorted(
-        {round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True
-    )
+    radii = radii_on(plain)
 
     def place(start: int, heading: int, target: int, radius: float) -> World:
         at = free[start]

@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import reject
 from hypothesis import strategies as st
 
+from fuzz.campaign.config import radius_beside
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
 from worldgen.support.arrays import Ints
@@ -76,9 +77,7 @@ def _model(world: World, like: World | None, index: int) -> Robot:
     first = world.robots[0]
     if like is None or index >= len(like.robots):
         return first
-    own = like.robots[index]
-    scale = first.radius / like.robot_radius
-    return replace(own, radius=round(own.radius * scale, 6))
+    return replace(like.robots[index], radius=radius_beside(first.radius, like, index + 1))
 
 
 def _moved(

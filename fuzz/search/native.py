@@ -6,7 +6,7 @@ For each behaviour key, only the smallest few failures are proved.
 from __future__ import annotations
 
 import contextlib
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -122,6 +122,7 @@ def look_through(task: SearchTask, draw: Draw, seen: Seen | None = None) -> None
         asked = _look(task, draw, seen, few, pace)
         to_prove = deque(few.in_order(pace))
         _prove(task, to_prove)
+        few.count_others(task)
     except KeyboardInterrupt:
         # If screening was interrupted, nothing is proved yet, so prove all that it found.
         task.triage.stop()
@@ -164,9 +165,12 @@ def _prove(task: SearchTask, failed: deque[tuple[Screening, int]]) -> None:
     """Pass failures to triage, removing each from the queue first."""
     while failed:
         looks, n = failed.popleft()
-        task.triage.enter(
-            looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}"
-        )
+        task.triage.enter(looks.world(n), looks.scenario_of(n), *_kind(looks, n))
+
+
+def _kind(looks: Screening, n: int) -> tuple[str, str]:
+    """Return a failed run's verdict and cause, as triage tells kinds apart."""
+    return str(looks.verdict[n]), f"key {looks.key[n]}"
 
 
 def _most_winding(looks: Screening, most: int) -> list[int]:
@@ -181,6 +185,7 @@ class Few:
 
     def __init__(self) -> None:
         self._of_key: dict[int, list[tuple[int, Screening, int]]] = {}
+        self._kinds: Counter[tuple[str, str]] = Counter()
 
     def add(self, looks: Screening) -> None:
         """Add the failures of a batch."""
@@ -188,11 +193,17 @@ class Few:
         solid = looks.solid
         keys = looks.key
         for n in failed[np.argsort(solid[failed], kind="stable")].tolist():
+            self._kinds[_kind(looks, n)] += 1
             found = self._of_key.setdefault(int(keys[n]), [])
             if len(found) < _OF_EACH_KEY or solid[n] < found[-1][0]:
                 found.append((int(solid[n]), looks, n))
                 found.sort(key=lambda one: one[0])
                 del found[_OF_EACH_KEY:]
+
+    def count_others(self, task: SearchTask) -> None:
+        """Count the failed runs that were not examined."""
+        for kind, runs in self._kinds.items():
+            task.triage.count_alike(*kind, runs - task.triage.examined(*kind))
 
     def in_order(self, pace: Pace = _COMPILED) -> list[tuple[Screening, int]]:
         """Return the smallest failure of each key, then the second smallest, up to the limit."""

@@ -7,8 +7,9 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from fuzz.campaign.constraint import Constraint
 from fuzz.chance import chance_details
-from fuzz.failure import Failure
+from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
@@ -80,6 +81,8 @@ def shrink(
     keep: str = "verdict",
 ) -> Shrunk:
     """Make a failure's world as small as possible, keeping its certificate.
+
+    It keeps what the failure's campaign fixed, according to its record.
 
     Args:
         failure: The failure to shrink.
@@ -170,7 +173,8 @@ class _Reducer:
         self._progress = progress
         self._still_fails = _judge(failure, keep)
         self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
-        self._trying = Trying(self._still_fails, deadline)
+        constraint = Constraint.recorded(failure.record.details)
+        self._trying = Trying(self._still_fails, deadline, constraint)
         # The last case that was confirmed, and its failure.
         self._made: tuple[Case, Failure] | None = None
         self._left = _NOT_CHECKED
@@ -250,6 +254,7 @@ class _Reducer:
             "shrunk_from": self._failure.world.solid_cells,
             "kept": self._keep,
             "one_minimal": not self._left,
+            SHRINKING: (ShrinkState.DONE if self._complete else ShrinkState.CUT_SHORT).value,
             "simulations": self._still_fails.simulations,
         }
         return replace(made, record=replace(made.record, details=details))

@@ -10,7 +10,7 @@ from fuzz.failure import Failure
 from sim.controllers.programs.process import is_process_name
 from sim.controllers.shared.object_file import is_library_name, library_file
 from worldgen.files.grid import dumps
-from worldgen.support.plain_text import shown
+from worldgen.support.plain_text import shown, shown_lines
 
 _MODULE = '''"""{title}."""
 
@@ -52,7 +52,8 @@ def snippet(failure: Failure) -> str:
     parts = {
         "title": _quoted(shown(title)),
         "comment": comment,
-        "text": _quoted(text),
+        # Its escapes are Python's own, so the text is the same, and no editor hides a part of it.
+        "text": shown_lines(_quoted(text)),
         "name": name,
     }
     return _MODULE.format(**parts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
+from fuzz.campaign.constraint import Constraint
 from fuzz.oracles import VERDICT
 from fuzz.shrink.edits import edited
 from fuzz.shrink.passes import Edit
@@ -46,13 +47,17 @@ class Trying:
     Args:
         still_fails: The exact judge.
         deadline: Time by ``time.monotonic``, s; ``None`` for none.
+        constraint: What an edit must not change.
 
     Attributes:
         careful: Judge every candidate by ``still_fails`` alone.
     """
 
-    def __init__(self, still_fails: StillFails, deadline: float | None) -> None:
+    def __init__(
+        self, still_fails: StillFails, deadline: float | None, constraint: Constraint
+    ) -> None:
         self.careful = False
+        self._constraint = constraint
         self._still_fails = still_fails
         self._deadline = deadline
         whole = still_fails.oracle == VERDICT and not still_fails.bucket
@@ -120,7 +125,7 @@ class Trying:
                 found the target reachable.
         """
         candidate = _after(case, edit)
-        if candidate is None:
+        if candidate is None or not self._constraint.allows(candidate):
             return None
         # From the cheapest test to the most expensive one.
         if self._screens_quickly(case):

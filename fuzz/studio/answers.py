@@ -7,7 +7,6 @@ are passed to ``part``.
 from __future__ import annotations
 
 import base64
-import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +25,7 @@ from fuzz.studio.catalogue import catalogue
 from fuzz.studio.comparing import CompareAnswers
 from fuzz.studio.driving import HandDriven
 from fuzz.studio.exchange import ExchangeAnswers
+from fuzz.studio.folder import digest_of
 from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
 from fuzz.studio.messages import (
@@ -56,6 +56,7 @@ from worldgen.families.builtin.shift import shifted
 from worldgen.family import FAMILIES
 from worldgen.files.grid import read_world, write_world
 from worldgen.files.whole import check_output
+from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, Decision, check_certificate, decide
@@ -87,8 +88,8 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def open(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world of the folder."""
         place = self.folder.place(field(message, "name", str))
-        world = read_world(place)  # first, because it reports any fault in the file
-        return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
+        world = read_whole_world(place)  # first, because it reports any fault in the file
+        return {"file": digest_of(place) if place.is_file() else None, **opened_message(world)}
 
     def before(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the original of a failure in the folder, before shrinking.
@@ -130,11 +131,18 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def save(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Write a world to the folder, with its file's proof or else a new one."""
         place = self.folder.place(field(message, "name", str))
+        if not is_world_file(place.name):
+            raise InvalidParameter(
+                "wrong-suffix",
+                "{name!r} is not the name of a world",
+                "choose a name that ends in .grid",
+                name=place.name,
+            )
         force = field(message, "overwrite", bool)
         # A file may be replaced without asking if it has not changed since it was opened.
         replaces = message.get("replaces")
         if not force and isinstance(replaces, str) and place.is_file():
-            if _digest(place) != replaces:
+            if digest_of(place) != replaces:
                 raise OutputError(
                     "file-changed",
                     "{name} has changed since it was opened",
@@ -143,12 +151,13 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
                 )
             force = True
         check_output(place, force)
+        self.folder.check_replaceable(place)
         world = restored(field(message, "world", dict))
         if world.certificate is None:
             world = replace(world, certificate=decide(world).certificate)
         write_world(world, place, force=force)
         name = place.relative_to(self.folder.root).as_posix()
-        return {"name": name, "file": _digest(place), **opened_message(world)}
+        return {"name": name, "file": digest_of(place), **opened_message(world)}
 
     def decide(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Decide if the target can be reached, and return the witness or the cut."""
@@ -173,7 +182,12 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         family = field(message, "family", str)
         seed = seed_of(message)
         check_registered("family", family, FAMILIES.names())
-        parameters: dict[str, Value] = field(message, "parameters", dict)
+        parameters: dict[str, Value] = {
+            name: self.folder.file_in_option(value, FAMILIES.names())
+            if isinstance(value, str)
+            else value
+            for name, value in field(message, "parameters", dict).items()
+        }
         # Refuse anything else, because the search would treat it as an argument.
         FAMILIES.find(family, parameters).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
@@ -267,9 +281,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
 
     def check(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Check that a controller may run under this name with its options."""
-        CONTROLLERS.get(
-            scenario_of(field(message, "controller", str), message, self.named).controller
-        )
+        CONTROLLERS.get(scenario_of(field(message, "controller", str), message, self).controller)
         return {}
 
     def picture(self, message: Request, part: SendPart) -> dict[str, Any]:
@@ -299,7 +311,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         return {"data": base64.b64encode(data).decode("ascii")}
 
     def _driven(self, world: World, label: object, message: Request) -> _Driven:
-        scenario = scenario_of(label, message, self.named)
+        scenario = scenario_of(label, message, self)
         steps = message.get("steps")
         budget = step_budget(world, scenario.run) if steps is None else field(message, "steps", int)
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
@@ -426,11 +438,6 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
             world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said
         )
     return draw_svg(world, trail=trails_of(front.episode, world), title=said).encode()
-
-
-def _digest(place: Path) -> str:
-    """Return the digest of a file, which reveals changes since it was opened."""
-    return hashlib.sha256(place.read_bytes()).hexdigest()
 
 
 def _decided(world: World, decision: Decision) -> dict[str, Any]:

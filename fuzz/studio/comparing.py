@@ -69,7 +69,7 @@ class CompareAnswers(Opened):
 
     def _scenarios(self, message: Request) -> dict[str, Scenario]:
         labels = _counted(message, "controllers", MOST_COMPARED)
-        return {str(label): scenario_of(label, message, self.named) for label in labels}
+        return {str(label): scenario_of(label, message, self) for label in labels}
 
     def _world(self, asked: object) -> World:
         """Return a world that the page sent, a world in the folder, or one that a family makes."""

@@ -8,28 +8,21 @@ import io
 import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import msgspec
 
-from fuzz.studio.folder import Folder, Opened
+from fuzz.studio.folder import Folder, Opened, digest_of
 from fuzz.studio.limits import MOST_DROPPED
-from fuzz.studio.messages import (
-    Request,
-    SendPart,
-    checked,
-    field,
-    opened_message,
-    restored,
-    seed_of,
-)
+from fuzz.studio.messages import Request, SendPart, checked, opened_message, restored, seed_of
+from fuzz.studio.messages import field as part_of
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.files.grid import read_world
-from worldgen.files.worlds import is_world_file
+from worldgen.files.whole import check_output
+from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
 
@@ -55,12 +48,14 @@ class _Outgoing(msgspec.Struct):
 class ExchangeAnswers(Opened):
     """Answers that concern files of other programs."""
 
+    _written: dict[Path, str] = field(default_factory=dict, init=False, repr=False, compare=False)
+
     def bring(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a foreign map from the folder or the page; choose missing places."""
         wanted = _wanted(message)
         # A map in the folder, with the scenario next to it.
         if "data" not in message and "files" not in message:
-            name = field(message, "name", str)
+            name = part_of(message, "name", str)
             place = self.folder.place_of_map(name)
             beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
             scenario = next((one for one in beside if one.is_file()), None)
@@ -72,16 +67,30 @@ class ExchangeAnswers(Opened):
             main = _main_of(places)
             scenario = next((one for one in places if one.suffix.lower() == ".scen"), None)
             if is_world_file(main.name) and wanted == _Wanted():
-                return opened_message(read_world(main)) | {"main": main.name}
+                return opened_message(read_whole_world(main)) | {"main": main.name}
             return _imported(main, wanted, scenario, 1 if wanted.row is None else wanted.row) | {
                 "main": main.name
             }
+
+    def _check_suffix(self, known: str, name: str) -> None:
+        """Refuse a name that a file of this format does not have, such as that of code."""
+        suffixes = FORMATS.get(known).suffixes
+        if suffixes and not name.lower().endswith(suffixes):
+            raise InvalidParameter(
+                "wrong-suffix",
+                "{name!r} is not the name of a file of the format {format}",
+                "choose a name that ends in {suffix}",
+                name=name,
+                format=known,
+                suffix=suffixes[0],
+            )
 
     def export(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return a world in another program's format, for the browser or in the folder."""
         known = _format_name(message)
         if known is None:
             raise InvalidParameter("empty-name", "no format is given", "choose one")
+        # Read the message, and make the export.
         sent = checked(message, _Outgoing)
         world = restored(sent.world)
         place = self.folder.place(sent.name)
@@ -98,11 +107,17 @@ class ExchangeAnswers(Opened):
             name: [describe_note(one) for one in getattr(export, name)]
             for name in ("lost", "notes")
         }
+        # Write it to the folder, or return it for the browser.
         if sent.keep:
             # A link with the name of an accompanying file would lead outside the folder.
             for other in export.files:
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
+            self._check_suffix(known, place.name)
+            for other in export.files:
+                check_output(place.parent / other, sent.overwrite)
+                self.folder.check_replaceable(place.parent / other, self._written)
             written = write_export(export, place.parent, force=sent.overwrite)
+            self._written.update({path: digest_of(path) for path in written})
             return remarks | {
                 "written": [path.relative_to(self.folder.root).as_posix() for path in written]
             }

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import errno
 import glob
+import hashlib
 import os
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fuzz.studio.refusals import refusal
-from worldgen.errors import InvalidParameter, Message, WorldgenError
+from worldgen.errors import InvalidParameter, Message, OutputError, WorldgenError
 from worldgen.files.archives import ENDINGS
+from worldgen.files.grid import read_world
 from worldgen.files.worlds import is_world_file
 from worldgen.support.plain_text import shown
 
@@ -105,6 +107,52 @@ class Folder:
             )
         return real
 
+    def file_in_option(self, text: str, known: Collection[str] = ()) -> str:
+        """Return the value of an option, in which a file in the folder has its full path.
+
+        File names are relative to the folder.
+
+        Args:
+            text: The value; one that names no file is returned unchanged.
+            known: Names that are not files.
+
+        Raises:
+            InvalidParameter: If it names a file outside the folder, as :meth:`place` defines it.
+        """
+        # Options of what is named follow a plus: ./recipe.toml+size=20.
+        name, plus, rest = text.partition("+")
+        if name in known:
+            return text
+        is_file = "/" in name or "\\" in name or name.startswith("~") or Path(name).suffix
+        if not (is_file or (self.root / name).exists() or Path(name).exists()):
+            return text
+        path = Path(name)
+        if path.is_absolute() and path.is_relative_to(self.root):
+            name = path.relative_to(self.root).as_posix()
+        return f"{self.place(name.removeprefix('./'))}{plus}{rest}"
+
+    def check_replaceable(self, place: Path, written: Mapping[Path, str] | None = None) -> None:
+        """Refuse to replace a file that is not a world, and was not written here.
+
+        Args:
+            place: The file, which may not exist.
+            written: Digests of the files that this studio has written, by path.
+
+        Raises:
+            OutputError: If it is anything else, such as code.
+        """
+        if not place.is_file() or digest_of(place) == (written or {}).get(place):
+            return
+        try:
+            read_world(place)
+        except (OSError, WorldgenError):
+            raise OutputError(
+                "not-a-world",
+                "{name} is not a world that the studio could have written, so it stays as it is",
+                "choose another name",
+                name=place.relative_to(self.root).as_posix(),
+            ) from None
+
     def refusal(self, error: WorldgenError | Message) -> dict[str, Any]:
         """Return an error as the page expects it, with paths relative to this folder."""
         return refusal(error, self.root)
@@ -192,6 +240,11 @@ class Folder:
                     "world": is_world_file(entry.name),
                     "found": found,
                 }
+
+
+def digest_of(place: Path) -> str:
+    """Return the digest of a file, which reveals changes since it was opened or written."""
+    return hashlib.sha256(place.read_bytes()).hexdigest()
 
 
 @dataclass(frozen=True)

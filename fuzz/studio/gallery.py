@@ -11,7 +11,7 @@ from fuzz.boundary import describe_boundaries
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.describe import describe_seeds
-from fuzz.failure import Failure, regardless_of_walls
+from fuzz.failure import Failure, ShrinkState, regardless_of_walls
 from fuzz.overview.counterfactual import named_cells
 from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
@@ -48,7 +48,7 @@ class WallAnswers(Opened):
     _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _recorded: dict[str, tuple[str, bool]] = field(
+    _recorded: dict[str, tuple[str, str]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -74,7 +74,7 @@ class WallAnswers(Opened):
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
                     "class": entry.facts.bucket,
                     "cause": self._cause(entry),
-                    "shrunk": self._record(entry)[1],
+                    "shrinking": self._record(entry)[1],
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,
                     "motion": entry.facts.motion,
@@ -97,8 +97,8 @@ class WallAnswers(Opened):
         """Return the cause that a failure's record names; empty if it names none."""
         return self._record(entry)[0]
 
-    def _record(self, entry: CorpusEntry) -> tuple[str, bool]:
-        """Return the cause in a failure's record, and whether the failure has been shrunk.
+    def _record(self, entry: CorpusEntry) -> tuple[str, str]:
+        """Return the cause in a failure's record, and how far shrinking got.
 
         No run is needed for it, because a folder may hold thousands of failures.
         """
@@ -107,10 +107,10 @@ class WallAnswers(Opened):
             try:
                 failure = Failure.found_in(read_world(entry.path))
             except (OSError, WorldgenError):  # replaced a moment ago
-                return "", True
+                return "", ShrinkState.NONE
             cause = "" if failure is None else failure.record.details.get(CAUSE, "")
-            is_shrunk = failure is not None and failure.is_shrunk
-            self._recorded[key] = (cause if cause in set(Cause) else "", is_shrunk)
+            shrinking = ShrinkState.NONE if failure is None else failure.shrinking
+            self._recorded[key] = (cause if cause in set(Cause) else "", shrinking)
         return self._recorded[key]
 
     def look(self, message: Request, part: object) -> dict[str, Any]:
@@ -158,6 +158,7 @@ class WallAnswers(Opened):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
             with refused_writes(copy):
                 copy.parent.mkdir(parents=True, exist_ok=True)
+            self.folder.check_replaceable(copy)
             write_bytes(copy, failure.dumps(), force=True)
         else:
             for entry in self._entries(KNOWN, [], part):

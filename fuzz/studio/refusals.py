@@ -56,7 +56,6 @@ REMEDIES: Mapping[str, str] = {
     "step-too-short": "use a longer time step",
     "takes-no-number": "write {name}",
     "too-many-digits": "set the origin to 0,0 under Format options",
-    "too-slow": "use more seconds, or smaller worlds",
     "unknown-format": "choose one of the formats listed in Import options",
     "world-changes": "set the time to 0 under Format options for the cells at that time, or "
     "choose another format",
@@ -86,13 +85,14 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
     message = hide(error if isinstance(error, Message) else error.message, folder)
     own = REMEDIES.get(message.code) if message.at_terminal else None
     line = source = None
+    notes = error.notes if isinstance(error, WorldgenError) else ()
     if isinstance(error, FormatError):
         line = error.line
         source = None if error.source is None else _hidden(error.source, folder)
     return {
         "code": message.code,
         "frames": frames_of(error) if isinstance(error, WorldgenError) else [],
-        "problem": message.problem,
+        "problem": "; ".join([message.problem, *map(describe_note, notes)]),
         "remedy": message.remedy if own is None else message.word(own),
         "terminal": message.at_terminal and own is None,
         "opens": "import" if message.code in IMPORT_OPTIONS else "",

@@ -1,55 +1,63 @@
-"""Decide what the page may run: registered code, and controllers named at the start."""
+"""Decide what the page may run, by the same rule as every command (``worldgen.plugins.trust``)."""
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fuzz.studio.folder import Opened
 from fuzz.studio.messages import field
 from sim.controllers import CONTROLLERS
 from sim.controllers.behaviours.arbitration import Arbitration, sentences
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.chart import chart_of
+from sim.controllers.catalogue import own_words
+from sim.controllers.learning import LEARNED
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.plugins.registry import only_code
+from worldgen.plugins import trust
 from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord, Value
 
+# The option of a controller that names a file.
+_LEARNED_FILE = re.compile(rf"(\+{LEARNED}=)([^+,]*)")
+
 
 def allow_only(named: Sequence[str]) -> None:
-    """Restrict this process and those it starts to registered code and named controllers.
+    """Apply the rule of commands to this process and those it starts.
 
     Args:
-        named: Controllers, with their variations.
+        named: Controllers that were named at the start, with their variations.
     """
-    only_code(names_of(tuple(named)))
+    trust.restrict(named)
 
 
-def may_run(controller: str, named: Sequence[str]) -> bool:
+def may_run(controller: str, named: Sequence[str], *, learned: bool = False) -> bool:
     """Return True if a controller that a file or a campaign names may run.
 
     Args:
-        controller: Its name, without variations.
+        controller: Its name, without variations of the run.
         named: Controllers named at the start, with variations.
+        learned: Whether it may read what it learned from a file, whose place has been checked.
     """
     allowed = names_of(tuple(named))
-    return (
-        controller in CONTROLLERS.names() or controller in allowed or _composes(controller, allowed)
+    with contextlib.suppress(InvalidParameter):
+        base, words = own_words(controller)
+        if words and (learned or LEARNED not in words):
+            return base in CONTROLLERS.names() or base in allowed or controller in allowed
+    parts = listed_names(controller) if is_composition_name(controller) else [controller]
+    registered = BEHAVIOURS if is_composition_name(controller) else CONTROLLERS
+    return all(
+        part in registered.names() or part in allowed or (":" in part and trust.may_run(part))
+        for part in parts
     )
-
-
-def _composes(controller: str, allowed: Iterable[str]) -> bool:
-    """Return True if a controller is composed of registered behaviours and allowed ones only."""
-    return is_composition_name(controller) and {*listed_names(controller)} <= {
-        *BEHAVIOURS.names(),
-        *allowed,
-    }
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:
@@ -153,24 +161,40 @@ def names_of(labels: tuple[str, ...]) -> frozenset[str]:
     return frozenset(found)
 
 
-def scenario_of(label: object, message: Mapping[str, Any], named: Sequence[str]) -> Scenario:
+def label_in(opened: Opened, label: object) -> str:
+    """Return a controller's label, in which files that it reads have their full paths.
+
+    The user's own labels, named at the start, are returned unchanged.
+
+    Raises:
+        InvalidParameter: If the page may not run it, or it names a file outside the folder.
+    """
+    check_named(label, opened.named)
+    if label in opened.named:
+        return str(label)
+    return _LEARNED_FILE.sub(
+        lambda found: found[1] + opened.folder.file_in_option(found[2]), str(label)
+    )
+
+
+def scenario_of(label: object, message: Mapping[str, Any], opened: Opened) -> Scenario:
     """Return the scenario of a controller that the page may run, with the requested options.
 
     Args:
         label: The controller, with its own options after ``+``.
         message: The request, with ``motion``, ``time_step``, ``seed`` and ``options``.
-        named: Controllers named at the start, with variations.
+        opened: The opened folder, and the controllers named at the start.
 
     Raises:
         InvalidParameter: If the page may not run it, or an option does not fit.
     """
-    check_named(label, named)
+    text = label_in(opened, label)
     seed = field(message, "seed", int)
     motion = field(message, "motion", str)
     time_step = field(message, "time_step", float)
     check_registered("motion", motion, MOTIONS.names())
-    scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
-    if not may_run(scenario.controller, named):
+    scenario = Scenario.parse(text, motion=motion, time_step=time_step, seed=seed)
+    if not may_run(scenario.controller, opened.named, learned=True):
         raise InvalidParameter(
             "not-named",
             "controller {controller!r} was not named when the studio was started",

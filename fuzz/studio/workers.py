@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import multiprocessing
 import os
 import signal
@@ -13,15 +14,20 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fuzz.studio.edits import edited_files, loaded_files
 from fuzz.studio.folder import Folder
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
+from worldgen.plugins.trust import Inherited
 from worldgen.support.workers import become_worker, sigint_blocked
 
+if TYPE_CHECKING:
+    from fuzz.studio.messages import SendPart
+
 _NICE = 5  # gives the page priority
+_RUN = ("run", "compare")  # requests whose results depend on the user's code
 
 WORKER_OF = {
     "hello": "files",
@@ -74,14 +80,14 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
         nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
     process = multiprocessing.get_context("spawn").Process(
-        target=_begin, args=(nice, target, *args), daemon=True
+        target=_begin, args=(Inherited(), nice, target, *args), daemon=True
     )
     with sigint_blocked():
         process.start()
     return process
 
 
-def _begin(nice: int, target: Callable[..., None], *args: Any) -> None:
+def _begin(_: Inherited, nice: int, target: Callable[..., None], *args: Any) -> None:
     become_worker()
     # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):
@@ -182,15 +188,21 @@ def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
         while True:
             kind, message = pipe.recv()
             since = time.time()
-            what, table = _answer(answers, kind, message, pipe)
+            send_part = functools.partial(_send_part, pipe, since, runs_code=kind in _RUN and named)
+            what, table = _answer(answers, kind, message, send_part)
             pipe.send((what, table, loaded_files(since)))
 
 
-def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) -> tuple[str, Any]:
+def _send_part(pipe: Connection, since: float, table: dict[str, Any], *, runs_code: object) -> None:
+    """Send a part of an answer; that of a run also says which code of the user's was loaded."""
+    pipe.send(("part", table | {"code": loaded_files(since)} if runs_code else table, {}))
+
+
+def _answer(
+    answers: Any, kind: str, message: dict[str, Any], send_part: SendPart
+) -> tuple[str, Any]:
     try:
-        return "answer", getattr(answers, kind)(
-            message, lambda table: pipe.send(("part", table, {}))
-        )
+        return "answer", getattr(answers, kind)(message, send_part)
     except (BrokenPipeError, EOFError):
         raise
     except WorldgenError as error:

@@ -41,7 +41,7 @@ _PHRASES = {
     Severity.THROUGH_ROBOTS: "drives through another robot",
     Severity.CONTROLLER_ERROR: "its controller fails",
     Severity.HARMED: "runs into a hazard that it can sense",
-    Severity.NEVER_ARRIVES: "never arrives",
+    Severity.NEVER_ARRIVES: "does not arrive",
     Severity.TOO_SLOW: "runs out of time",
     Severity.QUESTIONABLE: "breaks a rule that you set",
     Severity.UNSENSED: "is harmed by something that it cannot sense",
@@ -165,16 +165,16 @@ _SENTENCES = {
         "{It} does not drive through a gap, or up to a wall, although it would fit; a smaller robot "
         "arrives."
     ),
-    Cause.STANDS_STILL: "{It} stops in the open and never moves again.",
+    Cause.STANDS_STILL: "{It} stops in the open and does not move again.",
     Cause.PUSHES_A_WALL: "{It} keeps driving into a wall and does not get away from it.",
     Cause.TURNS_BACK_AND_FORTH: "{It} turns back and forth, or in circles, instead of moving on.",
     Cause.MISSES_THE_TARGET: (
         "{It} gets close to the target on a clear path, but passes it again and again."
     ),
-    Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and never leaves it.",
+    Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and does not leave it.",
     Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall too early and comes back to the same wall.",
     Cause.LEAVES_WALLS_WRONGLY: (
-        "{It} leaves some walls too early and comes back, and never leaves others."
+        "{It} leaves some walls too early and comes back, and does not leave others."
     ),
     Cause.BOUNCES_BETWEEN_WALLS: "{It} bounces from wall to wall on a path that repeats.",
     Cause.TRAPPED_BEHIND_A_WALL: (
@@ -191,7 +191,9 @@ _SENTENCES = {
         "Robots stop because of each other, although each of them would arrive alone."
     ),
     Cause.BREAKS_A_RULE: "{It} breaks a rule that you asked about with --oracle.",
-    Cause.HARMED_UNSENSED: "{It} is caught by fire or debris that none of its senses detects.",
+    Cause.HARMED_UNSENSED: (
+        "{It} is caught by fire, debris or a moved wall that it neither senses nor has read about."
+    ),
     Cause.PUSHED_TOO_HARD: "{It} is moved farther than any controller can be certain to correct.",
     Cause.UNKNOWN: (
         "{It} fails; the reason is unknown, because its controller could not be run here, or not in "
@@ -235,7 +237,7 @@ _ADVICE = {
         "a turn."
     ),
     Cause.MISSES_THE_TARGET: "Check how it slows down and aims close to the target.",
-    Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it never holds here.",
+    Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it does not hold here.",
     Cause.RETURNS_TO_THE_WALL: (
         "Check what makes it leave a wall: it must get closer to the target each time, or remember "
         "the wall."

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
@@ -48,6 +49,19 @@ class Replay:
     episode: Episode | None = None
 
 
+class Judgement(NamedTuple):
+    """What judging a run has shown.
+
+    Args:
+        failure: The failure, proved; ``None`` if there is none.
+        is_settled: False if the run looks like a failure, but the check of its evidence or a second
+            run does not agree, so that nothing is shown.
+    """
+
+    failure: Failure | None
+    is_settled: bool
+
+
 def violation_in(trial: Trial, oracle: Oracle) -> Violation | None:
     """Return what an oracle finds in a run, provided the evidence for the run's verdict holds.
 
@@ -57,9 +71,12 @@ def violation_in(trial: Trial, oracle: Oracle) -> Violation | None:
         InvalidParameter: If the oracle does not fit the run, or fails.
     """
     found = oracle.check(trial)
-    if found is None or (found.is_repeatable and trial.flaw):
-        return None
-    return found
+    return None if found is None or not _holds(trial, found) else found
+
+
+def _holds(trial: Trial, found: Violation) -> bool:
+    """Return True if the evidence for the run's verdict holds, where the violation needs it."""
+    return not (found.is_repeatable and trial.flaw)
 
 
 def oracle_of(failure: Failure) -> Oracle:
@@ -89,6 +106,28 @@ def failure_of(
     ``None`` if it finds none, or if a second run does not show the same.
 
     Args:
+        world: As for :func:`judge`, like all others.
+        scenario: The scenario to run.
+        oracle: The oracle that judges the run.
+        fewest_steps: Smallest budget for verdicts that the run itself proves.
+        steps: The exact budget for verdicts that the run itself proves.
+        **details: Further details to record.
+    """
+    return judge(world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, **details).failure
+
+
+def judge(
+    world: World,
+    scenario: Scenario,
+    oracle: Oracle | None = None,
+    *,
+    fewest_steps: int = 0,
+    steps: int | None = None,
+    **details: Value,
+) -> Judgement:
+    """Judge a scenario: run it, and prove the failure that an oracle finds.
+
+    Args:
         world: A world with a witness or, for a breach, with a cut.
         scenario: The scenario to run.
         oracle: The oracle that judges the run; its verdict alone if omitted.
@@ -112,9 +151,11 @@ def failure_of(
     if longer != options and (late or episode.verdict in OUT_OF_BUDGET):
         trial = Trial.recorded(world, scenario.controller, options)
 
-    found = violation_in(trial, oracle)
-    if found is None or not _comes_again(trial, found, oracle):
-        return None
+    found = oracle.check(trial)
+    if found is None:
+        return Judgement(None, is_settled=True)
+    if not _holds(trial, found) or not _comes_again(trial, found, oracle):
+        return Judgement(None, is_settled=False)
     if oracle.by_verdict:
         run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
         details = {**hazard_details(trial.world, run, scenario), **details}
@@ -133,7 +174,7 @@ def failure_of(
             **details,
         },
     )
-    return Failure(replace(world, failure=None), record)
+    return Judgement(Failure(replace(world, failure=None), record), is_settled=True)
 
 
 def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:

@@ -13,7 +13,7 @@ from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket
-from fuzz.triage.judging import failure_of
+from fuzz.triage.judging import judge
 from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
@@ -46,7 +46,10 @@ class Triage:
         self.result = result
         self._deadline = deadline
         self._oracles = [NamedOracle.parse(text) for text in config.oracles]
+        # Failed runs, those of them that were examined, and those that this settled, by kind.
         self._failed: Counter[tuple[str, str]] = Counter()
+        self._examined: Counter[tuple[str, str]] = Counter()
+        self._settled: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
         self._proof_steps = _PROOF_STEPS // config.slower
         # The memory of a program is unknown, so that its loops cannot be proved.
@@ -126,28 +129,52 @@ class Triage:
             Its bucket; empty if it was not kept.
         """
         if not self._is_one_of_few(verdict, cause):
+            self.count_alike(verdict, cause, 1)
             return ""
+        self._examined[verdict, cause] += 1
         # An undecided run may not be a failure at all, and is the most expensive to prove.
         if verdict == "undecided":
             with contextlib.suppress(OutOfTime):
                 check_time()
-                return self._proved(world, scenario, verdict, details)
+                return self._proved(world, scenario, verdict, cause, details)
             return ""
         # A failure counts as soon as it is found, so its proof may exceed the unit's time.
         with stopping_when(self._deadline.to_prove_is_over):
             check_time()
-            return self._proved(world, scenario, verdict, details)
+            return self._proved(world, scenario, verdict, cause, details)
+
+    def count_alike(self, verdict: str, cause: str, runs: int) -> None:
+        """Count failed runs that are not examined: the examined ones of their kind stand for them.
+
+        Args:
+            verdict: Their verdict in screening.
+            cause: Cause of the verdict, as for :meth:`enter`.
+            runs: Number of runs.
+        """
+        kind = (verdict, cause)
+        if self._examined[kind] and self._settled[kind] == self._examined[kind]:
+            self.result.judged += runs
+
+    def examined(self, verdict: str, cause: str) -> int:
+        """Return the number of runs of a kind that were examined."""
+        return self._examined[verdict, cause]
 
     def _proved(
-        self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]
+        self, world: World, scenario: Scenario, verdict: str, cause: str, details: dict[str, Any]
     ) -> str:
         """Prove, classify and keep a run; return its bucket, or an empty string."""
         if verdict == "breach":
             steps = scenario.options(world).steps
-            return self._judged(BREACH, BREACH.prove(world), scenario, steps=steps, **details)
-        return self._judged(
-            VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details
-        )
+            bucket, is_settled = self._judged(
+                BREACH, BREACH.prove(world), scenario, steps=steps, **details
+            )
+        else:
+            bucket, is_settled = self._judged(
+                VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details
+            )
+        self.result.judged += is_settled
+        self._settled[verdict, cause] += is_settled
+        return bucket
 
     def ask(self, world: World, scenario: Scenario) -> str:
         """Let every oracle that the user chose judge the run, with its witness's budget.
@@ -162,23 +189,25 @@ class Triage:
         for oracle in self._oracles:
             found = oracle.check(trial)
             if found is not None and self._is_one_of_few("oracle", found.bucket):
-                kept = self._judged(oracle, proved, scenario) or kept
+                kept = self._judged(oracle, proved, scenario)[0] or kept
         return kept
 
     def _judged(
         self, oracle: Oracle, world: World | None, scenario: Scenario, **settings: Any
-    ) -> str:
+    ) -> tuple[str, bool]:
         """Judge a run in a proved world and keep the failure.
 
-        Return its bucket, or an empty string if there is none.
+        Return its bucket, or an empty string if there is none; and whether that is settled.
         """
-        if world is not None:
-            # A run that is too long to be recorded could not be shown, so it is dropped.
-            with contextlib.suppress(InvalidParameter):
-                return self._keep(
-                    failure_of(world, scenario, oracle, found_by=self.result.strategy, **settings)
-                )
-        return ""
+        # No robot can be blamed for a target that cannot be reached.
+        if world is None:
+            return "", True
+        # A run that is too long to be recorded could not be shown, so it is dropped.
+        with contextlib.suppress(InvalidParameter):
+            settings |= self._config.constraint.details()
+            found = judge(world, scenario, oracle, found_by=self.result.strategy, **settings)
+            return self._keep(found.failure), found.is_settled
+        return "", False
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1

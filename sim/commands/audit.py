@@ -7,7 +7,16 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    say,
+    write_out,
+)
+from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -116,7 +125,7 @@ def audit(
     if as_json:
         emit_json(found)
     else:
-        click.echo("\n".join(lines))
+        say(stacked(lines))
 
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    say,
+    write_out,
+)
+from worldgen.support.plain_text import stacked
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -57,7 +66,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     if as_json:
         emit_json(_facts(arbitration))
     else:
-        click.echo("\n".join((f"by {arbitration.arbiter}", *sentences(arbitration))))
+        say(stacked((f"by {arbitration.arbiter}", *sentences(arbitration))))
     if chart is not None:
         write_out(chart, chart_svg(arbitration, controller).encode(), force=force)
 
@@ -77,13 +86,13 @@ def _list_library(as_json: bool) -> None:
         return
     for row in rows:
         when = row["when"] if row["when"] == ALWAYS else f"when {row['when']}"
-        click.echo(f"{row['name']}: {when}")
-        click.echo(f"  {row['does']}")
+        say(f"{row['name']}: {when}")
+        say(f"  {row['does']}")
         options = row["options"]
         if isinstance(options, dict) and options:
             words = " ".join(f"+{key}={value}" for key, value in options.items())
-            click.echo(f"  options: {words}")
-    click.echo("each part also has +priority=N, +duration=STEPS and +interruptible")
+            say(f"  options: {words}")
+    say("each part also has +priority=N, +duration=STEPS and +interruptible")
 
 
 _OF_EVERY_PART = ("priority", "duration", "interruptible")

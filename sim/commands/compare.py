@@ -18,6 +18,8 @@ from worldgen.cli.output import (
     json_option,
     named_also,
     note,
+    say,
+    skip_bad_file,
     steps_option,
     time_step_option,
     typed,
@@ -137,7 +139,7 @@ def compare(
     if as_json:
         emit_json(plain(comparison, beside))
     else:
-        click.echo(as_text(comparison, beside), nl=False)
+        say(as_text(comparison, beside), nl=False)
     if table is not None:
         write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:
@@ -256,8 +258,8 @@ def _read(path: Path) -> Iterator[tuple[Path, World]]:
     if path.is_dir():
         own = sorted(file for file in path.iterdir() if is_world_file(file.name) and file.is_file())
         if own:
-            return read_worlds(own)
-    return read_worlds([path])
+            return read_worlds(own, skip_bad_file)
+    return read_worlds([path], skip_bad_file)
 
 
 def _stem(file: Path) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files.whole import write_bytes
 
@@ -70,10 +70,10 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
         return
     note(f"wrote {path}; next:")
     if build:
-        click.echo(build)
-    click.echo("worldgen trap --size 20 --seed 4 --out w.grid")
-    click.echo(f"worldgen run w.grid --controller {shlex.quote(controller)} --picture run.png")
-    click.echo(f"worldgen fuzz --controller {shlex.quote(controller)} --budget 30s --out failures/")
+        say(build)
+    say("worldgen trap --size 20 --seed 4 --out w.grid")
+    say(f"worldgen run w.grid --controller {shlex.quote(controller)} --picture run.png")
+    say(f"worldgen fuzz --controller {shlex.quote(controller)} --budget 30s --out failures/")
 
 
 def _word(name: str) -> str:

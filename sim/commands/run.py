@@ -20,6 +20,7 @@ from worldgen.cli.output import (
     motion_option,
     named_also,
     note,
+    say,
     time_step_option,
     typed,
     write_out,
@@ -110,7 +111,6 @@ def run(
     from sim.options.unused import ineffective
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
-    from worldgen.support.plain_text import shown_lines
 
     # Read the world and the controllers.
     world = read_world(path)
@@ -154,8 +154,8 @@ def run(
             }
         )
     else:
-        click.echo(_sentence(episode))
-        click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
+        say(_sentence(episode))
+        say(describe_frames(episode.evidence), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:
@@ -278,8 +278,13 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """
+    from worldgen.reach.decision import unread_reason
     from worldgen.reach.verifying import verify_world
     from worldgen.world import Cut
+
+    if world.unread:
+        note(f"warning: {unread_reason(world.unread)}")
+        return None, ""
 
     if world.certificate is not None:
         is_cut = isinstance(world.certificate, Cut)

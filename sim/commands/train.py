@@ -15,6 +15,8 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
+    skip_bad_file,
     write_out,
 )
 from worldgen.files.whole import write_bytes
@@ -77,7 +79,7 @@ def train(
     from sim.runners.training import TrainingOptions
     from sim.runners.training import train as train_in
     from sim.scenario import Scenario
-    from worldgen.files.grid import read_world
+    from worldgen.files.worlds import read_worlds
 
     # Refuse bad output and input before the work begins.
     check_out("--out", out, force=force)
@@ -85,10 +87,7 @@ def train(
     scenario = Scenario.parse(controller)
     found = CONTROLLERS.get(scenario.controller)
     learning_of(found, scenario.controller)
-    files = [file for path in paths for file in _worlds_in(path)]
-    if not files:
-        raise click.UsageError(f"{paths[0]} contains no .grid files")
-    worlds = [read_world(file) for file in files]
+    worlds = [world for _, world in read_worlds(paths, skip_bad_file)]
     # Train, with the number of the episode in the progress line.
     options = TrainingOptions(episodes, steps, explore, seed)
     done = [0]
@@ -116,10 +115,6 @@ def train(
         write_out(curve, curve_svg(learned.curve, scenario.label()).encode(), force=force)
 
 
-def _worlds_in(path: Path) -> list[Path]:
-    return sorted(path.rglob("*.grid")) if path.is_dir() else [path]
-
-
 def _first_name(name: str) -> str:
     """Return the name of the controller that first learned, if this one continues from a file."""
     from sim.controllers.catalogue import own_words
@@ -134,9 +129,9 @@ def _first_name(name: str) -> str:
 
 def _say(learned: Learned) -> None:
     for point in learned.curve:
-        click.echo(
+        say(
             f"after {point.episodes} episodes: reaches {point.reached} of {point.worlds}, "
             f"{point.steps} steps"
         )
     best = min(learned.curve, key=lambda point: (-point.reached, point.steps))
-    click.echo(f"kept the numbers after {best.episodes} episodes: {len(learned.numbers)} numbers")
+    say(f"kept the numbers after {best.episodes} episodes: {len(learned.numbers)} numbers")

@@ -23,7 +23,7 @@ from sim.motion import MOTIONS, THESIS
 from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
-from sim.verdict import ARRIVALS, NEVER, UNENDED, Verdict
+from sim.verdict import ARRIVALS, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.support.bounds import check_between
 from worldgen.support.intervals import interval_95
@@ -145,14 +145,14 @@ class ComparisonCell:
         return max(failures, key=lambda verdict: failures[verdict])
 
     @property
-    def never(self) -> bool:
-        """True if the controller keeps driving forever.
+    def is_unended(self) -> bool:
+        """True if the run did not arrive, and nothing ended it but its budget or a proof.
 
-        A random controller counts if at most 5 % of its runs arrive and most failures are endless.
+        A random controller counts if at most 5 % of its runs arrive, and most others do not end.
         """
         if self.random:
             return 20 * self.reached <= len(self.runs) and self.verdict in UNENDED
-        return self.verdict in NEVER
+        return self.verdict in UNENDED
 
     @property
     def detail(self) -> str:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from sim.compare.comparison import Comparison, ComparisonCell, NamedWorld
 from sim.options.run import RunOptions
 from sim.scenario import Scenario, read_settings
-from sim.verdict import FAILURES, NEVER, Verdict
+from sim.verdict import FAILURES, UNENDED, Verdict
 from worldgen.errors import FormatError, InvalidParameter
 
 _NEEDED = ("world", "controller", "time")
@@ -55,8 +55,8 @@ class PublishedRow:
 
     @property
     def never(self) -> bool:
-        """True if the table reports that the robot keeps driving forever."""
-        return self.verdict in ("never", *NEVER)
+        """True if the table reports that the robot did not arrive, and that no event ended its run."""
+        return self.verdict in ("never", *UNENDED)
 
     @property
     def rank_time(self) -> float:
@@ -315,9 +315,9 @@ def _order(times: Sequence[float]) -> list[int]:
 
 def _never(pairs: _Pairs) -> tuple[int, int]:
     either = [
-        (cell.never, any(figure.never for figure in own))
+        (cell.is_unended, any(figure.never for figure in own))
         for cell, own in pairs
-        if cell.never or any(figure.never for figure in own)
+        if cell.is_unended or any(figure.never for figure in own)
     ]
     return sum(ours and theirs for ours, theirs in either), len(either)
 

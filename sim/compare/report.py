@@ -13,8 +13,8 @@ from typing import Any
 from sim.compare.comparison import PERCENTILES, Comparison, ComparisonCell, Total, standing
 from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
-from sim.verdict import JOINT_LOOPS, NEVER, Verdict
-from worldgen.support.plain_text import aligned
+from sim.verdict import NEVER, STUCK, without_arrival
+from worldgen.support.plain_text import Styled, aligned, joined
 from worldgen.world import World
 
 CSV_COLUMNS = (
@@ -45,7 +45,8 @@ _WIDTH = 116
 def describe_outcome(cell: ComparisonCell, unit: str = "") -> str:
     """Describe a controller's result in a world, in a few words.
 
-    Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
+    Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``no arrival
+    (stalled)``, ``tunnel``.
 
     Args:
         cell: The controller's runs in the world.
@@ -56,16 +57,16 @@ def describe_outcome(cell: ComparisonCell, unit: str = "") -> str:
         share = f"({cell.reached}/{len(cell.runs)})"
         if cell.time is not None:
             return f"{cell.time:.3f}{unit} {share}"
-        failures = describe_detail(cell)
-        how = "never" if set(cell.verdicts) <= set(NEVER) else "none arrives"
-        return f"{how} ({failures})"
+        # Even if each of these runs is a proved loop, another seed may arrive.
+        return f"none arrives ({describe_detail(cell)})"
     if cell.time is not None:
         return f"{cell.time:.3f}{unit}"
-    if cell.verdict in (Verdict.LOOP, *JOINT_LOOPS):
-        detail = f", {cell.detail}" if cell.detail else ""
-        return f"never ({cell.verdict}{detail})"
-    if cell.verdict == Verdict.STALLED:
-        return f"never ({cell.detail or 'stalled'})"
+    if cell.verdict in STUCK:
+        known = [cell.detail] if cell.detail else []
+        # A stalled run's detail says more than the verdict.
+        if cell.verdict in NEVER or not known:
+            known = [cell.verdict, *known]
+        return f"{without_arrival(cell.verdict)} ({', '.join(known)})"
     return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
 
 
@@ -76,12 +77,12 @@ def describe_detail(cell: ComparisonCell) -> str:
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
-def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:
+def as_text(comparison: Comparison, beside: Agreement | None = None) -> Styled:
     """Return the table, the totals and the agreement with a published table, as aligned text."""
     parts = [_main_table(comparison, beside), _totals_table(comparison)]
     if beside is not None:
         parts.append(_agreement_text(beside))
-    return "\n\n".join(parts) + "\n"
+    return joined("\n\n".join(parts), "\n")
 
 
 def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
@@ -209,7 +210,10 @@ def _agreement_text(beside: Agreement) -> str:
     if beside.rankings[1]:
         parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
     if beside.never[1]:
-        parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
+        parts.append(
+            f'both have no arrival, which they call "never", in {beside.never[0]} of '
+            f"{beside.never[1]} cells"
+        )
     if beside.within[1]:
         parts.append(
             f"{beside.within[0]} of {beside.within[1]} figures are within the middle 95 % of our "
@@ -241,11 +245,18 @@ def as_csv(comparison: Comparison) -> str:
     return stream.getvalue()
 
 
+def _csv_time(cell: ComparisonCell) -> str:
+    if cell.is_unended:
+        # A random controller may arrive with another seed.
+        proved = not cell.random and cell.verdict in NEVER
+        return without_arrival(cell.verdict) if proved else ""
+    return "" if cell.time is None else repr(cell.time)
+
+
 def _csv_row(cell: ComparisonCell) -> list[object]:
     scenario = cell.scenario
     interval = cell.interval
     verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
-    verdict = "never" if cell.never and cell.verdict not in NEVER else cell.verdict
     percentiles = [cell.percentile(percent) if cell.random else None for percent in PERCENTILES]
     return [
         cell.world,
@@ -257,11 +268,11 @@ def _csv_row(cell: ComparisonCell) -> list[object]:
         scenario.run.seed if cell.random else "",
         cell.reached,
         *((round(end, 6) for end in interval) if interval else ("", "")),
-        verdict,
+        cell.verdict,
         cell.detail,
         verdicts,
         f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
-        "never" if cell.never else "" if cell.time is None else repr(cell.time),
+        _csv_time(cell),
         *("" if time is None else repr(time) for time in percentiles),
         "worldgen compare",
         f"{cell.area_covered:.9g}",

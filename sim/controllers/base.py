@@ -160,7 +160,9 @@ class Command(NamedTuple):
 
     Args:
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
-        turn_rate: rad/s, counter-clockwise; takes effect before the next move.
+        turn_rate: rad/s, counter-clockwise; takes effect before the next move. A step turns by at
+            most half a turn either way, or by the run's ``turn_limit``: 7 rad in a step become pi,
+            so wrap an angle before you divide it by ``time_step``.
         used_random: True if ``observation.random`` was used, so that the next one must be new.
         message: Finite numbers to send to the neighbours, as many as the run's ``message`` option
             says, or none to send zeros; ignored for a single robot.

@@ -28,7 +28,8 @@ from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
-from worldgen.plugins.registry import Registry, check_code, user_code
+from worldgen.plugins.registry import Registry, user_code
+from worldgen.plugins.trust import admit_argument, check_code
 
 _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*")
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
@@ -61,8 +62,8 @@ class ControllerRegistry(Registry[Controller]):
         """Return the controller with this name, whatever its kind."""
         # Programs, compositions and what was learned have a prefix.
         if is_process_name(name):
+            check_code(name)
             if name not in self._loaded:
-                check_code(name)
                 self._loaded[name] = ProcessController.of(name)
             return self._loaded[name]
         if is_composition_name(name):
@@ -75,8 +76,8 @@ class ControllerRegistry(Registry[Controller]):
             self._refuse_code(learned.controller, name)
             return with_numbers(self.get(learned.controller), learned.numbers, name)
         if is_library_name(name):
+            check_code(name)
             if name not in self._loaded:
-                check_code(name)
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
         # A registered controller or a user's class may have its own options.
@@ -130,6 +131,7 @@ class ControllerRegistry(Registry[Controller]):
                 name=name,
                 controller=base,
             )
+        check_code(f"learned:{path}")
         learned = read_learned(expanded(path))
         # The class comes from the name, so a file that names other code cannot run it.
         if _place_apart(learned.controller) != _place_apart(base):
@@ -214,6 +216,16 @@ def _program_hint(name: str) -> Message | None:
             command=command,
         )
 
+    # A path is neither registered nor a module.
+    if not place and "/" in first:
+        return Message(
+            "no-such-file",
+            "controller {name!r}: there is no file {file}",
+            "check the path; a program is written 'cmd:{name}', a class ./file.py:name",
+            name=name,
+            file=first,
+        )
+
     # A colon after a path that is not Python looks like a mistyped ./file.py:name.
     if "/" in place and not place.endswith(".py"):
         return Message(
@@ -288,7 +300,10 @@ def controller_of(given: str | Controller | type) -> Controller:
         InvalidParameter: If the name is unknown, the object is not a controller, or making it
             raises an exception.
     """
-    return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
+    if isinstance(given, str):
+        admit_argument(given)
+        return CONTROLLERS.get(given)
+    return _accept(called(given), given)
 
 
 def in_plain_place(name: str, *, resolve: bool = False) -> str:

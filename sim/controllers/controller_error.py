@@ -23,6 +23,7 @@ class ControllerError(Exception):
 
     Attributes:
         evidence: All of this as evidence, without the step.
+        facts: The other facts.
     """
 
     def __init__(
@@ -31,6 +32,7 @@ class ControllerError(Exception):
         super().__init__(f"{verdict}: {error}")
         self.verdict = verdict
         self.error = error
+        self.facts = dict(facts or {})
         self.evidence = fault_evidence({**(facts or {}), "error": error})
 
 

@@ -45,6 +45,14 @@ class CoreAct:
         """True if it runs in another process, because it may crash or hang."""
         return False
 
+    def fault_of(self, error: Any) -> ControllerError:
+        """Return the error of a controller that has failed.
+
+        Args:
+            error: ``WgCommand.error``.
+        """
+        return controller_error_of(ffi.string(error).decode("utf-8", "replace"))
+
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
         """Act once, changing ``memory`` and ``command`` in place.
 
@@ -70,7 +78,7 @@ class CoreAct:
         ffi.cast("WgAct", self.address)(seen, own, asked)
         command[:] = (asked.speed, asked.turn_rate, asked.used_random)
         if asked.error != ffi.NULL:
-            raise controller_error_of(ffi.string(asked.error).decode("utf-8", "replace"))
+            raise self.fault_of(asked.error)
 
 
 @functools.cache

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from sim.runners.hidden_state import SharedVariables
 from worldgen.plugins.registry import user_code
 
 
@@ -20,6 +21,8 @@ class InstanceOrigin:
         own: Its attributes when its first run began, as bytes to compare.
         shared: The variables of its classes and modules at the same time; ``None`` if unknown.
         varying: Attributes that differ in each new instance, so they say nothing about runs.
+        loaded: The variables of its classes and modules before the first instance was made;
+            ``None`` if they cannot be copied.
     """
 
     name: str
@@ -27,6 +30,7 @@ class InstanceOrigin:
     own: Mapping[str, bytes] | None = None
     shared: bytes | None = None
     varying: set[str] = field(default_factory=set)
+    loaded: SharedVariables | None = None
 
     def another(self) -> Any:
         """Return another instance."""
@@ -45,7 +49,7 @@ def instance_of(kind: type, name: str) -> Any:
     Raises:
         InvalidParameter: If making it raises an exception.
     """
-    return InstanceOrigin(name, kind).another()
+    return InstanceOrigin(name, kind, loaded=SharedVariables.of(kind)).another()
 
 
 def origin_of(controller: object) -> InstanceOrigin | None:

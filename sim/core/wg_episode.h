@@ -28,10 +28,37 @@ enum {
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
-// The controller. With neither function, the episode stops whenever the controller must act.
+enum { WG_LONGEST_ERROR = 256 };  // bytes of a controller's message, with its terminating zero
+
+// The memory in which a function from a shared library acts. Whatever such a function may write to
+// is here, between words that are compared after each step, and between pages that nobody may
+// touch. So a function that writes past its memory fails, instead of changing the run.
+//
+// The first pages end with a state and the controller's memory; the second pages hold the command,
+// its message and copies of what it observes, and end with the beams. See cage.c.
+typedef struct WgCage {
+    WgAct act;
+    double *memory;        // (memory_size,) at the end of the first pages
+    int64_t memory_size;
+    uint64_t *first;       // the first word of the first pages
+    uint64_t *second;      // the same of the second pages
+    WgCommand *command;
+    double *message;       // (WG_MOST_MESSAGE,)
+    WgObservation *observation;
+    WgNeighbour *neighbours;  // (neighbour_room,)
+    double *beams;         // (beam_room,) at the end of the second pages
+    int64_t beam_room;
+    int64_t neighbour_room;
+    int64_t acts;          // 1 while the function runs
+    int64_t rounding;      // how floating point rounds: wg_rounding
+    char error[256];       // the function's own message, or what it did wrong
+} WgCage;
+
+// The controller. Without a function, the episode stops whenever the controller must act.
 typedef struct WgController {
     WgAct act;
     WgFlatAct flat;        // used if act is NULL
+    WgCage *cage;          // used if both are NULL
     const double *memory;  // (memory_size,) at reset; may be NULL if there is none
     int64_t memory_size;
 } WgController;
@@ -129,6 +156,24 @@ WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, cons
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
+// How floating point rounds in this thread: see rounding.h.
+int64_t wg_rounding(void);
+void wg_set_rounding(int64_t rounding);
+
+// Prepares a cage whose pages, sizes and function are set: fills the words around everything that
+// the function may write to. Returns WG_BAD_SIZE if the pages are too small.
+WgStatus wg_cage_begin(WgCage *cage, int64_t first_size, int64_t second_size);
+
+// Bytes that the two parts of a cage need at least.
+void wg_cage_sizes(int64_t memory_size, int64_t beams, int64_t neighbours, int64_t sizes[2]);
+
+// Fills the cage's memory by a library's function. Returns 1 if it kept to its memory; otherwise 0,
+// and cage->error tells what it did.
+int64_t wg_cage_reset(WgCage *cage, WgReset reset);
+
+// Fails in its first step. It acts in place of a controller whose reset has failed.
+void wg_failed_reset_act(const WgObservation *observation, double *memory, WgCommand *command);
+
 // Ends an episode as a crash of its controller, in the step in which the controller last had to
 // act.
 void wg_episode_fail(WgEpisode *episode);
@@ -140,7 +185,7 @@ WgStatus wg_episode_begin(WgEpisode *episode);
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t path_size);
 
-// Runs at most this many steps.
+// Runs at most this many steps, at least one, and for about a tenth of a second.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
 // For a controller that isn't a C function. Takes its answer, if it had to act; then runs until it

@@ -18,7 +18,7 @@ import numpy as np
 from sim.outcome import LIMIT, Outcome
 from sim.trace import Trace
 from sim.verdict import Verdict
-from worldgen.support.arrays import Ints
+from worldgen.support.arrays import Ints, Words
 
 # Number of places of one robot to compare with all places of another at a time.
 _PART = 256
@@ -31,7 +31,7 @@ class Loops:
     Args:
         entry: Step after which all of them are in their loops.
         periods: Each waiting robot's period, steps, by its index. Robots that come near each other
-            have the same period.
+            have the same period, after which their joint state returns for the first time.
         are_shown: Whether the recording shows that, so that the loops are proved. If not, robots
             with different periods come near each other, and only simulating the joint period can
             decide.
@@ -72,34 +72,68 @@ def separate_loops(
         for number, one in enumerate(members)
         if one.ending == LIMIT and one.trace is not None
     }
-    entry = max([quiet, *(one.steps for one in members if one.ending == Verdict.REACHED)])
-    labels = {number: _labels(trace) for number, trace in traces.items()}
-    periods = {number: _period(label, repeats) for number, label in labels.items()}
-    pairs = list(itertools.combinations(traces, 2))
-    while all(periods.values()):
-        entry = max([entry, *(_entry(labels[number], periods[number]) for number in traces)])
-        if any(len(labels[number]) - 1 < entry + repeats * periods[number] for number in traces):
-            return Loops(entry, periods, are_shown=False)
+    if not traces:
+        return None
+    parked = max([quiet, *(one.steps for one in members if one.ending == Verdict.REACHED)])
+    # Robots that may influence each other are a group, and only its joint state decides its future:
+    # one robot's own state may recur earlier by chance.
+    groups = [_Cluster((number,), _labels(trace.states)) for number, trace in traces.items()]
+    alone: Loops | None = None
+    while True:
+        periods = [_period(group.labels, repeats) for group in groups]
+        if not all(periods):
+            # A group that does not return within the recording may do so later.
+            return alone
+        of_robot = {
+            number: period
+            for group, period in zip(groups, periods, strict=True)
+            for number in group.numbers
+        }
+        begins = map(_entry, (group.labels for group in groups), periods)
+        entry = max([parked, *begins])
+        alone = alone or Loops(entry, of_robot, are_shown=False)
 
         # Robots that come near each other at any time repeat themselves together, or not at all.
-        different = [(one, other) for one, other in pairs if periods[one] != periods[other]]
-        near = [
-            pair
-            for pair in different
-            if _come_near(traces[pair[0]], traces[pair[1]], entry, reaches[pair])
-        ]
-        if not near:
-            return Loops(entry, periods, are_shown=True)
-        for one, other in near:
-            together = math.lcm(periods[one], periods[other])
-            periods[one] = together
-            periods[other] = together
-    return None
+        near = next(
+            (
+                (one, other)
+                for one, other in itertools.combinations(traces, 2)
+                if of_robot[one] != of_robot[other]
+                and _come_near(traces[one], traces[other], entry, reaches[one, other])
+            ),
+            None,
+        )
+        if near is None:
+            last = len(groups[0].labels) - 1
+            return Loops(entry, of_robot, are_shown=last >= entry + repeats * max(periods))
+        groups = _joined(groups, *near)
 
 
-def _labels(trace: Trace) -> Ints:
-    """Return a number for each state of a run, (n + 1,), such that equal states have equal ones."""
-    rows = np.ascontiguousarray(trace.states)
+@dataclass(frozen=True, eq=False)
+class _Cluster:
+    """Robots that may influence each other.
+
+    Args:
+        numbers: Their indices.
+        labels: (n + 1,) int64, a number for each of their joint states; equal for equal states.
+    """
+
+    numbers: tuple[int, ...]
+    labels: Ints
+
+
+def _joined(groups: Sequence[_Cluster], one: int, other: int) -> list[_Cluster]:
+    """Return the groups, with those of two robots made one."""
+    both = [group for group in groups if one in group.numbers or other in group.numbers]
+    rest = [group for group in groups if group not in both]
+    pairs = np.stack([group.labels for group in both], axis=1)
+    numbers = tuple(sorted(number for group in both for number in group.numbers))
+    return [*rest, _Cluster(numbers, _labels(pairs))]
+
+
+def _labels(states: Words | Ints) -> Ints:
+    """Return a number for each row, (n + 1,), such that equal rows have equal ones."""
+    rows = np.ascontiguousarray(states)
     whole = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
     return np.unique(whole, return_inverse=True)[1].astype(np.int64)
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Neighbour
+from sim.controllers.controller_error import ControllerError
+from sim.controllers.shared.guarded import ControllerDied, call
 from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle, run_in_portions
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
 from worldgen.support.arrays import Ints, Words
-from worldgen.support.ccall import check, pointer
+from worldgen.support.ccall import check, kept, pointer
 
 # Steps in the first call of a run; later calls grow until they take long enough.
 _FIRST_PORTION = 1 << 8
@@ -66,6 +68,9 @@ class CoreFleet:
         find_loop: ``WG_NO_LOOP``, ``WG_SEEK_LOOP`` or ``WG_PROVE_LOOP``.
         loop_entry: For ``WG_PROVE_LOOP``.
 
+    Attributes:
+        faults: How controllers in another process failed, by their robots' numbers.
+
     Raises:
         MemoryError: If there is not enough memory.
     """
@@ -82,8 +87,9 @@ class CoreFleet:
         # Give the robots one arena and one set of settings.
         first = runs[0].arena()
         arenas = [first, *(_in_the_same_cells(run, first) for run in runs[1:])]
-        kinds, clear_sq = _distances(runs)
-        settings = ffi.new("WgFleetSettings *")
+        memory = runs[0].memory
+        kinds, clear_sq = (memory.own(array) for array in _distances(runs))
+        settings = memory.new("WgFleetSettings *")
         settings.motion = runs[0].settings.motion
         settings.steps = steps
         settings.find_loop = find_loop
@@ -96,20 +102,28 @@ class CoreFleet:
         for run in runs:
             run.settings.steps = steps
             run.settings.find_loop = lib.WG_NO_LOOP
-        # Make the fleet; everything that it points to must live as long as it does.
+        # Make the fleet, which owns everything that it points to.
         made = ffi.new("WgFleet **")
-        check(
-            lib.wg_fleet_new(
-                settings,
-                ffi.new("WgArena *[]", [arena.c for arena in arenas]),
-                ffi.new("WgSettings *[]", [run.settings for run in runs]),
-                ffi.new("WgController *[]", [driver.c for driver in drivers]),
-                len(runs),
-                made,
-            )
+        block = ffi.new("WgBlock *")
+        robots = (
+            ffi.new("WgArena *[]", [arena.c for arena in arenas]),
+            ffi.new("WgSettings *[]", [run.settings for run in runs]),
+            ffi.new("WgController *[]", [driver.c for driver in drivers]),
         )
-        self.c: Any = ffi.gc(made[0], lib.wg_fleet_free)
-        self._held = (arenas, settings, kinds, clear_sq, runs, drivers)
+        check(lib.wg_fleet_new(settings, *robots, len(runs), block, made))
+        bytes_of_fleet = None
+        if memory.is_shared:
+            # Now that its size is known, make it where the other process finds it.
+            lib.wg_fleet_free(made[0])
+            bytes_of_fleet = memory.new("char[]", block.used)
+            block.bytes = bytes_of_fleet
+            block.size = block.used
+            check(lib.wg_fleet_new(settings, *robots, len(runs), block, made))
+        held = (arenas, settings, kinds, clear_sq, list(runs), list(drivers), bytes_of_fleet)
+        self.c: Any = kept(ffi, made[0], *held, free=lib.wg_fleet_free)
+        self._drivers = drivers
+        self._cages = [driver.cage for driver in drivers if driver.cage is not None]
+        self.faults: dict[int, ControllerError] = {}
         self.members = tuple(FleetMember(self, number) for number in range(len(runs)))
         check(lib.wg_fleet_begin(self.c))
 
@@ -143,7 +157,23 @@ class CoreFleet:
         Returns:
             ``WG_GOES_ON``, ``WG_OVER``, or ``WG_ACTS`` if controllers outside the core must act.
         """
-        return int(lib.wg_fleet_run(self.c, steps))
+        if not self._cages:
+            return int(lib.wg_fleet_run(self.c, steps))
+        acts = {driver.guarded for driver in self._drivers if driver.guarded}
+        progress = (ffi.addressof(self.c, "step"),)
+        work = ffi.addressof(lib, "wg_call_fleet")
+        try:
+            return call(work, acts, (self.c,), steps, progress=progress, cages=self._cages)
+        except ControllerDied as death:
+            acting = (
+                number
+                for number, driver in enumerate(self._drivers)
+                if driver.cage is not None and driver.cage.c.acts
+            )
+            number = next(acting, 0)
+            self.faults[number] = death
+            self.fail(number)
+            return int(lib.WG_OVER)
 
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them; all controllers are compiled."""
@@ -154,7 +184,7 @@ def driver_in_core(run: LatticeRun) -> Driver | None:
     """Return the driver of a compiled controller; ``None`` for one that acts outside the core."""
     controller = run.controller
     return (
-        Driver(controller, controller.memory)
+        Driver(controller, controller.memory, run.settings)
         if isinstance(controller, CompiledController)
         else None
     )
@@ -162,7 +192,8 @@ def driver_in_core(run: LatticeRun) -> Driver | None:
 
 def _in_the_same_cells(run: LatticeRun, first: CoreArena) -> CoreArena:
     own = run.arena()
-    return CoreArena(first.cells, first.near, own.clearance, first.events, own.visited, own.beams)
+    shared = (first.cells, first.near, own.clearance, first.events)
+    return CoreArena(*shared, own.visited, own.beams, memory=run.memory)
 
 
 def _distances(runs: Sequence[LatticeRun]) -> tuple[Ints, Ints]:

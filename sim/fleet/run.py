@@ -14,14 +14,14 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.core_act import controller_error_of
+from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.programs.process import ProcessController
 from sim.fleet.apart import separate_loops
 from sim.fleet.asking import FleetAskers, message_not_finite, own_controllers
 from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
-from sim.runners.core_calls import Driver
+from sim.runners.core_calls import Driver, memory_for
 from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
@@ -108,11 +108,13 @@ class FleetRun:
     ) -> None:
         self.world = world
         self.controllers = own_controllers(controllers)
+        memory = memory_for(*self.controllers)
         self.runs = [
             LatticeRun(
                 world.alone(number + 1),
                 controller,
                 replace(one, seed=robot_seed(world, number, one.seed)),
+                memory=memory,
             )
             for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
         ]
@@ -222,10 +224,14 @@ class FleetRun:
             return None
         if not loops.are_shown:
             # They may influence each other, so the joint period has to be simulated.
-            together = (loops.entry + loops.joint_period) * len(self.runs)
-            if together > _MOST_DRIVEN:
+            # Robots that influence each other may return together even earlier.
+            most = loops.entry + loops.joint_period
+            if most * len(self.runs) > _MOST_DRIVEN:
                 return None
-            return self.prove(loops.entry, loops.joint_period, record=record)
+            found = self.run(most, find_loop=True, record=False)
+            if found.ending != Verdict.LOOP:
+                return None
+            return self.prove(found.entry, found.period, record=record)
         # Run once more, to note who moves and who drives into whom within the loops.
         last = loops.entry + max(loops.periods.values())
         outcome, fleet = self._run(last, lib.WG_PROVE_LOOP, entry=loops.entry)
@@ -327,7 +333,7 @@ class FleetRun:
             before is not None and self._hidden(one) == before
             for one, before in zip(self.controllers, hidden, strict=True)
         )
-        outcome = self._outcome(fleet, complete, askers.faults, recordings)
+        outcome = self._outcome(fleet, complete, {**askers.faults, **fleet.faults}, recordings)
         if like is not None:
             outcome = replace(outcome, ending=like.ending, period=like.period, entry=like.entry)
         return outcome, fleet
@@ -382,9 +388,10 @@ class FleetRun:
 
     def _recordings(self, fleet: CoreFleet, sizes: Sequence[Outcome]) -> Recordings:
         found = []
+        memory = self.runs[0].memory
         for member, size in zip(fleet.members, sizes, strict=True):
-            rows = np.zeros((size.steps + 1, 1 + member.words), np.int64)
-            path = np.zeros((size.points, 4), np.int64)
+            rows = memory.zeros((size.steps + 1, 1 + member.words), np.int64)
+            path = memory.zeros((size.points, 4), np.int64)
             rows[0, 1:] = member.state_words()
             member.record(rows[1:], path)
             found.append((rows, path))
@@ -402,8 +409,7 @@ class FleetRun:
         ending: Ending = ENDINGS[int(report.ending)]
         robot = int(report.robot)
         if ending == Verdict.CRASH and robot not in faults:
-            text = fleet.members[robot].report.error
-            faults = {robot: controller_error_of(ffi.string(text).decode("utf-8", "replace"))}
+            faults = {robot: self._fault_of(robot, fleet.members[robot].report.error)}
         if ending == Verdict.CRASH:
             ending = faults[robot].verdict
         elif ending == Verdict.INVALID_COMMAND and not np.isfinite(fleet.members[robot].sent).all():
@@ -431,6 +437,14 @@ class FleetRun:
             members=tuple(members),
             complete=complete,
         )
+
+    def _fault_of(self, robot: int, error: Any) -> ControllerError:
+        """Return the fault of a compiled controller that has reported an error."""
+        controller = self.controllers[robot]
+        act = controller.act if isinstance(controller, CompiledController) else None
+        if isinstance(act, CoreAct):
+            return act.fault_of(error)
+        return controller_error_of(ffi.string(error).decode("utf-8", "replace"))
 
     def _failed_in_reset(self, faults: dict[int, ControllerError]) -> FleetOutcome:
         first = min(faults)

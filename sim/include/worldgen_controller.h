@@ -86,7 +86,10 @@ typedef struct WgObservation {
 // What a controller commands. All fields are zero (NULL) when the controller is called.
 typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
-    double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
+    // rad/s, counter-clockwise; takes effect before the next move. A step turns by at most half a
+    // turn either way, or by the run's turn_limit, so wrap an angle before you divide it by the
+    // time step.
+    double turn_rate;
     double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
     // NULL, or "Name: sentence" that outlives the run, which then ends as a crash of that name
     const char *error;

@@ -16,20 +16,14 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import Act, CompiledController
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.core_act import CoreAct, controller_error_of
+from sim.controllers.core_act import CoreAct
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
-from sim.controllers.shared.guarded import (
-    PRIVATE,
-    CallResult,
-    ControllerDied,
-    CoreMemory,
-    before_start,
-    call,
-)
+from sim.controllers.shared.cage import Cage
+from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
 from sim.kernels.layout import OBS_SIZE
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 
 Table = npt.NDArray[np.int32]
 
@@ -135,9 +129,11 @@ def grid_of(cells: Bytes) -> Any:
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
 
-def memory_for(controller: object) -> CoreMemory:
-    """Return the memory in which the core must find everything while it runs a controller."""
-    is_guarded = isinstance(controller, CompiledController) and _guarded_address(controller) != 0
+def memory_for(*controllers: object) -> CoreMemory:
+    """Return the memory in which the core must find everything while it runs controllers."""
+    is_guarded = any(
+        isinstance(one, CompiledController) and _guarded_address(one) != 0 for one in controllers
+    )
     return guarded.SHARED if is_guarded else PRIVATE
 
 
@@ -148,8 +144,8 @@ def _guarded_address(controller: CompiledController) -> int:
 
 
 def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
-    """Return a copy of a WgSettings."""
-    return memory.new("WgSettings *", settings[0])
+    """Return a copy of a WgSettings, which keeps what the original points to alive."""
+    return kept(ffi, memory.new("WgSettings *", settings[0]), settings)
 
 
 def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
@@ -195,7 +191,8 @@ class CoreArena:
         self.headings = headings()
         self.visited = visited = memory.own(visited)
         self.memory = memory
-        self.c: Any = memory.new("WgArena *")
+        arena = memory.new("WgArena *")
+        self.c: Any = kept(ffi, arena, cells, near, clearance, events, visited, self.headings)
         self.c.height, self.c.width = cells.shape
         self.c.cells = writable(ffi, cells, np.uint8)
         self.c.near = writable(ffi, near, np.int32)
@@ -207,17 +204,22 @@ class CoreArena:
         self.c.visited = writable(ffi, visited, np.uint8)
         if beams is not None:
             beams = BeamTables(memory.own(beams.runs), memory.own(beams.spread))
-            # Keep a reference here: if two threads request the table first, one of them gets its
-            # own copy, which the cache does not keep alive.
-            self._rays = ray_table()
-            self.c.rays = self._rays
+            # If two threads request the table first, one of them gets its own copy, which the
+            # cache does not keep alive.
+            rays = ray_table()
+            self.keep(beams, rays)
+            self.c.rays = rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
             self.c.runs = pointer(ffi, beams.runs, np.uint16)
         self.beams = beams
         self.wanted = np.zeros((0, 0), np.uint8) if wanted is None else memory.own(wanted)
         if self.wanted.size:
+            self.keep(self.wanted)
             self.c.wanted = pointer(ffi, self.wanted, np.uint8)
-        self.held: object = None
+
+    def keep(self, *objects: object) -> None:
+        """Keep objects alive as long as the core's struct."""
+        self.c = kept(ffi, self.c, *objects)
 
 
 class Driver:
@@ -226,24 +228,36 @@ class Driver:
     Args:
         controller: The controller; None for one that acts outside the core.
         memory: Its memory at reset.
+        settings: WgSettings of the run, which tell what it observes; None if that does not matter
+            because it acts outside the core.
 
     Attributes:
         guarded: Address of the controller's function if it runs in another process, else 0.
+        cage: Where that function acts; None for other functions.
     """
 
-    def __init__(self, controller: CompiledController | None, memory: Sequence[float]) -> None:
+    def __init__(
+        self, controller: CompiledController | None, memory: Sequence[float], settings: Any = None
+    ) -> None:
         room = memory_for(controller)
         self.guarded = 0 if controller is None else _guarded_address(controller)
-        self._memory = room.own(np.array(memory, np.float64))
-        self.c: Any = room.new("WgController *")
-        self.c.memory_size = len(self._memory)
-        if len(self._memory):
-            self.c.memory = pointer(ffi, self._memory, np.float64)
+        self.cage: Cage | None = None
+        own = room.own(np.array(memory, np.float64))
+        self.c: Any = kept(ffi, room.new("WgController *"), own)
+        self.c.memory_size = len(own)
+        if len(own):
+            self.c.memory = pointer(ffi, own, np.float64)
         if controller is not None:
-            self._set_function(controller.act)
+            self._set_function(controller.act, settings)
 
-    def _set_function(self, act: Act | CoreAct) -> None:
-        if isinstance(act, CoreAct):
+    def _set_function(self, act: Act | CoreAct, settings: Any) -> None:
+        if self.guarded:
+            neighbours = int(settings.neighbours) if settings.neighbour_range else 0
+            size = int(self.c.memory_size)
+            self.cage = Cage(self.guarded, size, int(settings.beams), neighbours)
+            self.c.cage = self.cage.c
+            self.c = kept(ffi, self.c, self.cage)
+        elif isinstance(act, CoreAct):
             self.c.act = ffi.cast("WgAct", act.address)
         else:
             self.c.flat = ffi.cast("WgFlatAct", flat_address(act))
@@ -279,8 +293,7 @@ def _buffer(owner: object, address: Any, count: int) -> Any:
     The owner lives as long as the buffer and every view of it, because a user's controller may keep
     its arguments.
     """
-    held = ffi.gc(address, lambda _, owner=owner: None)
-    return ffi.buffer(held, 8 * count)
+    return ffi.buffer(kept(ffi, address, owner), 8 * count)
 
 
 class EpisodeHandle:
@@ -357,27 +370,27 @@ class CoreEpisode(EpisodeHandle):
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
         # A guarded episode lives in shared memory, so that the other process can continue it.
-        self._blocks: tuple[Any, ...] = ()
-        self.c: Any = None
-        if driver.guarded:
-            self._place(arena, settings, driver, log_steps)
+        held = (arena.c, settings, driver.c)
+        if driver.cage is not None:
+            self.c: Any = self._placed(arena, settings, driver, log_steps)
         else:
             made = ffi.new("WgEpisode **")
             check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))
-            self.c = ffi.gc(made[0], lib.wg_episode_free)
+            self.c = kept(ffi, made[0], *held, free=lib.wg_episode_free)
         self.words = int(self.c.search.words)
-        self._held = (arena, settings, driver)
         self.guarded = driver.guarded
+        self._cages = () if driver.cage is None else (driver.cage,)
         self.begin()
 
-    def _place(self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> None:
-        """Create the episode in shared memory, where the other process finds it."""
+    @staticmethod
+    def _placed(arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> Any:
+        """Return a WgEpisode in shared memory, where the other process finds it."""
         sizes = ffi.new("int64_t[2]")
         check(lib.wg_episode_sizes(arena.c, settings, driver.c, log_steps, sizes))
         block = guarded.SHARED.block(sizes[0], clear=True)
         log = guarded.SHARED.block(sizes[1], clear=False) if sizes[1] else ffi.NULL
-        self.c = lib.wg_episode_place(block, log, arena.c, settings, driver.c, log_steps)
-        self._blocks = (block, log)
+        made = lib.wg_episode_place(block, log, arena.c, settings, driver.c, log_steps)
+        return kept(ffi, made, block, log, arena.c, settings, driver.c)
 
     def begin(self) -> None:
         """Put the robot back at its start; the arena must be as it was before the first event."""
@@ -395,7 +408,7 @@ class CoreEpisode(EpisodeHandle):
 
     def call(
         self, name: str, objects: Sequence[Any], number: int, progress: Sequence[Any] = ()
-    ) -> CallResult:
+    ) -> int:
         """Make a call of the core about this episode, in the other process if that runs it.
 
         Args:
@@ -409,27 +422,20 @@ class CoreEpisode(EpisodeHandle):
         """
         if self.guarded:
             work = ffi.addressof(lib, name)
-            report = ffi.addressof(self.report)
-            return call(work, self.guarded, objects, number, report=report, progress=progress)
+            seen = (ffi.addressof(self.report), *progress)
+            return call(work, (self.guarded,), objects, number, progress=seen, cages=self._cages)
         arguments = [ffi.cast("void *", one) for one in objects]
         asked = ffi.new("WgCall *", {"objects": arguments, "number": number})
-        return CallResult(int(getattr(lib, name)(asked)), "")
+        return int(getattr(lib, name)(asked))
 
     def run(self, steps: int) -> bool:
         """Run at most this many steps; return True if the episode is not over."""
         try:
-            answer = self.call("wg_call_run", (self.c,), steps)
+            return bool(self.call("wg_call_run", (self.c,), steps) == lib.WG_GOES_ON)
         except ControllerDied as death:
-            self._fail(death)
+            self.fault = death
+            lib.wg_episode_fail(self.c)
             return False
-        if answer.error:
-            self._fail(controller_error_of(answer.error))
-        return bool(answer.result == lib.WG_GOES_ON)
-
-    def _fail(self, fault: ControllerError) -> None:
-        """End the episode as a crash of the controller."""
-        self.fault = fault
-        lib.wg_episode_fail(self.c)
 
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them."""

@@ -155,7 +155,8 @@ class EditedRuns:
         visited = np.zeros(shape, np.uint8)
         work = CoreArena(cells, near, clearance, events, visited, memory=run.memory)
         settings = copy_of(run.settings, run.memory)
-        episode = CoreEpisode(work, settings, Driver(controller, controller.memory))
+        driver = Driver(controller, controller.memory, settings)
+        episode = CoreEpisode(work, settings, driver)
 
         # Describe the requested ending, and the progress of the search.
         fails = wanted.crash or wanted.hang
@@ -175,7 +176,7 @@ class EditedRuns:
         count = len(todo)
         try:
             while count > tried.next or tried.running:
-                check(episode.call("wg_call_first_edit", objects, count, (tried,)).result)
+                check(episode.call("wg_call_first_edit", objects, count, (tried,)))
                 count = tried.next
         except ControllerDied as death:
             tried.running = 0

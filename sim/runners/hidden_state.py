@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import pickle
 import random
 import sys
 import types
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.runners.timeline_reads import ignoring_pickles
 from worldgen.plugins.user_modules import neighbours_of
+
+_Cached = type(functools.cache(len))
 
 
 class HiddenState(NamedTuple):
@@ -52,6 +57,80 @@ def hidden_state(controller: Any) -> HiddenState | None:
         return HiddenState(_pickled(own), _pickled(shared), _pickled(generators))
     except Exception:  # noqa: BLE001 - anything that cannot be pickled cannot be compared
         return None
+
+
+@dataclass(frozen=True)
+class SharedVariables:
+    """A copy of the variables of a class's modules, to set them back without loading a file again.
+
+    Args:
+        places: The tables that hold them: of modules, of classes and functions that these define.
+        data: The values in all of them, as one pickle, so that what they share stays shared.
+    """
+
+    places: list[Any]
+    data: bytes
+
+    @classmethod
+    def of(cls, kind: type) -> SharedVariables | None:
+        """Return a copy of the current values; ``None`` if one of them cannot be copied."""
+        modules = dict.fromkeys(
+            module for base in kind.__mro__ if _is_of_a_user(base) for module in _modules_of(base)
+        )
+        places = [place for module in modules for place in _places_in(module)]
+        try:
+            return cls(places, pickle.dumps([_values_in(place) for place in places]))
+        except Exception:  # noqa: BLE001 - anything that cannot be pickled cannot be copied
+            return None
+
+    def restore(self, kind: type) -> bool:
+        """Set all variables back; return False if that is not possible."""
+        now = SharedVariables.of(kind)
+        # A module or a function that runs have added is not in the copy.
+        if now is None or now.places != self.places:
+            return False
+        try:
+            for place, values in zip(self.places, pickle.loads(self.data), strict=True):
+                _set_values(place, values)
+        except Exception:  # noqa: BLE001 - a class may refuse; its file is then loaded again
+            return False
+        return True
+
+
+def _places_in(module: types.ModuleType) -> list[Any]:
+    """Return a module, and the classes and functions that it defines, also those in classes."""
+    found: list[Any] = [module]
+    for place in found:
+        for thing in [*vars(place).values()] if not isinstance(place, types.FunctionType) else ():
+            function = getattr(thing, "__func__", thing)
+            is_own = getattr(function, "__module__", None) == module.__name__
+            is_new = not any(function is one for one in found)
+            if is_own and is_new and isinstance(function, type | types.FunctionType):
+                found.append(function)
+    return found
+
+
+def _values_in(place: Any) -> Any:
+    if isinstance(place, types.FunctionType):
+        return place.__defaults__, place.__kwdefaults__, place.__dict__, _around(place)
+    return _data(vars(place))
+
+
+def _set_values(place: Any, values: Any) -> None:
+    if isinstance(place, types.FunctionType):
+        place.__defaults__, place.__kwdefaults__, attributes, around = values
+        place.__dict__.clear()
+        place.__dict__.update(attributes)
+        for number, value in around.items():
+            (place.__closure__ or ())[int(number)].cell_contents = value
+        return
+    for name in _data(vars(place)).keys() - values.keys():
+        delattr(place, name)
+    for name, value in values.items():
+        setattr(place, name, value)
+        # Its answers may come from variables that have just been set back.
+        if isinstance(value, _Cached):
+            value.cache_clear()
 
 
 def own_attributes(controller: Any) -> dict[str, bytes]:
@@ -122,10 +201,12 @@ def _pickled(data: Any) -> bytes:
     stream = io.BytesIO()
     pickler = pickle.Pickler(stream)
     pickler.fast = True
-    try:
-        pickler.dump(data)
-    except ValueError:  # It contains itself.
-        return pickle.dumps(data)
+    # The controller does not read what this reads.
+    with ignoring_pickles():
+        try:
+            pickler.dump(data)
+        except ValueError:  # It contains itself.
+            return pickle.dumps(data)
     return stream.getvalue()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -13,9 +14,10 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, robot_for
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.core_act import CoreAct, controller_error_of
+from sim.controllers.core_act import CoreAct
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
+from sim.controllers.shared.guarded import CoreMemory
 from sim.kernels import layout
 from sim.options.noise import is_noisy
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
@@ -45,7 +47,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import UNIT, heading_to_lattice, metres_to_lattice
 from worldgen.reach.still.cells import reachable_cells
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import Pose, World
 
@@ -61,6 +63,7 @@ class LatticeRun:
         controller: The controller.
         options: Options of the run.
         lean: Whether the recording of a compiled controller omits its memory if that is large.
+        memory: Where the core will look for everything; chosen by the controller if None.
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
@@ -68,7 +71,13 @@ class LatticeRun:
     """
 
     def __init__(
-        self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False
+        self,
+        world: World,
+        controller: Controller,
+        options: RunOptions,
+        *,
+        lean: bool = False,
+        memory: CoreMemory | None = None,
     ) -> None:
         # Without this, callers that do not handle fleets would ignore all robots but one.
         if world.others:
@@ -84,12 +93,12 @@ class LatticeRun:
         self.controller = controller
         self.options = replace(options, robot=robot)
         self._lean = lean
-        self.memory = memory_for(controller)
+        self.memory = memory_for(controller) if memory is None else memory
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = self.memory.own(_event_rows(world, options.time_step))
         self._disturbances = PackedDisturbances(world, robot, options.time_step, self.memory)
-        self.settings: Any = self.memory.new("WgSettings *")
+        self.settings: Any = kept(ffi, self.memory.new("WgSettings *"), self._disturbances)
         # Fill the settings first: the tables depend on the speed and the sensors.
         settings = self.settings
         fill_settings(settings, world, controller, self.options)
@@ -277,12 +286,12 @@ class LatticeRun:
         own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
         return int(own + self._cells.size)
 
-    @property
+    @functools.cached_property
     def can_loop(self) -> bool:
-        """True if a state can recur.
+        """True if the recorded state, with the controller's memory, decides the future.
 
-        It cannot if the controller reads the clock, or noise that is new in each step. Senses that
-        a controller does not declare are not computed, so noise in them does not matter.
+        It does not if the controller reads the clock, or noise that is new in each step. Senses
+        that a controller does not declare are not computed, so noise in them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
         # Disturbances show in the odometry, which is not part of the state.
@@ -320,7 +329,7 @@ class LatticeRun:
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        arena = CoreArena(
+        return CoreArena(
             self._cells.copy(),
             near,
             self._clearance,
@@ -330,9 +339,6 @@ class LatticeRun:
             self._wanted,
             self.memory,
         )
-        # The settings point to data of this run, and an episode outlives it.
-        arena.held = self
-        return arena
 
     def _run_compiled(
         self, controller: CompiledController, record: bool
@@ -368,8 +374,9 @@ class LatticeRun:
             controller: The controller.
             settings: WgSettings other than the run's own.
         """
-        driver = Driver(controller, controller.memory)
-        return CoreEpisode(self.arena(), settings or self.settings, driver)
+        settings = settings or self.settings
+        driver = Driver(controller, controller.memory, settings)
+        return CoreEpisode(self.arena(), settings, driver)
 
     def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
         """Return the fault of an episode's last step.
@@ -380,12 +387,13 @@ class LatticeRun:
         if failed.fault is not None:
             return failed.fault
         if isinstance(controller.act, CoreAct):
-            return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
+            return controller.act.fault_of(failed.report.error)
         # Repeat the run up to the step before that.
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
         episode = self.episode(controller, settings)
-        episode.run(int(failed.report.steps) - 1)
+        while int(episode.report.steps) < int(failed.report.steps) - 1:
+            episode.run(int(failed.report.steps) - 1 - int(episode.report.steps))
         # Without a function, the episode stops whenever the controller must act.
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
@@ -428,7 +436,7 @@ class LatticeRun:
                     take(step, memories[step - first])
 
         seen = (rows[: steps + 1], path[:filled])
-        trace = trace_of(self.world, self.options, *seen, complete=True, lean=True)
+        trace = trace_of(self.world, self.options, *seen, complete=self.can_loop, lean=True)
         return replace(trace, recall=recall, recalled=size)
 
     def outcome_of(
@@ -443,9 +451,10 @@ class LatticeRun:
         Args:
             episode: The episode; ``None`` if the controller failed before it began.
             recording: Its rows and the points of its path, if it was recorded.
-            complete: Whether the recorded state alone decides the future.
+            complete: Whether all of the controller's memory is recorded.
             fault: The controller's fault, if it made one.
         """
+        complete = complete and self.can_loop
         report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
             ending=fault.verdict if fault else ENDINGS[int(report.ending)],

@@ -154,6 +154,7 @@ class _Group:
 
     def __init__(self, runs: Sequence[LatticeRun], world: Ints, memory: Floats) -> None:
         n = len(world)
+        self._runs = runs  # the settings point to their data
         self._fresh = [run.arena() for run in runs]
         self._world = world
         self._driver = Driver(None, memory.tolist())

@@ -53,7 +53,8 @@ def portions(
     settings = copy_of(settings, memory)
     settings.digest = 0
     settings.steps = steps
-    episode = CoreEpisode(arena, settings, Driver(controller, controller.memory))
+    driver = Driver(controller, controller.memory, settings)
+    episode = CoreEpisode(arena, settings, driver)
     width = 1 + episode.words
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
     rows = memory.zeros((min(most, steps) + 1, width), np.int64)

@@ -58,13 +58,11 @@ def run_many(
     stop = np.zeros(1, np.int64) if stop is None else stop
     own_stop = memory.own(stop)
 
-    # Run in groups. In another process each run is its own group, so that a crash belongs to the
-    # run that caused it; a request to stop is noticed only between groups there.
-    size = 1 if episode.guarded else _MANY
-    for first in range(0, len(seeds), size):
+    # Run in groups. In another process, a request to stop is noticed only between groups.
+    for first in range(0, len(seeds), _MANY):
         if stop[0]:
             break
-        part = slice(first, first + size)
+        part = slice(first, first + _MANY)
         objects = (
             episode.c,
             settings,
@@ -75,9 +73,11 @@ def run_many(
             ffi.from_buffer(reports[part], require_writable=True),
         )
         try:
-            check(episode.call("wg_call_run_many", objects, len(own_seeds[part])).result)
+            check(episode.call("wg_call_run_many", objects, len(own_seeds[part])))
         except ControllerDied:
-            reports["ending"][first] = lib.WG_CRASH
+            # Every run that has ended has visited the cell of its start.
+            ended = int(np.count_nonzero(reports["cells_visited"][part]))
+            reports["ending"][first + ended] = lib.WG_CRASH
         # Stop at the first crash; the caller decides whether to continue after it.
         crashed = np.flatnonzero(reports["ending"][part] == lib.WG_CRASH)
         if len(crashed):

@@ -28,6 +28,7 @@ from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.python_act import Stops, act_in_core
 from sim.runners.renewal import has_shared_state_changed, reset_anew
 from sim.runners.stopping import OutOfTime, breakable, in_time
+from sim.runners.timeline_reads import world_to_read
 from sim.verdict import Verdict
 from worldgen.plugins.user_modules import without_private_names
 from worldgen.support.arrays import Ints
@@ -174,7 +175,7 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     resetting: Any = controller
     if world is None:
         return flat_memory(timed(resetting.reset)())
-    return flat_memory(timed(resetting.reset)(world.bare))
+    return flat_memory(timed(resetting.reset)(world_to_read(world.bare)))
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:

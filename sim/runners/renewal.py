@@ -30,7 +30,8 @@ def as_loaded(name: str) -> Controller:
     """Return a controller in the state in which it was loaded.
 
     A program, and the process of a shared library, are ended, so that the next run starts them
-    again. A file whose classes or modules have changed their variables is loaded again.
+    again. The variables of classes and modules are set back; only where that is impossible, the
+    file is loaded again.
     """
     found = CONTROLLERS.get(name)
     origin = origin_of(found)
@@ -44,7 +45,10 @@ def as_loaded(name: str) -> Controller:
         has_changed = has_shared_state_changed(found, hidden_state(found))
         # Installed modules stay imported, so only the user's own file can be loaded again.
         if has_changed and place.endswith(".py") and file is not None and _is_unedited(file):
-            CONTROLLERS.forget(place)
+            if origin.loaded is not None and origin.loaded.restore(type(found)):
+                CONTROLLERS.renew(place)
+            else:
+                CONTROLLERS.forget(place)
     return CONTROLLERS.get(name)
 
 

@@ -142,7 +142,7 @@ class PackedDisturbances:
         return int(timed[-1, 0]) if len(timed) else 0
 
     def fill(self, settings: Any) -> None:
-        """Write them into a WgSettings, which this object must outlive."""
+        """Write them into a WgSettings, which must keep this object alive."""
         settings.disturbed = int(self._moved)
         settings.measures = int(self._measures)
         settings.drift_x, settings.drift_y, settings.drift_reach = self._drift

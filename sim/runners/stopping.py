@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -114,12 +115,25 @@ def _ticking() -> Iterator[None]:
 
 
 def _is_in_a_step(frame: FrameType | None) -> bool:
-    """Return True if the innermost registered function on the stack may be interrupted."""
+    """Return True if the innermost registered function on the stack may be interrupted.
+
+    A trace function is never interrupted: Python would remove it, and a debugger may be waiting in
+    it for its user.
+    """
+    running = set()
+    tracing = {_code_of(sys.gettrace()), _code_of(sys.getprofile())}
     while frame is not None:
+        running.add(frame.f_code)
+        tracing.add(_code_of(frame.f_trace))
         if frame.f_code in _may_break:
-            return _may_break[frame.f_code]
+            return _may_break[frame.f_code] and running.isdisjoint(tracing)
         frame = frame.f_back
     return False
+
+
+def _code_of(function: object) -> CodeType | None:
+    """Return the code of a function or method in Python; ``None`` for anything else."""
+    return getattr(getattr(function, "__func__", function), "__code__", None)
 
 
 def breakable(function: Callable[P, T]) -> Callable[P, T]:

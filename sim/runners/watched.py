@@ -15,11 +15,13 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from sim.controllers import CONTROLLERS, Controller
+from sim.controllers import CONTROLLERS
 from sim.controllers.base import Observation
+from sim.controllers.instances import origin_of
 from sim.episode import Episode, prepare
 from sim.options.run import RunOptions
 from sim.runners.hidden_state import attributes
+from sim.runners.renewal import as_loaded
 from worldgen.errors import WorldgenError
 from worldgen.plugins.counted_code import CountedCode, counted_module
 from worldgen.plugins.registry import user_code
@@ -145,21 +147,24 @@ def watched_part(
     """
     if episode.steps > _MOST_STEPS:
         return None
-    # Load its file with counters, and run the episode again.
+    # Let its functions count, and run the episode again.
     try:
         controller = CONTROLLERS.get(name)
+        if origin_of(controller) is not None:
+            controller = as_loaded(name)
         module = sys.modules.get(type(controller).__module__)
         if module is None or not str(getattr(module, "__file__", "")).endswith(".py"):
             return None
-        # Its prints have been seen when it was loaded first.
-        with contextlib.redirect_stdout(io.StringIO()), counted_module(module) as code:
-            again = _in_module(controller, module, code)
+        # Its prints have been seen in the first run.
+        with contextlib.redirect_stdout(io.StringIO()):
+            again = _another(controller, module)
             if again is None:
                 return None
-            watcher = _Watcher(again, code, first)
-            watched: Any = watcher
-            run = prepare(world, watched, replace(options, steps=episode.steps))
-            outcome = run.run(episode.steps, find_loop=False, record=True)
+            with counted_module(module) as code:
+                watcher = _Watcher(again, code, first)
+                watched: Any = watcher
+                run = prepare(world, watched, replace(options, steps=episode.steps))
+                outcome = run.run(episode.steps, find_loop=False, record=True)
     except WorldgenError:
         return None
     # What another run shows says nothing about the recorded one.
@@ -169,14 +174,13 @@ def watched_part(
     return watcher.part(code) if same else None
 
 
-def _in_module(controller: Controller, module: ModuleType, code: CountedCode) -> Any | None:
-    """Return the same controller, made by the module that counts; ``None`` if it isn't known how."""
+def _another(controller: Any, module: ModuleType) -> Any | None:
+    """Return a controller as no run has changed it; ``None`` if it isn't known how to make one."""
     # The file may name an instance instead of a class.
-    names = [name for name, value in vars(module).items() if value is controller]
-    if names:
-        return getattr(code.module, names[0], None)
-    kind = getattr(code.module, type(controller).__qualname__, None)
-    if not isinstance(kind, type):
+    if any(value is controller for value in vars(module).values()):
+        return controller
+    kind = type(controller)
+    if getattr(module, kind.__qualname__, None) is not kind:
         return None
     with user_code(f"{kind.__name__}: making it without arguments"):
         return kind()

@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
         world = read_world(found / name)
         details = {**world.failure.details, "cause": cause}
         if name == STALLED:
-            del details["shrunk_from"]
+            del details["shrinking"], details["one_minimal"]
         record = replace(world.failure, details=details)
         write_world(replace(world, failure=record), found / name, force=True)
     explain_the_loop(found, [{"what": "cell", "value": [2, 1]}])

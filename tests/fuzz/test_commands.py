@@ -91,7 +91,7 @@ def test_fuzz_prints_one_json_object(again):
         "verdict",
         "class",
         "solid_cells",
-        "shrunk",
+        "shrinking",
         "replay",
     }
 
@@ -130,13 +130,17 @@ def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
     )
 
 
-def test_replay_names_a_world_without_failure_and_goes_on_with_the_others(failures, tmp_path):
+def test_replay_counts_worlds_without_failure_in_a_folder_and_names_one_that_is_given(
+    failures, tmp_path
+):
     file = next(iter(failures[0].glob("*.grid")))
     (tmp_path / "z.grid").write_bytes(file.read_bytes())
     write_world(replace(read_world(file), failure=None), tmp_path / "a.grid")
     result = worldgen("replay", tmp_path)
-    assert result.code == 2 and f"{tmp_path}/a.grid: this world has no failure" in result.err
+    assert result.code == 0 and "skipped 1 world without a failure" in result.err
     assert "1 of 1 confirmed" in result.out
+    named = worldgen("replay", tmp_path / "a.grid", tmp_path / "z.grid")
+    assert named.code == 2 and f"{tmp_path}/a.grid: this world has no failure" in named.err
 
 
 def test_replay_wants_a_witness(failures, tmp_path):
@@ -308,7 +312,7 @@ def test_an_existing_file_is_not_overwritten(failures, tmp_path):
     ],
 )
 def test_bad_options_of_fuzz_are_one_line_and_code_2(args, message, tmp_path):
-    result = worldgen(*args, "--out", tmp_path / "out")
+    result = worldgen(*args, "--seed", 1, "--out", tmp_path / "out")
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
 
 

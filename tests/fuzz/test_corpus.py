@@ -342,7 +342,7 @@ def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, verdic
     world = read_world(LOOP)
     record = replace(world.failure, controller=f"{tmp_path}/mine.py:R", motion="swept")
     write_world(replace(world, failure=record), tmp_path / "f.grid")
-    result = worldgen("corpus", "prune", tmp_path)
+    result = worldgen("corpus", "prune", "--trust", tmp_path)
     assert (
         result.code == 1
         and (tmp_path / "f.grid").exists()

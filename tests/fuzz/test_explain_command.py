@@ -77,7 +77,7 @@ def test_the_cause_comes_before_the_changes():
 
 
 def test_a_crash_is_explained_by_its_error(crashed):
-    lines = worldgen("explain", crashed).out.splitlines()
+    lines = worldgen("explain", "--trust", crashed).out.splitlines()
     assert "crash (ValueError: too far, breaks.py:9)" in lines[0]
     assert lines[1] == "  crashes: Its code raises an error."
 
@@ -90,7 +90,7 @@ def test_the_headline_of_a_crash_is_its_error(crashed, tmp_path):
     assert found.text.count(error) == 1 and not found.explanation
     assert describe(failure, crashed).splitlines()[0] == found.headline
     page = tmp_path / "page.html"
-    assert worldgen("report", crashed, "--out", page).code == 0
+    assert worldgen("report", "--trust", crashed, "--out", page).code == 0
     (shown,) = data_of(page)["failures"]
     assert shown["words"] == error and not shown["sentence"]
 

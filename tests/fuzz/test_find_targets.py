@@ -92,7 +92,7 @@ def test_a_controller_may_name_its_own_motion_and_switches():
         ("turn-left", "'turn-left' is not CONTROLLER=OUTCOME"),
         ("turn-left=loop,", "outcome '' is not CONTROLLER=OUTCOME"),
         ("=loop", "'=loop' is not CONTROLLER=OUTCOME"),
-        ("turn-left=", "outcome '' of turn-left is not one of never, fails, reached"),
+        ("turn-left=", "outcome '' of turn-left is not one of stuck, fails, reached"),
         ("turn-left=lost", "outcome 'lost' of turn-left is not one of"),
         ("turn-left=Loop", "outcome 'Loop' of turn-left is not one of"),
         ("turn-lfet=loop", "did you mean 'turn-left'"),
@@ -130,6 +130,7 @@ def test_any_text_is_a_target_or_refused(text):
     [
         ("thesis-1=reached", "reached", 2554),
         ("thesis-2=loop", "loop", 104),
+        ("thesis-2=stuck", "loop", 104),
         ("thesis-2=never", "loop", 104),
     ],
 )
@@ -164,14 +165,14 @@ def test_how_near_a_run_is_to_what_is_wanted(outcome, distance):
     assert result.distance == pytest.approx(distance, abs=1e-12)
 
 
-def test_never_without_chance_is_a_loop_or_a_stall_and_no_timeout(room):
+def test_stuck_without_chance_is_a_loop_or_a_stall_and_no_timeout(room):
     world, mine = room
-    result = target_of(f"{mine}:Creeps=never").look(world)
+    result = target_of(f"{mine}:Creeps=stuck").look(world)
     assert result.verdict == "timeout" and result.distance == 2.0
 
 
-def test_never_with_chance_is_not_to_arrive_in_the_budget():
-    result = target_of("thesis-3=never", motion="stepped").look(
+def test_stuck_with_chance_is_not_to_arrive_in_the_budget():
+    result = target_of("thesis-3=stuck", motion="stepped").look(
         read_world(CONFIGURATIONS / "config-05.grid")
     )
     assert (result.verdict, result.share, result.seeds, result.distance) == (
@@ -189,15 +190,15 @@ def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
     assert result.verdict == "timeout" and result.distance > 1.0
 
 
-def test_never_with_chance_is_further_off_the_more_seeds_arrive():
+def test_stuck_with_chance_is_further_off_the_more_seeds_arrive():
     world = read_world(CONFIGURATIONS / "config-09.grid")
-    result = target_of("thesis-3=never", motion="stepped").look(world)
+    result = target_of("thesis-3=stuck", motion="stepped").look(world)
     assert result.share == 1.0 and result.distance == pytest.approx(1.9)
 
 
-def test_to_go_through_a_wall_is_no_never(room):
+def test_to_go_through_a_wall_is_not_stuck(room):
     world, mine = room
-    result = target_of(f"{mine}:Coin+motion=endpoint+time_step=0.33=never").look(world)
+    result = target_of(f"{mine}:Coin+motion=endpoint+time_step=0.33=stuck").look(world)
     assert result.verdict == "tunnel" and result.distance > 2.0
 
 

@@ -14,7 +14,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.oracles import Trial
 from fuzz.screening import evaluate
 from fuzz.search.native import scenes
-from sim import containment, simulate
+from sim import simulate
 from sim.chance import ENDED, explore
 from sim.controllers import CONTROLLERS
 from sim.controllers.shared import guarded
@@ -39,7 +39,7 @@ def library(tmp_path_factory):
 @pytest.fixture(autouse=True)
 def contained(monkeypatch):
     """As in a campaign."""
-    monkeypatch.setattr(containment, "_contained", [True])
+    monkeypatch.setattr(guarded, "can_fork", True)
 
 
 def looks_of(name, count=60, budget=400):
@@ -73,7 +73,7 @@ def test_a_batch_with_crashes_has_the_same_bytes_twice(library):
 
 def test_looks_in_another_process_are_bit_for_bit_those_in_this_one(library, monkeypatch):
     there = looks_of(f"lib:{library}:complain")
-    monkeypatch.setattr(containment, "_contained", [])
+    monkeypatch.setattr(guarded, "can_fork", False)
     here = looks_of(f"lib:{library}:complain")
     assert [
         there.raw[name].tolist()
@@ -87,7 +87,7 @@ def test_a_death_leaves_the_results_that_an_error_leaves_in_this_process(library
     died = looks_of(f"lib:{library}:segfault")
     world = next(died.world(n) for n in np.flatnonzero(died.verdict == "crash").tolist())
     death = simulate(world, f"lib:{library}:segfault")
-    monkeypatch.setattr(containment, "_contained", [])
+    monkeypatch.setattr(guarded, "can_fork", False)
     said = looks_of(f"lib:{library}:own_up")
     error = simulate(world, f"lib:{library}:own_up")
     names = ("ending", "steps", "path_length", "visited", "contact", "collisions")

@@ -3,18 +3,24 @@ request.
 """
 
 import json
+import pickle
 
 import numpy as np
 import pytest
 
 from fuzz.failure import Failure
+from fuzz.overview.natural import _run
 from fuzz.shrink import shrink
+from fuzz.simplicity import Case
+from fuzz.triage.cause import Cause
 from fuzz.triage.hazards import Hazard, can_sense, doubt_in, hazard_in, is_hazard
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.options.disturbances import Doubt
 from sim.options.robot import RobotOptions
+from sim.runners.timeline_reads import noting_reads, world_to_read
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World
@@ -23,13 +29,51 @@ from worldgen.generation import generate
 from worldgen.timeline import CellState, Timeline
 
 AHEAD = """
+import copy
+import pickle
+from dataclasses import replace
+import numpy as np
 from sim import Command
+from worldgen import World
+from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.reach import decide
+from worldgen.timeline import Timeline
 class Ahead:
     def reset(self): return ()
     def act(self, observation, memory): return Command(observation.top_speed, 0.0), memory
-class Planner(Ahead):
-    def reset(self, world): return ()
+class Walls(Ahead):
+    def reset(self, world):
+        self.free = ~world.walls
+        return ()
+class Copies(Ahead):
+    def reset(self, world):
+        larger = replace(world, robot_radius=world.robot_radius * 1.1)
+        assert larger != world and copy.deepcopy(world) == copy.copy(world) == world
+        assert isinstance(larger, World) and isinstance(world.timeline, Timeline)
+        self.world = larger.with_robots(larger.robots)
+        self.gap = bottleneck(world, world.walls)
+        return ()
+class Looks(Ahead):
+    def reset(self, world): return (float(world.timeline.last_time),)
+class LooksAtACopy(Ahead):
+    def reset(self, world): return (float(len(replace(world, robot_radius=0.05).bare.timeline)),)
+class LooksLater(Ahead):
+    def reset(self, world):
+        self.world = world
+        return (0.0,)
+    def act(self, observation, memory):
+        burning = self.world.cells_at(observation.time)
+        return Command(observation.top_speed, 0.0), memory
+class AsksAHelper(Ahead):
+    def reset(self, world):
+        return (1.0,) if decide(world).result == "reachable" else (0.0,)
+class SendsItAway(Ahead):
+    def reset(self, world):
+        self.sent = pickle.dumps(world)
+        return ()
 """
+NOT_READ = ("Ahead", "Walls", "Copies")
+READ = ("Looks", "LooksAtACopy", "LooksLater", "AsksAHelper", "SendsItAway")
 
 
 @pytest.fixture
@@ -67,10 +111,6 @@ def test_a_controller_that_declares_other_senses_does_not_see_smoke():
     )
 
 
-def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
-    assert can_sense(CONTROLLERS.get(f"{mine}:Planner"), RobotOptions(), "solid", entered=False)
-
-
 @pytest.mark.parametrize(
     ("details", "hazard", "reason"),
     [
@@ -103,12 +143,91 @@ def test_a_robot_that_drifts_too_fast_is_a_hazard_with_its_reason():
     assert details["hazard_reason"] == Doubt.FAST_DRIFT and is_hazard(failure)
 
 
-@pytest.mark.parametrize(("name", "unsensed"), [("Ahead", True), ("Planner", False)])
+@pytest.mark.parametrize(
+    ("name", "unsensed"), [(name, True) for name in NOT_READ] + [(name, False) for name in READ]
+)
 def test_a_failure_says_whether_its_controller_could_have_known_better(name, unsensed, mine):
     world = burning_world()
     failure = failure_of(certified(world), Scenario(f"{mine}:{name}"))
     assert failure.record.verdict == "burned" and is_hazard(failure) is unsensed
     assert replay(Failure.of(loads(failure.dumps()))).confirmed
+
+
+def test_noting_what_is_read_changes_nothing_in_the_run(mine):
+    world = certified(burning_world())
+    for name in (*NOT_READ, *READ):
+        plain = simulate(world, f"{mine}:{name}", steps=300)
+        with noting_reads() as reads:
+            noted = simulate(world, f"{mine}:{name}", steps=300)
+        assert (noted.trace_digest, noted.evidence) == (plain.trace_digest, plain.evidence)
+        assert reads.any is (name in READ)
+
+
+def test_a_timeline_that_notes_reading_is_compared_pickled_and_replaced_like_any_other():
+    world = burning_world()
+    with noting_reads() as reads:
+        noting = world_to_read(world)
+    assert noting == world and world == noting and not reads.any
+    assert pickle.dumps(noting.timeline) == pickle.dumps(world.timeline) and reads.any
+    later = noting.timeline.with_time(5, 9.0)
+    assert type(later) is Timeline and later == world.timeline.with_time(5, 9.0)
+    assert world_to_read(world) is world
+
+
+GAPS = """
+import math
+import numpy as np
+from sim import Command
+class Plans:
+    senses = ("x", "y", "heading", "bump")
+    def reset(self, world):
+        rows = np.flatnonzero(~world.walls[:, 10])
+        return (float((rows.mean() + 0.5) * world.cell_size),)
+    def act(self, seen, memory):
+        x, y = (1.05, memory[0]) if seen.x < 1.04 else (1.75, 0.55)
+        turn = math.remainder(math.atan2(y - seen.y, x - seen.x) - seen.heading, 2 * math.pi)
+        return Command(seen.top_speed, turn / seen.time_step), memory
+class Waits(Plans):
+    def reset(self, world):
+        self.last = world.timeline.last_time
+        return super().reset(world)
+class HasBeams(Plans):
+    senses = (*Plans.senses, "beams")
+class Guesses(Plans):
+    def reset(self): return (0.35,)
+"""
+
+
+def gap_that_moves():
+    """A hall in two halves: the lower gap between them closes, and the upper one opens."""
+    walls = np.zeros((12, 20), bool)
+    walls[:, 10] = True
+    walls[2:5, 10] = False
+    closes = [(0.1, 10, iy, CellState.SOLID) for iy in (2, 3, 4)]
+    opens = [(0.1, 10, iy, CellState.FREE) for iy in (7, 8, 9)]
+    timeline = Timeline.of(closes + opens)
+    return World(walls, Pose(0.25, 0.55, 0.0), Target(1.75, 0.55, 0.05), timeline=timeline)
+
+
+@pytest.mark.parametrize(
+    ("controller", "unsensed"),
+    [("Plans", True), ("Plans+beams=36", True), ("HasBeams+beams=36", False), ("Waits", False)],
+)
+def test_a_plan_that_a_moved_wall_spoils_is_judged_by_what_was_read(controller, unsensed, tmp_path):
+    (tmp_path / "gaps.py").write_text(GAPS)
+    scenario = Scenario.parse(f"{tmp_path}/gaps.py:{controller}")
+    failure = failure_of(certified(gap_that_moves()), scenario)
+    assert failure.record.verdict in ("loop", "stalled") and is_hazard(failure) is unsensed
+    cause = Cause.HARMED_UNSENSED if unsensed else Cause.CONFUSED_BY_CHANGES
+    assert failure.record.details["cause"] == cause
+    assert _run(Case(certified(gap_that_moves()), scenario))[1] == cause
+    assert replay(failure).confirmed
+
+
+def test_a_planner_that_fails_in_the_changed_world_too_is_at_fault(tmp_path):
+    (tmp_path / "gaps.py").write_text(GAPS.replace("seen.x < 1.04", "True"))
+    failure = failure_of(certified(gap_that_moves()), Scenario(f"{tmp_path}/gaps.py:Plans"))
+    assert not is_hazard(failure)
 
 
 def test_a_hazard_that_is_shrunk_stays_one(mine):

@@ -432,6 +432,8 @@ def test_a_campaign_refuses_an_oracle_that_is_not_there_before_it_begins(tmp_pat
         "detuor=5",
         "--units",
         1,
+        "--seed",
+        1,
         "--out",
         tmp_path / "f",
     )

@@ -120,7 +120,7 @@ def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
 
 
 def test_natural_worlds_end_with_the_time_and_say_so():
-    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda: True)
+    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
     assert runs.worlds == 0 and not runs.is_complete
 
 
@@ -143,16 +143,16 @@ def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
 
 def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
     narrow = found_by("Still", certified(hall(9, 3, start=(0.75, 0.15))))
-    record = replace(narrow.record, details={**narrow.record.details, "shrunk_from": 9})
+    record = replace(narrow.record, details={**narrow.record.details, "shrinking": "done"})
     shrunk = replace(narrow, record=record)
-    assert shrunk.is_shrunk
+    assert shrunk.shrinking == "done"
     found = found_by("Still")
-    assert not found.is_shrunk and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+    assert found.shrinking == "none" and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
 
 
 def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_picture(monkeypatch):
     found = found_by("Still")
-    record = replace(found.record, details={**found.record.details, "shrunk_from": 9})
+    record = replace(found.record, details={**found.record.details, "shrinking": "done"})
     shrunk = replace(found, world=certified(hall(9, 5, start=(0.75, 0.25))), record=record)
     assert clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
 
@@ -225,6 +225,30 @@ def test_a_cause_that_shrinking_gave_a_class_is_named_but_not_counted(tmp_path):
     }
     lines = overview_lines(overview, Headline("mine", tmp_path, 1))
     assert "not counted: pushes-a-wall (only in worlds that shrinking made)" in lines
+
+
+def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
+    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {}, 0)
+    overview = Overview((hazard, shrunk_only), NaturalRuns(worlds=8, arrived=8))
+    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
+    numbered = [click.unstyle(line) for line in lines if line[:2] in ("1.", "2.")]
+    assert [line.partition(":")[0] for line in numbered] == ["1. harmed-by-what-it-cannot-sense"]
+    assert "not counted: stands-still (only in worlds that shrinking made)" in lines
+
+
+def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
+    overview = Overview((), NaturalRuns(unsensed=9))
+    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
+    assert (
+        "  hazards that it cannot sense harmed it in 9 natural worlds, and no other was run"
+        in lines
+    )
+
+
+def test_a_cause_that_nothing_met_has_no_verdicts():
+    (cause,) = causes_of({"a": found_by("Still")}, {"a": 0})
+    assert (cause.table().met, cause.table().verdicts) == (0, {})
 
 
 def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
@@ -398,20 +422,26 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     assert plain(read_overview(tmp_path / "json").natural) == answer["natural"]
 
 
-def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
+def test_a_campaign_without_an_answer_says_why_and_what_to_type(tmp_path):
+    more = f"worldgen fuzz --resume {tmp_path} --budget 5m"
     headline = Headline(
-        "mine under swept", tmp_path, 107, is_failing=False, not_arrived=13, has_units=False
+        "mine under swept",
+        tmp_path,
+        107,
+        is_failing=False,
+        no_answer="1 of the 5 natural worlds that an answer needs was finished",
+        remedy=more,
     )
     lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
-    assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
-    assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
+    assert lines[0].startswith("mine under swept: no answer: 1 of the 5 natural worlds")
+    assert lines[-1] == f"give it more time: {more}"
 
 
 def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
-    headline = Headline("mine under swept", tmp_path, 107, is_failing=False, not_arrived=13)
+    headline = Headline("mine under swept", tmp_path, 1070, is_failing=False, unjudged=13)
     line = click.unstyle(overview_lines(Overview(()), headline)[0])
     assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
-    none = overview_lines(Overview(()), replace(headline, not_arrived=0))
+    none = overview_lines(Overview(()), replace(headline, unjudged=0))
     assert "did not arrive" not in none[0]
 
 
@@ -424,7 +454,7 @@ def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
         lines = overview_lines(Overview((cause,), natural), headline)[:2]
         return [click.unstyle(line) for line in lines]
 
-    assert "never arrived" in first_lines(0)[0]
+    assert "arrived in no natural world" in first_lines(0)[0]
     assert "rarely arrives" in first_lines(50)[0]
     assert "usually does not arrive" in first_lines(100)[0]
     assert "does not always arrive" in first_lines(200)[0]

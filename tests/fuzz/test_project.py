@@ -178,7 +178,7 @@ def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_
     (tmp_path / "robot.py").write_text(RAISES)
     done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
     assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
-    assert all(Failure.read(path).is_shrunk for path in Path(KNOWN).glob("*.grid"))
+    assert all(Failure.read(path).shrinking == "done" for path in Path(KNOWN).glob("*.grid"))
     configuration._project.cache_clear()
     again = worldgen("fuzz", "--out", "found", "--workers", 1)
     assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, (
@@ -204,7 +204,7 @@ def test_the_project_is_complete_before_its_failures_are_shrunk(tmp_path, monkey
     done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
     assert done.code == 130 and "the project is complete, and 1 known failure is not" in done.err
     (known,) = Path(KNOWN).glob("*.grid")
-    assert not Failure.read(known).is_shrunk and (tmp_path / "pyproject.toml").exists()
+    assert Failure.read(known).shrinking == "none" and (tmp_path / "pyproject.toml").exists()
 
 
 def interrupted_at_once(failure, kept):

@@ -404,7 +404,7 @@ def test_a_campaign_writes_its_own_page(tmp_path):
     assert all(failure["before"] and failure["strategy"] for failure in data["failures"])
     # The example of a cause that only natural worlds show is shrunk too.
     natural = [failure for failure in data["failures"] if failure["strategy"] == "natural"]
-    assert natural and all(failure["shrunk"] for failure in natural)
+    assert natural and all(failure["shrinking"] == "done" for failure in natural)
     assert {failure["cause"] for failure in natural} <= {
         cause["cause"] for cause in data["answers"][0]["causes"] if cause["natural"]
     }

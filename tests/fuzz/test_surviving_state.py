@@ -161,7 +161,7 @@ def test_only_the_controller_that_keeps_state_is_said_to(worlds, tmp_path):
         failure = failure_of(worlds[0], Scenario(name))
         files.append(tmp_path / f"{number}.grid")
         failure.write(files[-1])
-    (line,) = [x for x in worldgen("replay", *files).err.splitlines() if "survives" in x]
+    (line,) = [x for x in worldgen("replay", "--trust", *files).err.splitlines() if "survives" in x]
     assert keeps in line and clears not in line
 
 
@@ -197,3 +197,57 @@ def test_runs_that_differ_by_unseen_state_are_no_failure(worlds, tmp_path, monke
     now = answer(failure, name)
     assert now.state is State.UNPROVED
     assert "its runs differ although the input is the same" in now.words
+
+
+COUNTED = """
+import functools
+with open({mark!r}, "a") as file:
+    file.write("loaded\\n")
+del file
+from helper import TABLE
+from sim import Command
+
+CALLS = []
+SHARED = dict(calls=CALLS)
+
+@functools.cache
+def side(bumps):
+    return 1.0 if len(CALLS) % 3 else -1.0
+
+class Robot:
+    bumps = 0
+    def reset(self, seen={{}}):
+        self.table = TABLE
+        return (0.0,)
+    def act(self, observation, memory):
+        if observation.bump:
+            CALLS.append(1)
+            TABLE["bumps"] = TABLE.get("bumps", 0) + 1
+            Robot.bumps += 1
+            assert SHARED["calls"] is CALLS and len(CALLS) == Robot.bumps == TABLE["bumps"]
+        turn = observation.target_heading - observation.heading + side(Robot.bumps) / (1 + len(CALLS))
+        return Command(observation.top_speed, turn), (0.0,)
+"""
+
+
+def test_variables_are_set_back_without_loading_the_file_again(tmp_path):
+    mark = tmp_path / "mark"
+    (tmp_path / "helper.py").write_text("TABLE = {}\n")
+    (tmp_path / "counted.py").write_text(COUNTED.format(mark=str(mark)))
+    name = f"{tmp_path}/counted.py:Robot"
+    world = certified(cup())
+    runs = [Trial.recorded(world, name, Scenario(name).options(world)).episode for _ in range(3)]
+    assert len({run.trace.digest() for run in runs}) == 1
+    assert runs[0].verdict != "crash"
+    assert mark.read_text() == "loaded\n"
+
+
+def test_variables_that_cannot_be_copied_are_renewed_by_loading_the_file_again(tmp_path):
+    mark = tmp_path / "mark"
+    (tmp_path / "helper.py").write_text("import threading\nTABLE, LOCK = {}, threading.Lock()\n")
+    (tmp_path / "counted.py").write_text(COUNTED.format(mark=str(mark)))
+    name = f"{tmp_path}/counted.py:Robot"
+    world = certified(cup())
+    runs = [Trial.recorded(world, name, Scenario(name).options(world)).episode for _ in range(2)]
+    assert len({run.trace.digest() for run in runs}) == 1
+    assert mark.read_text().count("loaded") > 1

@@ -67,6 +67,8 @@ def test_a_quantity_given_twice_is_refused(tmp_path):
         "slip=0",
         "--vary",
         "slip=0.1",
+        "--seed",
+        1,
         "--out",
         tmp_path,
     )
@@ -136,6 +138,6 @@ def test_the_command_line_varies_and_its_failures_replay(tmp_path):
 def test_a_campaign_in_which_no_world_could_be_run_is_no_success(tmp_path):
     ended = worldgen(
         "fuzz", "--controller", "turn-right", "--vary", "robot_radius=50", "--units", 1, "--strategy", "features",
-        "--examples", 5, "--workers", 1, "--out", tmp_path,
+        "--examples", 5, "--workers", 1, "--seed", 1, "--out", tmp_path,
     )  # fmt: skip
     assert ended.code == 2 and ended.error_code == "no-world-fits"

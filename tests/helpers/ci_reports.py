@@ -36,7 +36,7 @@ def read_junit(data):
             len(cases),
             len(suite.findall("*/failure")),
             len(suite.findall("*/skipped")),
-            0,
+            len(suite.findall("*/error")),
         ]
     return suite
 

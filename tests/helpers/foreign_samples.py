@@ -3,6 +3,7 @@
 They come from our own writer if there is one, and from other programs' output.
 """
 
+import functools
 import io
 from dataclasses import replace
 
@@ -73,6 +74,7 @@ def _square():
     return World(walls, Pose(0.35, 0.65), Target(0.55, 0.45, 0.05), robot_radius=0.04)
 
 
+@functools.cache
 def samples(name):
     """Sample files of a format: dicts of contents by file name, the map first."""
     found = list(AS_OTHERS_WRITE.get(name, ()))

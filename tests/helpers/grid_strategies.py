@@ -92,8 +92,9 @@ def worlds_with_everything(draw):
     names = st.text(max_size=6)
     metrics = st.dictionaries(st.text(max_size=5), _finite | _integers, max_size=3)
     provenances = st.builds(Provenance, names, _integers, _integers, _tables(), metrics)
+    words = st.from_regex("[a-z][a-z0-9-]{0,8}", fullmatch=True)
     failures = st.builds(
-        FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables()
+        FailureRecord, names, words, _integers, words, names, _tables(), _tables(), _tables()
     )
     return World(
         np.array(cells).reshape(height, width),

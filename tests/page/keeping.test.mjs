@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
-import { keep, keptOf } from "#studio/shared/kept.js";
+import { keep, keepInTab, keptInTab, keptOf } from "#studio/shared/kept.js";
 import { Model, messageOf } from "#studio/draw/model.js";
 import { proofWords } from "#studio/draw/proof.js";
 import { Recent } from "#studio/shared/recent.js";
@@ -110,6 +110,37 @@ test("a reloaded tab continues its own drawing", async () => {
   const again = await newTab();
   sessionStorage.setItem("worldgen-studio-tab", name);
   assert.deepEqual((await again.findDraft()).cells, model.world.cells);
+});
+
+test("a reloaded tab knows how its world was generated, until it was changed", async () => {
+  const shows = { family: "maze", world_seed: "3", parameters: "" };
+  for (const isChanged of [false, true]) {
+    localStorage.clear();
+    held.clear();
+    const model = drawing([2, 2]);
+    model.markMade(shows);
+    if (isChanged) {
+      model.paint([{ x: 4, y: 4, width: 1, height: 1 }], 1);
+      model.lift("brush");
+    }
+    const first = await newTab();
+    await first.findDraft();
+    assert.ok(first.keepDraft(model));
+    held.clear();
+    const again = await newTab();
+    await again.findDraft();
+    assert.deepEqual(again.linkOfDraft(), isChanged ? null : shows);
+  }
+});
+
+test("the set-up of a tab is its own, and a new tab begins with the last one", () => {
+  keep("/tabs", "play", { steps: 1 });
+  keepInTab("/tabs", "play", { steps: 1 });
+  keep("/tabs", "play", { steps: 2 }); // in another tab
+  assert.deepEqual(keptInTab("/tabs", "play"), { steps: 1 });
+  sessionStorage.clear();
+  assert.equal(keptInTab("/tabs", "play"), null);
+  assert.deepEqual(keptOf("/tabs", "play"), { steps: 2 });
 });
 
 test("a draft that was taken over is not offered to a third tab", async () => {

@@ -316,6 +316,22 @@ FAULTS = (
         ("tests/plugins/test_hypothesis.py",),
     ),
     Fault(
+        "another-robot",
+        "shrinking keeps what the user of a campaign fixed",
+        "fuzz/shrink/trying.py",
+        "if candidate is None or not self._constraint.allows(candidate):",
+        "if candidate is None:",
+        ("tests/fuzz/test_constraint.py",),
+    ),
+    Fault(
+        "fire-not-read",
+        "a planner that never reads the timeline is not at fault for a fire",
+        "fuzz/triage/hazards.py",
+        "    return reads.any",
+        "    return True",
+        ("tests/fuzz/test_hazards.py",),
+    ),
+    Fault(
         "any-token",
         "the studio answers only who brings its token",
         "fuzz/studio/gate.py",

@@ -28,6 +28,8 @@ from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVecto
 from worldgen_plugins.for_gymnasium.interface import SENSORS
 from worldgen_plugins.for_gymnasium.options import REWARD, Options
 
+# Gymnasium's own checks call reset() without a seed.
+pytestmark = pytest.mark.usefixtures("same_system_seed")
 GUIDE = (Path(__file__).parents[2] / "docs" / "tutorials" / "train-a-policy.md").read_text(
     encoding="utf-8"
 )

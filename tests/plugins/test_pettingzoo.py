@@ -17,6 +17,9 @@ from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Robot, Target, World
 from worldgen_plugins.for_pettingzoo import FleetEnv
 
+# PettingZoo's own tests call reset() without a seed.
+pytestmark = pytest.mark.usefixtures("same_system_seed")
+
 
 def hall(*, robots: int = 2) -> World:
     """A hall in which robots start in a column and have their targets straight ahead."""

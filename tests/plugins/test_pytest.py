@@ -209,3 +209,21 @@ def test_the_document_names_every_setting(project):
 @pytest.mark.parametrize("package", ["worldgen", "sim", "fuzz", "corpora", "worldgen_plugins"])
 def test_pytest_does_not_warn_that_a_package_was_imported_before_it_could_rewrite_it(package):
     assert "PYTEST_DONT_REWRITE" in importlib.import_module(package).__doc__
+
+
+@pytest.mark.gate
+def test_code_outside_the_rootdir_needs_a_reason(project, failure, tmp_path, monkeypatch):
+    """The rootdir is trusted, as its conftest.py is; a record elsewhere names code as any other."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    code = "open('mark', 'a').write('ran')\nclass X:\n    reset = act = None\n"
+    inside = project.makepyfile(robot=code)
+    outside = tmp_path / "elsewhere" / "w.grid"
+    outside.parent.mkdir()
+    failure.driven_by(f"{outside.parent}/robot.py:X").write(outside)
+    (outside.parent / "robot.py").write_text(code)
+    done = pytest_run(project, "--rootdir", project.path, outside)
+    done.stdout.fnmatch_lines(["*robot.py:X', which is not run*"])
+    assert not (project.path / "mark").exists()
+    failure.driven_by("./robot.py:X").write(project.path / "w.grid")
+    pytest_run(project, "w.grid")
+    assert inside.exists() and (project.path / "mark").exists()

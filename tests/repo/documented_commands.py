@@ -271,6 +271,7 @@ def run_page(page: Page, folder: Path) -> Iterator[Done]:
         (folder / name).write_text(text, encoding="utf-8")
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     environment = {"PATH": path, "ROOT": str(ROOT), "COLUMNS": "200", "WORLDGEN_PROGRESS": "off"}
+    environment["XDG_STATE_HOME"] = str(Path(folder).resolve() / ".state")
     with contextlib.chdir(folder), mock.patch.dict(os.environ, environment):
         for block in page.blocks:
             if block.runs_here:

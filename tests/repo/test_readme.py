@@ -6,7 +6,7 @@
 import re
 from pathlib import Path
 
-from tests.repo.readme_command import commands
+from tests.repo.readme_command import commands, python_example
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -20,8 +20,7 @@ def test_two_commands_do_the_set_up():
 
 
 def test_the_python_example_of_the_readme_works(capsys):
-    code = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[-1]
-    exec(compile(code, "README.md", "exec"), {})
+    exec(compile(python_example(README), "README.md", "exec"), {})
     assert capsys.readouterr().out.strip()
 
 

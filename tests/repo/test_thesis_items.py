@@ -1,5 +1,6 @@
 """The counts in the thesis page's table of items are right, and every command in it runs."""
 
+import json
 import re
 import shlex
 import shutil
@@ -51,6 +52,54 @@ def test_there_are_98_items_and_the_sentence_above_them_counts_right():
 
 def test_what_works_is_shown_by_a_command_or_a_page():
     assert all("`" in shown or "](" in shown for *_, shown, state in ROWS if state == "working")
+
+
+def variants(command):
+    """Return the command without each of its options that are to show something."""
+    words = shlex.split(command)
+    found = {}
+    if "--controller" in words:
+        at = words.index("--controller") + 1
+        name, *options = words[at].split("+")
+        # A composition is its options.
+        for option in [] if name.startswith("behaviours") else options:
+            label = "+".join([name, *(one for one in options if one != option)])
+            found[option] = [*words[:at], label, *words[at + 1 :]]
+    for option in ("--time-step", "--task", "--speedup", "--over", "--steps", "--size"):
+        if option in words:
+            at = words.index(option)
+            found[option] = words[:at] + words[at + 2 :]
+    return found
+
+
+def outcome(words):
+    """Return what a run's trace or a generated file is."""
+    if words[0] == "run":
+        return json.loads(worldgen(*words, "--json").out)["trace_digest"]
+    result = worldgen(*words)
+    assert result.code == 0, result.err
+    return Path(words[words.index("--out") + 1]).read_bytes()
+
+
+SHOWN = [
+    pytest.param(shlex.split(command), words, id=f"{command} without {option}")
+    for command in COMMANDS
+    if command.split()[0] in ("run", "maze", "trap", "fire", "shift")
+    for option, words in variants(command).items()
+]
+
+
+def test_an_option_that_is_to_show_something_is_found_in_its_command():
+    assert {str(one.id).rpartition(" ")[2] for one in SHOWN} >= {
+        "pushes=0.3:0.3:0:0", "noise", "sensor_field=1.57", "--time-step", "--speedup", "--over",
+    }  # fmt: skip
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize(("words", "without"), SHOWN)
+def test_what_a_command_shows_makes_a_difference(words, without, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert outcome(words) != outcome(without)
 
 
 @pytest.mark.nightly

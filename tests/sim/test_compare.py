@@ -18,7 +18,7 @@ from sim import Scenario, simulate
 from sim.compare.comparison import NamedWorld, compare, standing
 from sim.compare.picture import draw_comparison
 from sim.compare.published import agreement, read_figures
-from sim.compare.report import as_csv, as_text
+from sim.compare.report import as_csv, as_text, describe_outcome
 from sim.controllers import names_in
 from sim.fleet import FleetEpisode
 from tests.helpers.command_line import worldgen
@@ -222,12 +222,13 @@ def test_a_table_in_which_a_few_seeds_arrive_agrees_with_itself():
     assert beside.never == (2, 2) and beside.within == (0, 0) and beside.rankings == (1, 1)
 
 
-def test_a_run_too_long_to_prove_is_never_without_proof(tmp_path):
+def test_a_run_too_long_to_prove_has_no_arrival_and_is_not_never(tmp_path):
     world = NamedWorld(
         "drifting", read_world(CONFIGURATIONS.parent / "thesis-faults" / "thesis-1-drifting.grid")
     )
     cell = compare([world], scenarios("thesis-1"), steps=2_100_000).cells[0][0]
-    assert (cell.verdict, cell.never, cell.detail) == ("stalled", True, "")
+    assert (cell.verdict, cell.is_unended, cell.detail) == ("stalled", True, "")
+    assert describe_outcome(cell) == "no arrival (stalled)"
 
 
 def test_hundreds_of_figures_for_one_cell_are_compared_at_once(table):
@@ -310,7 +311,8 @@ def test_csv_json_and_picture_hold_what_was_printed(folder, tmp_path):
     cells = [cell for row in json.loads(result.out)["worlds"] for cell in row["cells"]]
     assert [int(row["reached"]) for row in rows] == [cell["reached"] for cell in cells]
     assert [row["time"] for row in rows] == [
-        "never" if cell["time"] is None else str(cell["time"]) for cell in cells
+        "never" if cell["verdict"] == "loop" else str(cell["time"]) if cell["time"] else ""
+        for cell in cells
     ]
     assert Image.open(io.BytesIO(sheet.read_bytes())).width > 600
 
@@ -344,7 +346,7 @@ def test_each_controller_drives_all_robots_of_a_world():
     assert mixed.cells[1] == alone.cells[0]
     right_hand, naive, chance = mixed.cells[0]
     assert right_hand.arrives and right_hand.time == right_hand.runs[0].time
-    assert (naive.verdict, naive.detail, naive.never) == ("deadlock", "1 of 3 arrive", True)
+    assert (naive.verdict, naive.detail, naive.is_unended) == ("deadlock", "1 of 3 arrive", True)
     assert chance.random and [run.seed for run in chance.runs] == [0, 1, 2]
 
 

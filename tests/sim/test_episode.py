@@ -2,7 +2,7 @@
 
 import math
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -572,3 +572,67 @@ def test_a_planner_sees_the_same_world_with_and_without_its_proof():
     bare = replace(world, certificate=None, provenance=None)
     first, second = (simulate(one, Follower(), steps=200, record=True) for one in (world, bare))
     assert first.verdict != "crash" and first.trace_digest == second.trace_digest
+
+
+@pytest.mark.parametrize(
+    ("controller", "options", "decides"),
+    [
+        ("bug2", {}, True),
+        ("turn-random", {}, True),
+        ("bug2", {"drift": 0.1}, True),
+        ("turn-right", {"slip": 0.1}, False),
+        ("odometry-bug", {}, True),
+        ("odometry-bug", {"drift": 0.1}, False),
+        ("odometry-bug", {"odometry_noise": 0.1}, False),
+        ("bug2", {"odometry_noise": 0.1}, True),
+    ],
+)
+def test_a_trace_says_whether_its_states_decide_what_comes_next(controller, options, decides):
+    trace = simulate(
+        generate("trap", 3), controller, record=True, seed=1, steps=400, **options
+    ).trace
+    assert trace.complete is decides
+
+
+def test_the_states_of_a_controller_that_reads_the_clock_do_not_decide_what_comes_next():
+    world = generate("trap", 3)
+    assert not simulate(world, Timed(), record=True, steps=50).trace.complete
+    assert simulate(world, Untimed(), record=True, steps=50).trace.complete
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize(
+    ("asked", "turned"), [(3.0, 3.0), (7.0, math.pi), (-4.0, math.pi), (-3.0, -3.0)]
+)
+def test_a_step_turns_by_at_most_half_a_turn_as_the_help_says(asked, turned, motion):
+    spin = Spins(asked)
+    trace = simulate(generate("trap", 3), spin, record=True, steps=2, motion=motion).trace
+    change = trace.heading[1] - trace.heading[0]
+    assert abs(math.remainder(change - turned, math.tau)) < 1e-4
+    assert "at\n            most half a turn" in Command.__doc__
+
+
+@dataclass(frozen=True)
+class Spins:
+    asked: float
+    senses = ("x",)
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(0.0, self.asked / observation.time_step), memory
+
+
+class Untimed:
+    senses = ("x",)
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed, 0.1), memory
+
+
+class Timed(Untimed):
+    senses = ("x", "time")

@@ -3,17 +3,23 @@
 import dataclasses
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from fuzz.evidence_checks.fleet import check_fleet
 from fuzz.player.runs import drawn_robots
 from sim import simulate
 from sim.controllers import Command, controller_of
 from sim.drawing.picture import trails_of
 from sim.fleet import FleetRun
+from sim.fleet.apart import separate_loops
+from sim.fleet.episode import fleet_traces
 from sim.fleet.run import robot_seed
+from sim.motion import MOTIONS
 from sim.options.run import options_of
+from sim.outcome import LIMIT
 from sim.verdict import Verdict
 from tests.helpers.fleets import (
     EAST,
@@ -310,3 +316,54 @@ def test_the_thesis_motion_is_for_one_robot():
     with pytest.raises(InvalidParameter) as caught:
         simulate(far_apart(), "turn-right", motion="stepped")
     assert caught.value.code == "motion-for-one-robot"
+
+
+def recorded(*robots):
+    """Return outcomes of robots whose whole state is one number, at places of their own."""
+    return [
+        SimpleNamespace(
+            ending=LIMIT,
+            steps=len(states) - 1,
+            trace=SimpleNamespace(
+                states=np.array(states, np.uint64)[:, np.newaxis],
+                x=np.full(len(states), float(place)),
+                y=np.zeros(len(states)),
+            ),
+        )
+        for place, states in robots
+    ]
+
+
+def test_robots_near_each_other_have_the_period_of_their_first_joint_return():
+    # The first robot's own state recurs every three steps at the end, and its path every twenty.
+    path = [*range(10, 21), 1, 2, 3, 1, 2, 3, 1, 2, 3]
+    first = (0.0, path * 10)
+    second = (0.1, [k % 4 for k in range(200)])
+    third = (9.0, [k % 5 for k in range(200)])
+    reaches = {(0, 1): 1.0, (0, 2): 1.0, (1, 2): 1.0}
+    for repeats in (1, 2):
+        loops = separate_loops(recorded(first, second, third), reaches, 0, repeats=repeats)
+        assert (loops.periods, loops.are_shown) == ({0: 20, 1: 20, 2: 5}, True)
+        assert loops.joint_period == 20
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_joint_loop_is_the_first_return_of_the_joint_state(seed):
+    world = generate("junction", seed, robots=3)
+    episode = simulate(world, "turn-right")
+    evidence = episode.evidence
+    own = dict(evidence.periods or [(number, evidence.period) for number in evidence.waiting])
+    traces = fleet_traces(
+        world, "turn-right", options_of(world, {}), evidence.entry + 2 * max(own.values())
+    )
+    assert check_fleet(world, traces, episode.verdict, evidence, MOTIONS.get("swept")) == ""
+    twice = dataclasses.replace(
+        evidence,
+        period=2 * evidence.period,
+        periods=tuple((number, 2 * period) for number, period in own.items()),
+    )
+    traces = fleet_traces(
+        world, "turn-right", options_of(world, {}), evidence.entry + 4 * max(own.values())
+    )
+    reason = check_fleet(world, traces, episode.verdict, twice, MOTIONS.get("swept"))
+    assert "return to their states after" in reason

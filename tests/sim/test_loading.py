@@ -1,19 +1,23 @@
 """Whatever a user's file does while it is loaded, the result is an error message."""
 
+import json
+import signal
 import subprocess
 import sys
-import threading
+import time
 
 import pytest
 
 from sim.controllers import CONTROLLERS
+from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
-from worldgen.plugins.registry import LOAD_SECONDS
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
-STANDS = "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"
+STANDS = (
+    "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return (0.0, 0.0), m\n"
+)
 HIDES = "def __getattr__(name):\n    raise OSError('not today')\n"
 PROPERTY = "class Mine:\n    @property\n    def senses(self):\n        raise OSError('not today')\n"
 
@@ -54,51 +58,50 @@ def test_a_class_that_raises_anything_when_made_is_refused(code, expected, tmp_p
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
-SWALLOWS = """import time
-while True:
-    try:
-        time.sleep(0.01)
-    except Exception:
-        pass
-"""
-
-
-@pytest.mark.parametrize("waits", ["while True: pass", SWALLOWS], ids=["computes", "swallows"])
-def test_a_file_that_is_never_done_loading_is_refused_in_time(waits, tmp_path, monkeypatch):
-    monkeypatch.setenv(LOAD_SECONDS, "0.2")
-    (tmp_path / "mine.py").write_text(f"{waits}\n")
-    with raises(InvalidParameter, "load-timeout", seconds=0.2):
-        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
-
-
 def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_path):
     (tmp_path / "mine.py").write_text(f"from sim import Command\n{STANDS}")
     with raises(InvalidParameter, "unknown-name", attribute="Mien", near="Mine"):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mien")
 
 
-def test_a_file_that_is_loaded_in_time_is_not_interrupted_later(tmp_path, monkeypatch):
-    monkeypatch.setenv(LOAD_SECONDS, "200")
-    (tmp_path / "mine.py").write_text(STANDS)
-    CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
-    for thread in threading.enumerate():
-        if thread.name == "time limit":
-            thread.join(timeout=10.0)
-            assert not thread.is_alive()
-
-
-@pytest.mark.parametrize("said", ["soon", "0", "-1", "inf", "nan", "1e12"])
-def test_a_time_to_load_that_is_none_is_refused(said, tmp_path, monkeypatch):
-    monkeypatch.setenv(LOAD_SECONDS, said)
-    (tmp_path / "mine.py").write_text(STANDS)
-    with raises(InvalidParameter, "not-a-number"):
-        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+def test_the_time_limit_of_earlier_versions_is_ignored_with_a_note(tmp_path, monkeypatch):
+    monkeypatch.setattr("worldgen.support.progress._said", set())
+    monkeypatch.setenv("WORLDGEN_LOAD_SECONDS", "0.001")
+    (tmp_path / "mine.py").write_text(f"import time\ntime.sleep(0.01)\n{STANDS}")
+    made = worldgen("trap", "--size", 20, "--seed", 4, "--out", tmp_path / "w.grid")
+    assert "WORLDGEN_LOAD_SECONDS" not in made.err
+    given = ["--controller", f"{tmp_path / 'mine.py'}:Mine", "--json"]
+    done = worldgen("run", tmp_path / "w.grid", *given)
+    assert json.loads(done.out)["verdict"]
+    assert done.err.count("WORLDGEN_LOAD_SECONDS is ignored") == 1
 
 
 def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):
     (tmp_path / "mine.py").write_text("raise KeyboardInterrupt\n")
     with pytest.raises(KeyboardInterrupt):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize(
+    "command",
+    ["run w.grid", "fuzz --units 1 --out f --workers 1", "fuzz --units 1 --out f --workers 2"],
+)
+@pytest.mark.parametrize("waits", ["pass", "__import__('time').sleep(1)"])
+def test_ctrl_c_ends_a_file_that_is_never_done_loading(command, waits, tmp_path):
+    text = f"open('loading', 'w').close()\nwhile True: {waits}\n"
+    (tmp_path / "mine.py").write_text(text)
+    write_world(generate("trap", 4, size=20), tmp_path / "w.grid")
+    words = [sys.executable, "-m", "worldgen", *command.split(), "--controller", "./mine.py:Mine"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        end = time.monotonic() + 60
+        while not (tmp_path / "loading").exists():
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert said.split("\n")[-2] == "interrupted" and "Traceback" not in said
 
 
 @pytest.mark.gate

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from fuzz.studio.starting import check_controller
-from sim import CONTROLLERS, RobotOptions, containment, simulate
+from sim import CONTROLLERS, RobotOptions, simulate
+from sim.controllers.shared import guarded
 from tests.helpers.command_line import worldgen
 from tests.helpers.faulty_library import compile_faulty
 from tests.helpers.raising import raises
@@ -28,13 +29,13 @@ def contained(monkeypatch):
     """As in a campaign."""
     if os.name != "posix":
         pytest.skip("nothing is contained there")
-    monkeypatch.setattr(containment, "_contained", [True])
+    monkeypatch.setattr(guarded, "can_fork", True)
 
 
 @pytest.fixture
 def uncontained(monkeypatch):
     """As in ``worldgen run``."""
-    monkeypatch.setattr(containment, "_contained", [])
+    monkeypatch.setattr(guarded, "can_fork", False)
 
 
 def maze():
@@ -80,8 +81,8 @@ def test_a_controller_can_say_in_process_what_is_wrong(library):
 
 def test_a_run_is_bit_for_bit_the_same_in_a_process_of_its_own(library, monkeypatch):
     digests = []
-    for state in ([], [True]):
-        monkeypatch.setattr(containment, "_contained", state)
+    for state in (False, True):
+        monkeypatch.setattr(guarded, "can_fork", state)
         digests.append(simulate(maze(), f"lib:{library}:complain").trace_digest)
     assert digests[0] == digests[1]
 

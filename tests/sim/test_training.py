@@ -19,7 +19,7 @@ from tests.helpers.raising import raises
 from worldgen import InvalidParameter, write_world
 from worldgen.families import rooms, trap
 from worldgen.files.grid import read_world
-from worldgen.plugins.registry import ONLY_CODE, only_code
+from worldgen.plugins.trust import CodeNotTrusted, admit, command_rule
 
 TRAP = Path(__file__).parents[1] / "data" / "learner" / "trapped.grid"
 COMPOSED = "behaviours+by=learning:avoid,follow,approach,escape"
@@ -230,14 +230,14 @@ def test_a_file_alone_still_runs_no_code(escaper):
         CONTROLLERS.get(f"{escaper}+learned=")
 
 
-def test_code_that_was_named_with_what_it_learned_may_run(escaper, monkeypatch):
+def test_code_that_was_named_with_what_it_learned_may_run(escaper):
     Path("taught.json").write_text(learned_text(Learned(escaper, (0.0,) * 12, ())))
     name = f"{escaper}+learned=taught.json"
-    monkeypatch.setenv(ONLY_CODE, "[]")
-    with raises(InvalidParameter, "code-not-allowed"):
-        CONTROLLERS.get(name)
-    only_code([name])
-    assert CONTROLLERS.get(name).reset()
+    with command_rule(None):
+        with raises(CodeNotTrusted, "code-not-allowed"):
+            CONTROLLERS.get(name)
+        admit(name)
+        assert CONTROLLERS.get(name).reset()
 
 
 class _Odd:

@@ -131,7 +131,8 @@ def test_earlier_names_work_and_are_not_shown(tmp_path):
         for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed", "--lane")
     )
     assert "no such option" not in worldgen("shrink", "none.grid", "--seconds", 5).err.lower()
-    refused = worldgen("fuzz", "--controller", "bug1", "--out", tmp_path, "--lane", "no such")
+    words = ("--controller", "bug1", "--seed", 1, "--out", tmp_path, "--lane", "no such")
+    refused = worldgen("fuzz", *words)
     assert "no strategy" in refused.err
 
 

@@ -11,6 +11,7 @@ from tests.helpers.command_line import worldgen
 from worldgen.cli import configuration, main, output
 from worldgen.cli.main import cli
 from worldgen.errors import InvalidParameter
+from worldgen.plugins import project as project_file
 
 BLIND = """
 class Robot:
@@ -27,15 +28,12 @@ def project(tmp_path, monkeypatch):
     """A folder with a controller, and a function that writes its ``pyproject.toml``."""
     (tmp_path / "robot.py").write_text(BLIND)
     monkeypatch.chdir(tmp_path)
-    configuration._project.cache_clear()
 
     def write(text):
         (tmp_path / "pyproject.toml").write_text(text)
-        configuration._project.cache_clear()
         return tmp_path
 
     yield write
-    configuration._project.cache_clear()
 
 
 def made(*options):
@@ -127,7 +125,7 @@ def test_a_file_that_a_stranger_put_above_the_folder_is_not_read(project, monkey
     folder = project("[tool.worldgen.trap]\nseed = 5\n")
     (folder / "mine").mkdir()
     monkeypatch.chdir(folder / "mine")
-    monkeypatch.setattr(configuration, "_has_same_owner", lambda file, here: False)
+    monkeypatch.setattr(project_file, "has_trusted_owner", lambda file: False)
     assert made("--seed", 1)["seed"] == 1
     assert worldgen("trap", "--json").out.find('"seed": 5,') < 0
 
@@ -148,8 +146,8 @@ def stranger(monkeypatch):
 
         return seen
 
-    monkeypatch.setattr(configuration.Path, "stat", owned(configuration.Path.stat))
-    monkeypatch.setattr(configuration.Path, "lstat", owned(configuration.Path.lstat))
+    monkeypatch.setattr(project_file.Path, "stat", owned(project_file.Path.stat))
+    monkeypatch.setattr(project_file.Path, "lstat", owned(project_file.Path.lstat))
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
@@ -159,8 +157,8 @@ def stranger(monkeypatch):
 def test_a_file_that_a_stranger_put_into_the_folder_itself_is_not_read(project, stranger, text):
     folder = project(text)
     assert made("--seed", 1)["seed"] == 1
-    assert configuration._project(folder) is None
-    assert configuration._has_same_owner(folder / "robot.py", folder)
+    assert project_file.project_of(folder) is None
+    assert project_file.has_trusted_owner(folder / "robot.py")
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
@@ -169,9 +167,9 @@ def test_a_link_that_a_stranger_put_into_the_folder_is_not_followed(project, mon
     mine, strange = os.stat_result, os.geteuid() + 1
     found = (folder / "pyproject.toml").lstat()
     monkeypatch.setattr(
-        configuration.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10]))
+        project_file.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10]))
     )
-    assert not configuration._has_same_owner(folder / "pyproject.toml", folder)
+    assert not project_file.has_trusted_owner(folder / "pyproject.toml")
 
 
 def test_every_controller_of_several_in_one_value_is_relative_to_the_file(project, monkeypatch):
@@ -212,7 +210,7 @@ def test_a_quiet_command_prints_results_only(tmp_path):
     assert (result.code, result.out, result.err) == (0, "", "")
 
 
-def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
+def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path, drawn_seeds):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
     assert (
         worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").error_code

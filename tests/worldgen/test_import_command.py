@@ -4,6 +4,7 @@ import importlib.resources
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from tests.helpers.raising import check_says, raises
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.grid import read_world, write_world
-from worldgen.interop import import_world, place
+from worldgen.interop import ImportedRobot, import_world, place
 from worldgen.interop.place import is_clear as place_is_clear
 from worldgen.reach import check_certificate, decide
 from worldgen.timeline import CellState, Timeline
@@ -107,7 +108,7 @@ def test_the_answer_is_the_file(run, tmp_path):
 
 def test_provenance_names_the_source_and_its_digest(run):
     provenance = run(HALL, "--seed", 5)[1].provenance
-    assert (provenance.family, provenance.version, provenance.seed) == ("import", 2, 5)
+    assert (provenance.family, provenance.version, provenance.seed) == ("import", 3, 5)
     params = provenance.params
     assert (params["format"], params["source"], params["origin"]) == (
         "ros",
@@ -500,14 +501,70 @@ def gazebo(tmp_path, *parts):
     return path
 
 
-def test_a_world_with_a_mesh_is_undecided_and_not_written(tmp_path, capsys):
+@pytest.fixture
+def unread(tmp_path, capsys):
+    """The file of a world of whose map a mesh was not read, and the answer of the import."""
     out = tmp_path / "w.grid"
     code = cli.main(
         ["import", str(gazebo(tmp_path, MESH)), "--out", str(out), "--json"], standalone_mode=False
     )
-    answer = json.loads(capsys.readouterr().out)
-    assert (code, answer["result"], answer["file"], out.exists()) == (2, "undecided", None, False)
+    return out, code, json.loads(capsys.readouterr().out)
+
+
+def test_a_world_with_a_mesh_is_undecided_and_written_without_a_proof(unread):
+    out, code, answer = unread
+    assert (code, answer["result"], answer["file"]) == (2, "undecided", str(out))
     assert answer["unread"] == ["1 shape of <mesh>"]
+    world = read_world(out)
+    assert world.certificate is None and world.unread == ("1 shape of <mesh>",)
+
+
+def test_a_world_read_in_part_stays_undecided(unread):
+    out = unread[0]
+    for words in (["verify", out], ["verify", out, "--radius", "0.1"], ["verify", out, "--widest"]):
+        answer = worldgen(*words, "--json")
+        said = json.loads(answer.out)
+        assert (answer.code, said["result"], said["certificate_valid"]) == (2, "undecided", False)
+        assert said["unread"] == ["1 shape of <mesh>"]
+    assert decide(read_world(out)).result == "undecided"
+    again = worldgen("import", out, "--out", out.with_name("again.grid"))
+    assert again.code == 2 and read_world(out.with_name("again.grid")).unread
+
+
+def test_a_run_in_a_world_read_in_part_does_not_say_that_its_target_is_reachable(unread):
+    done = worldgen("run", unread[0], "--controller", "bug2", "--json")
+    assert json.loads(done.out)["reachable"] is None
+    assert "1 shape of <mesh> was not read" in done.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fuzz", "--controller", "bug2", "--units", "1", "--out", "f", "--world"],
+        ["find", "--outcome", "bug2=loop", "--out", "f.grid", "--from"],
+        ["boundary", "--controller", "bug2", "--axis", "heading"],
+        ["export", "--to", "ros", "--out", "r.yaml"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_nothing_is_searched_or_copied_in_a_world_read_in_part(unread, words, monkeypatch):
+    monkeypatch.chdir(unread[0].parent)
+    done = worldgen(*words, unread[0])
+    assert (done.code, done.error_code) == (2, "part-not-read"), done.err
+    assert "--ignore-unread" in done.err
+
+
+def test_a_certificate_in_a_world_read_in_part_is_refused(unread):
+    world = read_world(unread[0])
+    proof = decide(replace(world, provenance=None)).certificate
+    with raises(InvalidWorld, "part-not-read", unread=["1 shape of <mesh>"]):
+        replace(world, certificate=proof)
+
+
+def test_a_world_of_an_earlier_version_keeps_its_proof(unread):
+    world = read_world(unread[0])
+    old = replace(world, provenance=replace(world.provenance, version=2))
+    assert old.unread == () and decide(old).result == "reachable"
 
 
 @pytest.mark.parametrize("option", ["--ignore-unread", "--ignore-meshes"])
@@ -515,12 +572,16 @@ def test_what_was_not_read_can_be_ignored_and_the_file_says_so(tmp_path, run, op
     answer, world, err = run(gazebo(tmp_path, MESH), option)
     assert answer["result"] == "reachable" and check_certificate(world).valid
     assert world.provenance.params["unread"] == ["1 shape of <mesh>"] and "1 shape of <mesh>" in err
+    assert worldgen("verify", tmp_path / "w.grid").code == 0
 
 
-def test_what_was_not_read_cannot_open_a_world_that_is_blocked_without_it(tmp_path, run):
+def test_a_map_that_looks_blocked_is_undecided_too_because_unread_elements_may_move_walls(tmp_path):
     wall = BOX.format(name="across", size="6 0.2 1", pose="0 0")
-    answer, world, _ = run(gazebo(tmp_path, MESH, wall), "--start", "3,1", "--target", "3,5")
-    assert answer["result"] == "blocked" and check_certificate(world).valid
+    robot = ImportedRobot((3.0, 1.0), (3.0, 5.0))
+    imported = import_world(gazebo(tmp_path, MESH, wall), robot)
+    assert imported.decision.result == "undecided" and imported.world.certificate is None
+    imported = import_world(gazebo(tmp_path, MESH, wall), replace(robot, ignore_unread=True))
+    assert imported.decision.result == "blocked" and check_certificate(imported.world).valid
 
 
 @pytest.mark.parametrize(

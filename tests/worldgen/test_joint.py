@@ -249,10 +249,9 @@ def test_what_the_planner_finds_the_checker_accepts(world):
 def _searched(search, question):
     made = ffi.new("WgJointPlan **")
     progress = ffi.new("WgProgress *")
-    described, held = question.described()
+    described = question.described()
     check(search(described, 200_000, made, progress))
     lib.wg_joint_free(made[0])
-    del held
     return int(progress[0])
 
 
@@ -361,13 +360,12 @@ def _check_arrivals(world):
 
 def _prioritised(question, robots):
     """Plan the first robots in their order; (ticks + 1, robots) nodes, or ``None``."""
-    described, held = question.described()
+    described = question.described()
     described.robots = robots
     made = ffi.new("WgJointPlan **")
     failed = ffi.new("int64_t *")
     order = ffi.new("int64_t[]", list(range(robots)))
     check(lib.wg_joint_prioritised(described, order, 200_000, made, failed))
-    del held
     if made[0] == ffi.NULL:
         return None
     nodes = np.empty((lib.wg_joint_length(made[0]) + 1, robots), np.int64)

@@ -204,7 +204,7 @@ def test_bytes_that_an_archive_lost_are_made_again(whole, tmp_path, monkeypatch)
     assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
 
 
-def test_a_drawn_seed_is_taken_up_again(tmp_path):
+def test_a_drawn_seed_is_taken_up_again(drawn_seeds, tmp_path):
     options = ("trap", "--size", 12, "--count", 4, "--out", tmp_path / "set")
     seed = run(*options).err.split()[1]
     manifest = tmp_path / "set/manifest.jsonl"

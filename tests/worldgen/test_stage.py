@@ -176,7 +176,10 @@ def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
     assert any(
         "'nowhere.inc' does not exist" in note and "are unknown" in note for note in back.notes
     )
-    assert back.unread == ("1 thing besides the floor plan: model",)
+    assert back.unread == (
+        "1 thing besides the floor plan: model",
+        "1 file that cannot be included",
+    )
 
 
 def test_units_of_the_file_count(found):

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import random
 from pathlib import Path
 from typing import Literal
@@ -12,7 +13,7 @@ import pytest
 from tests.helpers.command_line import worldgen
 from worldgen import testing
 from worldgen.errors import InvalidParameter
-from worldgen.family import FAMILIES, check_between, family
+from worldgen.family import FAMILIES, Family, check_between, family
 from worldgen.testing import CHECKS, FAMILY_CHECKS, BrokenContract, check_family, layout_digest
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
@@ -73,6 +74,18 @@ def endless(rng, *, size: int = 12) -> World:
     return room(rng)
 
 
+# In a module, because another process loads them.
+loops_on_request = family("loops-on-request", version=1)(endless)
+
+
+@family("exits-on-request", version=1)
+def exits_on_request(rng, *, size: int = 12) -> World:
+    if size == -2:
+        os._exit(0)
+    check_between("size", size, 12, 12)
+    return room(rng)
+
+
 def wordy(rng, *, size: int = 12) -> World:
     if size != 12:
         raise InvalidParameter("odd", "one line\nand another")
@@ -104,7 +117,12 @@ BROKEN = {
         "an-absurd-value-is-refused-or-works",
         "size='-9223372036854775808' raises ValueError",
     ),
-    "endless": (endless, "an-absurd-value-is-refused-or-works", "size='-2' takes more than 0.2 s"),
+    "endless": (
+        loops_on_request,
+        "an-absurd-value-is-refused-or-works",
+        "size='-2' takes more than 0.2 s",
+    ),
+    "ending": (exits_on_request, "an-absurd-value-is-refused-or-works", "size='-2' ends Python"),
     "wordy": (wordy, "an-absurd-value-is-refused-or-works", "is refused in more than one line"),
 }
 
@@ -113,7 +131,7 @@ BROKEN = {
 def test_a_broken_promise_is_found(build, check, message, monkeypatch):
     monkeypatch.setattr(testing, "PATIENCE", 0.2)
     with pytest.raises(BrokenContract, match=message):
-        BY_NAME[check](own(build))
+        BY_NAME[check](build if isinstance(build, Family) else own(build))
 
 
 @pytest.mark.parametrize(

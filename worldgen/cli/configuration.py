@@ -5,22 +5,18 @@ See docs/howto/campaigns.md.
 
 from __future__ import annotations
 
-import functools
 import os
-import re
-import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
 
 from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter
-from worldgen.files.whole import expanded
-from worldgen.support.progress import say_once
+from worldgen.plugins.project import code_from_here, from_here, project_of
+from worldgen.plugins.trust import trusts_everything
 
-FILE = "pyproject.toml"
 # Options that name code in a file, such as ./robot.py:Robot, besides those of type path.
 _CODE = ("controller", "families", "oracles")
 # The option of compare, which takes several in one value, separated by commas.
@@ -34,14 +30,6 @@ _EITHER = (
     ("world", "strategies"),
     ("begin", "families"),
 )
-_IN_A_FILE = re.compile(r"(?P<file>[^:+=]+\.(py|toml))(?P<rest>([:+=].*)?)", re.DOTALL)
-
-
-class _Project(NamedTuple):
-    """The file that configures a project, and its table."""
-
-    file: Path
-    table: Mapping[str, Any]
 
 
 def configured(
@@ -62,7 +50,7 @@ def configured(
         InvalidParameter: If the file cannot be read, or names a command or an option that does not
             exist.
     """
-    project = _project(Path.cwd())
+    project = project_of(Path.cwd(), any_owner=trusts_everything())
     if project is None:
         return {}
     table: Any = project.table
@@ -156,75 +144,11 @@ def _value_of(
         )
     # Relative paths are relative to the file, not to the current folder.
     if isinstance(option.type, click.Path):
-        values = [_from_here(str(one), folder) for one in values]
+        values = [from_here(str(one), folder) for one in values]
     elif option.name in _CODE:
-        values = [_code_from_here(str(one), folder) for one in values]
+        values = [code_from_here(str(one), folder) for one in values]
     elif option.name == _SEVERAL:
         values = [
-            ",".join(_code_from_here(part, folder) for part in str(one).split(","))
-            for one in values
+            ",".join(code_from_here(part, folder) for part in str(one).split(",")) for one in values
         ]
     return option.name, values if option.multiple else values[0]
-
-
-def _from_here(path: str, folder: Path) -> str:
-    """Return a path from the file relative to the working directory.
-
-    If that is the file's own folder, the path is unchanged.
-    """
-    there = expanded(path)
-    if there.is_absolute():
-        return str(there)
-    return path if folder == Path.cwd() else os.path.relpath(folder / there)
-
-
-def _code_from_here(text: str, folder: Path) -> str:
-    found = _IN_A_FILE.fullmatch(text)
-    return text if found is None else _from_here(found["file"], folder) + found["rest"]
-
-
-@functools.cache
-def _project(folder: Path) -> _Project | None:
-    """Return the nearest file at or above a folder that has our table."""
-    for place in (folder, *folder.parents):
-        file = place / FILE
-        try:
-            text = file.read_text("utf-8")
-        except (OSError, UnicodeDecodeError):
-            continue
-        if "worldgen" not in text:
-            continue
-        if not _has_same_owner(file, folder):
-            # Even an error in it must not affect our user; otherwise anybody could block every
-            # command with a file in /tmp.
-            if "tool.worldgen" in text:
-                say_once(
-                    f"{file} belongs to another user and is not read, because it names code to "
-                    "run; copy its [tool.worldgen] into a file in your own folder"
-                )
-                return None
-            continue
-        try:
-            table = tomllib.loads(text).get("tool", {}).get("worldgen")
-        except tomllib.TOMLDecodeError as error:
-            if "[tool.worldgen" in text:
-                raise InvalidParameter(
-                    "not-toml",
-                    "{file} is not TOML: {reason}",
-                    "mend it",
-                    file=file,
-                    reason=str(error),
-                ) from None
-            continue
-        if isinstance(table, dict):
-            return _Project(file, table)
-    return None
-
-
-def _has_same_owner(file: Path, folder: Path) -> bool:
-    """Return True if nobody else could have put this file here, because its code is run."""
-    if not hasattr(os, "geteuid"):
-        return True
-    trusted = (0, os.geteuid(), folder.stat().st_uid)
-    # Another user's link to a file of ours counts too, because code is looked up next to the link.
-    return file.lstat().st_uid in trusted and file.stat().st_uid in trusted

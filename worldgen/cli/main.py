@@ -4,23 +4,33 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
+import logging
 import os
 import shlex
 import sys
+import warnings
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
-from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
-from worldgen.cli.output import note
+from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip, watch_parser
+from worldgen.cli.output import ask_user, is_at_terminal, note, say
 from worldgen.cli.overview import COMMANDS, describe_versions
+from worldgen.cli.usage import UnknownCommand
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
+from worldgen.plugins.trust import admit_typed, command_rule
+from worldgen.support.plain_text import joined, shown, shown_lines
 from worldgen.support.progress import display_on_stderr
+from worldgen.support.results import claim_stdout, only_results_on_stdout, release_stdout, results
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 EPILOG = (
     "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
@@ -28,8 +38,11 @@ EPILOG = (
     "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay "
     "failures/\n\n"
     "Every command has --help. Exit codes: 0 success, 1 a failure was found, 2 bad input, 3 "
-    "internal error (please report it), 130 interrupted."
+    "internal error (please report it), 4 no answer (too little was tried), 130 interrupted."
 )
+
+
+_OUR_PACKAGES = ("worldgen", "sim", "fuzz")
 
 
 class LazyGroup(click.Group):
@@ -45,10 +58,35 @@ class LazyGroup(click.Group):
             *sorted(self._points("worldgen.commands")),
         ]
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command, in which no file can choose code to run.
+
+        A command that refused some code has not answered, whatever it printed.
+        """
+        with command_rule(ask_user if is_at_terminal() else None) as refused:
+            answer: Any = None
+            ended: click.exceptions.Exit | SystemExit | None = None
+            try:
+                answer = super().invoke(ctx)
+            except (click.exceptions.Exit, SystemExit) as stop:
+                ended = stop
+            code = ended.code if isinstance(ended, SystemExit) else getattr(ended, "exit_code", 0)
+            if refused and code in (None, 0, 1):
+                for sentence in refused.values():
+                    note(f"worldgen: {sentence}", always=True)
+                raise click.exceptions.Exit(2)
+            if ended is not None:
+                raise ended
+            return answer
+
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the requested command, and add what every command has."""
-        command = self._found(cmd_name)
-        return None if command is None else equip(command)
+        # A family in a user's file, or another package's command, may print when it is imported.
+        with only_results_on_stdout():
+            command = self._found(cmd_name)
+        point = self._points("worldgen.commands").get(cmd_name)
+        is_ours = point is None or point.value.partition(".")[0] in _OUR_PACKAGES
+        return None if command is None else equip(command, is_ours=is_ours)
 
     def _found(self, cmd_name: str) -> click.Command | None:
         point = self._points("worldgen.commands").get(cmd_name)
@@ -67,10 +105,21 @@ class LazyGroup(click.Group):
             or cmd_name.endswith(".toml")
         ):
             # Such as ./mine.py:my_family or ./recipe.toml.
+            admit_typed([cmd_name], "")
             from worldgen.commands.family_command import family_command
 
             return family_command(cmd_name)
         return None
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
+        """Complete a command's name without importing any command."""
+        from click.shell_completion import CompletionItem
+
+        if incomplete.startswith("-"):
+            return click.Command.shell_complete(self, ctx, incomplete)
+        summaries = {name: text for job in COMMANDS.values() for name, text in job.items()}
+        names = (name for name in self.list_commands(ctx) if name.startswith(incomplete))
+        return [CompletionItem(name, help=summaries.get(name)) for name in names]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -78,12 +127,7 @@ class LazyGroup(click.Group):
         """Suggest the nearest command for a misspelt one."""
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
-            import difflib
-
-            names = self.list_commands(ctx)
-            close = difflib.get_close_matches(name, names, n=1)
-            hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
-            ctx.fail(f"no command is called {name!r}; {hint}")
+            raise UnknownCommand(name, self.list_commands(ctx), ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -106,14 +150,14 @@ class LazyGroup(click.Group):
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the include folder for controllers in C."""
     if wanted:
-        click.echo(Path(__file__).parents[2] / "sim" / "include")
+        say(str(Path(__file__).parents[2] / "sim" / "include"))
         ctx.exit()
 
 
 def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     """Print the versions of the program and of the libraries it uses."""
     if wanted:
-        click.echo(describe_versions())
+        say(joined(describe_versions()))
         ctx.exit()
 
 
@@ -143,6 +187,9 @@ def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find worlds where they fail."""
 
 
+watch_parser(cli)
+
+
 def _say_how_to_import(error: NotAGrid) -> None:
     """Print the command that makes a world of another program's map, if the file is one."""
     from worldgen.interop.recognising import find_format, looks_like_a_map
@@ -157,10 +204,8 @@ def _say_how_to_import(error: NotAGrid) -> None:
             return
     out = f"{path.stem}{'-imported' if path.suffix == '.grid' else ''}.grid"
     command = shlex.join(["worldgen", "import", str(path), "--out", out])
-    note(
-        f"it looks like a map of another program; make a world of it first:\n  {command}",
-        always=True,
-    )
+    note("it looks like a map of another program; make a world of it first:", always=True)
+    note(f"  {command}", always=True)
 
 
 _CORES = ("worldgen._core", "sim._core", "fuzz._core")
@@ -170,41 +215,98 @@ def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
     # Our own packages come first, even if the user has a folder called sim.
     prefer_own_packages()
+    if "_WORLDGEN_COMPLETE" in os.environ:
+        from worldgen.cli.completion import offer_completion
+
+        offer_completion()
+    claim_stdout()
+    _print_safely_what_libraries_say()
     # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
-            code = cli.main(standalone_mode=False)
-            sys.stdout.flush()
+            code = cli.main(prog_name="worldgen", standalone_mode=False)
+            results().flush()
     except click.exceptions.Exit as stop:
         code = stop.exit_code
     except click.ClickException as error:
-        error.show()
-        code = 2
+        code = _answer_wrong_command(error)
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        note("interrupted", always=True)
         code = 130
     except WorldgenError as error:
-        note(f"worldgen: {error}", always=True)
-        if isinstance(error, NotAGrid):
-            _say_how_to_import(error)
-        code = 2
+        code = _answer_error(error)
     # The reader of the pipe has closed it, so writing to it again would also fail.
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), results().fileno())
         code = 0
     except OSError as error:
         if error.errno is None or error.errno in (errno.EFAULT, errno.EBADF):
             code = _our_fault(error)
         else:
-            where = f"{error.filename}: " if error.filename else ""
-            note(f"worldgen: {where}{error.strerror or error}", always=True)
+            where = f"{shown(error.filename)}: " if error.filename else ""
+            note(f"worldgen: {where}{shown(error.strerror or error)}", always=True)
             code = 2
     except MemoryError:
-        click.echo("worldgen: out of memory; use a smaller world", err=True)
+        note("worldgen: out of memory; use a smaller world", always=True)
         code = 2
     except Exception as error:  # noqa: BLE001 - the last net: no traceback reaches a user unasked
         code = _our_fault(error)
+    finally:
+        release_stdout()
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _answer_wrong_command(error: click.ClickException) -> int:
+    """Print what is wrong with a command and the corrected one; return the exit code."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        help_text = io.StringIO()
+        error.show(file=help_text)
+        note(joined(help_text.getvalue().rstrip("\n")), always=True)
+    elif isinstance(error, click.UsageError):
+        from worldgen.cli.corrections import answer
+
+        note(answer(error, cli, sys.argv[1:]), always=True)
+    else:
+        note(f"worldgen: {error.format_message()}", always=True)
+    return 2
+
+
+def _answer_error(error: WorldgenError) -> int:
+    """Print an error, after what was noticed before it, and the corrected command if one is known.
+
+    Return the exit code.
+    """
+    from worldgen.cli.corrections import answer_named
+
+    for sentence in error.notes:
+        note(sentence)
+    note(joined(f"worldgen: {error}"), always=True)
+    if isinstance(error, NotAGrid):
+        _say_how_to_import(error)
+    elif suggested := answer_named(error, cli, sys.argv[1:]):
+        note(f"  {suggested}", always=True)
+    return 2
+
+
+class _SafeLog(logging.Formatter):
+    """Formats a library's log line without control characters of the file that it is about."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return shown_lines(super().format(record))
+
+
+_usual_warning = warnings.formatwarning
+
+
+def _safe_warning(*facts: Any) -> str:
+    return shown_lines(_usual_warning(*facts))
+
+
+def _print_safely_what_libraries_say() -> None:
+    """Pass warnings and log lines of other libraries, which may quote a file, through our door."""
+    warnings.formatwarning = _safe_warning
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(_SafeLog())
 
 
 def _our_fault(error: BaseException) -> int:
@@ -221,11 +323,10 @@ def _our_fault(error: BaseException) -> int:
     if os.environ.get("WORLDGEN_DEBUG"):
         import traceback
 
-        traceback.print_exception(error)
-    click.echo(
-        f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: "
-        f"{error}\n"
-        "Set WORLDGEN_DEBUG=1 and run it again to get the details to report.",
-        err=True,
+        note(joined("".join(traceback.format_exception(error)).rstrip("\n")), always=True)
+    note(
+        f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: {error}",
+        always=True,
     )
+    note("Set WORLDGEN_DEBUG=1 and run it again to get the details to report.", always=True)
     return 3

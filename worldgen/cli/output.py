@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,10 +14,13 @@ from typing import Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from worldgen.cli.usage import Instead
 from worldgen.domain import MASK64
+from worldgen.errors import FormatError
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import aligned, alternatives, shown_lines
+from worldgen.support.plain_text import aligned, alternatives, joined, printed
 from worldgen.support.progress import is_quiet, spoke
+from worldgen.support.results import results
 
 CONTROLLER_HELP = (
     "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "
@@ -106,21 +110,79 @@ def note(message: str, *, always: bool = False) -> None:
     """Print a message for the person at the terminal to stderr, since stdout is for data.
 
     Args:
-        message: One or more lines.
+        message: One line; :func:`~worldgen.support.plain_text.joined` makes a text of several.
         always: True to print it even under ``--quiet``, like errors and the seed.
     """
     if always or not is_quiet():
         spoke()
-        click.echo(shown_lines(message), err=True)
+        click.echo(printed(message), err=True)  # noqa: TID251 - this is how to print
+
+
+def is_at_terminal() -> bool:
+    """Return True if a person can read a question and type an answer."""
+    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
+
+
+def ask_user(question: str) -> bool:
+    """Ask a question at the terminal; the answer is no unless the user types y."""
+    spoke()
+    return click.confirm(printed(question), err=True)
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
-    """Print a result to stdout while slow work is in progress.
+    """Print a result to stdout, without control characters that came from outside.
 
-    The progress display makes room for it.
+    This is the only way for it to get there while a command runs.
+
+    Args:
+        text: One line, or a :class:`~worldgen.support.plain_text.Styled` text, which keeps its
+            lines and colours.
+        nl: False if the text ends its last line itself.
+        color: Whether to keep colours; by default, if stdout is a terminal.
     """
     spoke()
-    click.echo(text, nl=nl, color=color)
+    _print(printed(text), nl=nl, color=color)
+
+
+def _print(text: str, *, nl: bool = True, color: bool | None = None) -> None:
+    """Print safe text to stdout; end the command with code 0 once its reader has enough."""
+    try:
+        click.echo(text, file=results(), nl=nl, color=color)  # noqa: TID251 - this is how to print
+    except BrokenPipeError:
+        # Writing to it again, as when Python ends, would also fail.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), results().fileno())
+        raise click.exceptions.Exit(0) from None
+
+
+def emit_data(text: str) -> None:
+    """Print a file that the user asked for to stdout, byte for byte.
+
+    On a terminal, which would obey a control character in it, it is printed as :func:`say` does.
+    """
+    if results().isatty():
+        say(joined(text), nl=False)
+        return
+    spoke()
+    _print(text, nl=False)
+
+
+_SKIPPED = "worldgen.skipped"
+
+
+def skip_bad_file(error: FormatError) -> None:
+    """Name a file of a folder that cannot be read; the command continues, and ends with code 2.
+
+    Commands pass this function to :func:`worldgen.files.worlds.walk`.
+    """
+    note(joined(f"worldgen: {error}"), always=True)
+    meta = click.get_current_context().meta
+    meta[_SKIPPED] = meta.get(_SKIPPED, 0) + 1
+
+
+def skipped_files(context: click.Context) -> int:
+    """Return the number of files that the command could not read."""
+    count: int = context.meta.get(_SKIPPED, 0)
+    return count
 
 
 def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
@@ -140,7 +202,8 @@ def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> Non
         return
     if suffixes and out.suffix not in suffixes:
         endings = alternatives(suffixes)
-        raise click.UsageError(f"{option} {out}: use a name that ends in {endings}")
+        message = f"{option} {out}: use a name that ends in {endings}"
+        raise Instead(message, str(out), str(out.with_suffix(suffixes[0])))
     check_output(out, force)
 
 
@@ -153,7 +216,13 @@ def write_out(out: Path, data: bytes, *, force: bool) -> None:
 def emit_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object to stdout; infinities and NaN become null."""
     spoke()
-    click.echo(json.dumps(_finite(result), allow_nan=False))
+    # JSON escapes every other character that a terminal or a CI service would obey.
+    text = (
+        json.dumps(_finite(result), allow_nan=False)
+        .replace("##", "#\\u0023")
+        .replace("\x7f", "\\u007f")
+    )
+    _print(text)
 
 
 def emit_list(
@@ -171,7 +240,7 @@ def emit_list(
         emit_json({name: rows})
         return
     table = [[str(row[fact]) for fact in columns] for row in rows]
-    click.echo(aligned([list(columns.values()), *table]))
+    say(aligned([list(columns.values()), *table]))
 
 
 def _finite(value: Any) -> Any:
@@ -190,10 +259,24 @@ def typed(*names: str) -> list[str]:
     return [name for name in names if source(name) is ParameterSource.COMMANDLINE]
 
 
+NO_DRAWN_SEEDS = "WORLDGEN_NO_DRAWN_SEEDS"
+"""Environment variable; if it is set, a command without a seed is refused, as in our own tests."""
+
+
 def draw_seed(seed: int | None) -> int:
-    """Return the given seed, or a fresh one, which is printed so that the run can be repeated."""
+    """Return the given seed, or a fresh one, which is printed so that the run can be repeated.
+
+    Raises:
+        UsageError: If seeds must not be drawn.
+    """
     if seed is not None:
         return seed
-    drawn = int.from_bytes(os.urandom(8), "big")
+    if os.environ.get(NO_DRAWN_SEEDS):
+        raise click.UsageError(f"{NO_DRAWN_SEEDS} is set, so add --seed N")
+    drawn = _fresh_seed()
     note(f"seed {drawn}", always=True)
     return drawn
+
+
+def _fresh_seed() -> int:
+    return int.from_bytes(os.urandom(8), "big")

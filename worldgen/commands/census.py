@@ -18,12 +18,13 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     seed_option,
     unknown_option,
 )
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files.whole import write_bytes
-from worldgen.support.plain_text import counted, shown
+from worldgen.support.plain_text import counted
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def census(
     if as_json:
         emit_json(library.as_json(found))
     else:
-        click.echo("\n".join(shown(line) for line in library.as_text(found).split("\n")), nl=False)
+        say(library.as_text(found), nl=False)
     if table is not None:
         write_bytes(table, library.as_csv(found).encode(), force=force)
         note(f"wrote {table}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, say
 
 EXAMPLES = (
     "\b\n  worldgen check-family warehouse\n  worldgen check-family ./mine.py:my_family\n"
@@ -67,10 +67,10 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
         )
     else:
         for found in broken:
-            click.echo(f"BROKEN {testing.shown(found)}")
+            say(f"BROKEN {testing.shown(found)}")
         for key, digest in pinned.items():
-            click.echo(f'"{key}": "{digest}",')
-        click.echo(
+            say(f'"{key}": "{digest}",')
+        say(
             f"{family.name} version {family.version}: {len(results) - len(broken)} of "
             f"{len(results)} checks hold"
         )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note, say
 from worldgen.files.whole import write_bytes
 
 EXAMPLES = (
@@ -52,7 +52,6 @@ def check_scenarios(
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import scenario_check as library
-    from worldgen.support.plain_text import shown_lines
     from worldgen.support.progress import working
 
     if table is not None:
@@ -68,7 +67,7 @@ def check_scenarios(
     if as_json:
         emit_json({**library.total(reports), "reports": [vars(report) for report in reports]})
     else:
-        click.echo(shown_lines(library.as_text(reports)), nl=False)
+        say(library.as_text(reports), nl=False)
     if table is not None:
         write_bytes(table, library.as_csv(reports).encode(), force=force)
         note(f"wrote {table}")

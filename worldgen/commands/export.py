@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -72,11 +72,11 @@ def export(
     import` restores them.
     """
     from worldgen import interop
-    from worldgen.files.grid import read_world
+    from worldgen.files.worlds import read_whole_world
 
     with working(f"exporting {world}"):
         export = interop.export_world(
-            read_world(world),
+            read_whole_world(world),
             name or interop.guess_format(out.name),
             file=out.name,
             options={} if noise is None else {"noise": "on" if noise else "off"},
@@ -92,7 +92,7 @@ def export(
         emit_json(_as_json(paths, export))
     else:
         for path, data in zip(paths, export.files.values(), strict=True):
-            click.echo(f"{path}: {len(data)} bytes for {export.format.name}")
+            say(f"{path}: {len(data)} bytes for {export.format.name}")
 
 
 def _origin(text: str) -> tuple[float, float]:

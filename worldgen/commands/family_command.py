@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -11,6 +12,7 @@ import click
 from worldgen.cli.output import (
     PATH,
     draw_seed,
+    emit_data,
     emit_json,
     force_option,
     json_option,
@@ -18,6 +20,7 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
+from worldgen.cli.usage import ConditionalCommand, missing
 from worldgen.commands.set_output import Output, make_many
 from worldgen.commands.wanted_worlds import (
     CONSTRAINT_OPTIONS,
@@ -97,7 +100,14 @@ def command_of(made_by: Family, name: str) -> click.Command:
     for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
     named = f"compose {name}" if name.endswith(".toml") else name
-    return click.command(name, epilog=_EXAMPLES.format(name=named))(command)
+    epilog = _EXAMPLES.format(name=named)
+    needs = {"out": _needs_folder}
+    return click.command(name, cls=ConditionalCommand, needs=needs, epilog=epilog)(command)
+
+
+def _needs_folder(given: Mapping[str, Any]) -> str:
+    count = given.get("count") or 1
+    return f"--count {count} writes {count} files, into a folder" if count > 1 else ""
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
@@ -114,9 +124,7 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
     if count is None or (count == 1 and (out is None or is_world_file(out.name))):
         return None
     if out is None:
-        raise click.UsageError(
-            f"--count {count} writes {count} files; choose a folder for them with --out"
-        )
+        raise missing("out", _needs_folder({"count": count}))
     if count > 1 and is_world_file(out.name):
         raise click.UsageError(
             f"{out} names the file of one world; for {count} worlds, choose a folder or an archive"
@@ -178,7 +186,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
             write_world(world, out, force=to.force)
         text = "" if to.as_json or out is not None else dumps(world).decode()
         result = _result(world, out)
-    click.echo(text, nl=False)
+    emit_data(text)
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_list, json_option
+from worldgen.cli.output import emit_list, json_option, say
 
 if TYPE_CHECKING:
     from worldgen.interop import Format
@@ -52,18 +52,16 @@ def _options(parameters: tuple[Parameter, ...]) -> list[dict[str, object]]:
 def _print_one(known: Format) -> None:
     from worldgen.interop import HELD
 
-    click.echo(
+    say(
         f"{known.name} ({known.direction}): {known.summary}; for "
         f"{known.client or 'any program that reads it'}"
     )
     held = [HELD[name] for name in HELD if name in known.holds]
-    click.echo(
+    say(
         f"holds the "
         f"cells{''.join(f', {one}' for one in held)}{', changes' if known.changes else ''}"
     )
     for flag, parameters in (("--from", known.read_options), ("--to", known.write_options)):
         for one in parameters:
             values = "|".join(one.choices) or type(one.default).__name__
-            click.echo(
-                f"{flag} {known.name}+{one.name}={values}  {one.help}  [default: {one.default}]"
-            )
+            say(f"{flag} {known.name}+{one.name}={values}  {one.help}  [default: {one.default}]")

@@ -15,8 +15,10 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    say,
     unknown_option,
 )
+from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -104,7 +106,7 @@ EXAMPLES = (
     "--ignore-meshes",
     "ignore_unread",
     is_flag=True,
-    help="Judge the world without obstacles that cannot be read, such as meshes.",
+    help="Judge the world without what cannot be read, such as meshes.",
 )
 @force_option
 @json_option
@@ -134,9 +136,9 @@ def import_map(
     neither you nor the file gives a start and a target, they are placed far apart in the largest
     region the robot can drive through, with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot, or if it is undecided. If a
-    path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
-    written and the exit code is 2; --ignore-unread judges the world without them.
+    Exits with 0 if the target can be reached, with 1 if it cannot, or if it is undecided. If the
+    file has elements that cannot be read, such as a mesh, they might block the path: the world is
+    written without a proof, and the exit code is 2; --ignore-unread judges it without them.
     """
     from worldgen import interop
     from worldgen.files.grid import write_world
@@ -151,10 +153,8 @@ def import_map(
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
-    file = None if imported.withheld else str(out)
-    # Write the world, unless unread obstacles could block the path.
-    if not imported.withheld:
-        write_world(imported.world, out, force=force)
+    file = str(out)
+    write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
     for sentence in imported.warnings:
@@ -163,11 +163,11 @@ def import_map(
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:
-        click.echo("\n".join(interop.describe(file, imported)))
+        say(stacked(interop.describe(file, imported)))
     if imported.withheld:
         note(
-            f"{out} was not written; --ignore-unread judges and writes the world without the "
-            f"unread obstacles",
+            f"{out} has no proof, because not everything was read; if the rest cannot block the "
+            f"robot, add --ignore-unread --force",
             always=True,
         )
         raise click.exceptions.Exit(2)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import PATH, emit_data, emit_json, json_option, note, say, skip_bad_file
 from worldgen.errors import InvalidWorld
-from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -22,13 +21,7 @@ if TYPE_CHECKING:
 @click.command(
     epilog="\b\n  worldgen measure w.grid\n  worldgen measure worlds/ --csv > worlds.csv"
 )
-@click.argument(
-    "paths",
-    metavar="PATH...",
-    nargs=-1,
-    required=True,
-    type=click.Path(exists=True, path_type=Path),
-)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line for each world."
 )
@@ -42,15 +35,18 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds
+    from worldgen.reach.decision import unread_reason
 
     if as_csv and as_json:
         raise click.UsageError("--csv and --json are two forms of the same output; use one of them")
     results: list[tuple[Path, dict[str, float]]] = []
     try:
         with working("measuring") as work:
-            for path, world in read_worlds(paths):
+            for path, world in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
                 _check_its_own(path, world)
+                if world.unread:
+                    note(f"warning: {path}: {unread_reason(world.unread)}")
                 results.append((path, measured(world).as_dict()))
     # Measurements are printed even if the work ends early.
     finally:
@@ -81,9 +77,9 @@ def _tell(results: Sequence[tuple[Path, dict[str, float]]], *, as_csv: bool, as_
         found = [{"path": str(path), "metrics": metrics} for path, metrics in results]
         emit_json(found[0] if len(found) == 1 else {"files": found})
     elif as_csv:
-        click.echo(_comma_separated(results), nl=False)
+        emit_data(_comma_separated(results))
     else:
-        click.echo(_table(results))
+        say(_table(results))
 
 
 def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
@@ -101,7 +97,7 @@ def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
 def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
     """Format one world per line, or one metric per line if there is only one world."""
     from worldgen.difficulty import METRICS
-    from worldgen.support.plain_text import aligned
+    from worldgen.support.plain_text import aligned, stacked
 
     if len(results) == 1:
         path, metrics = results[0]
@@ -109,12 +105,10 @@ def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
             [name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning]
             for name in METRICS
         ]
-        return f"{shown(path)}\n" + aligned([line for line in lines if line[1]], right={1})
+        return stacked([str(path), aligned([line for line in lines if line[1]], right={1})])
     used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
     head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
-    rows = [
-        [shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results
-    ]
+    rows = [[str(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results]
     return aligned([*head, *rows], right=range(1, 1 + len(used)))
 
 

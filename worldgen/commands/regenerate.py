@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
 from worldgen.errors import OutputError
 from worldgen.support.progress import working
 
@@ -25,7 +25,7 @@ SHOWN = 20
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
+@click.argument("path", metavar="SET", type=PATH)
 @click.option("--out", type=PATH, help="Folder or archive to make; with --check, the one to check.")
 @click.option(
     "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
@@ -111,7 +111,7 @@ def _check(known: _KnownSet, *, as_json: bool) -> None:
         found = [{"kind": difference.kind, "file": difference.file} for difference in differences]
         known.emit(made=0, ok=not found, differences=found)
     for difference in differences[:SHOWN] if not as_json else ():
-        click.echo(f"{place / difference.file}: {difference.kind}")
+        say(f"{place / difference.file}: {difference.kind}")
     more = f"{len(differences)} differences" if len(differences) != 1 else "1 difference"
     note(
         f"{place}: {len(manifest.entries)} worlds, "

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    say,
+    write_out,
+)
 from worldgen.support.progress import working
+from worldgen.support.results import results
 
 if TYPE_CHECKING:
     from worldgen.world import Certificate, FailureRecord, Robot, World
@@ -58,6 +67,7 @@ def show(
     """
     from worldgen import render
     from worldgen.files.grid import read_world
+    from worldgen.reach.decision import unread_reason
 
     # Refuse bad output before the work.
     outs = tuple(dict.fromkeys(outs))
@@ -65,6 +75,8 @@ def show(
         check_out("--picture", out, *_DRAWN_BY, force=force)
     # Draw all pictures before any is written.
     world = read_world(path)
+    if world.unread:
+        note(f"warning: {unread_reason(world.unread)}")
     pictures: list[tuple[Path, bytes]] = []
     for out in outs:
         with working(f"drawing {path}"):
@@ -78,10 +90,11 @@ def show(
         emit_json(_facts(world, path, list(outs)))
         return
     if not pictures:
-        color = render.wants_color(sys.stdout)
-        click.echo(render.draw_terminal(world, color=color), nl=False, color=color)
+        color = render.wants_color(results())
+        say(render.draw_terminal(world, color=color), nl=False, color=color)
     if world.failure is not None:
-        click.echo(_failure_lines(world.failure, path))
+        say(f"failure: {_failure_words(world.failure)}")
+        say(f"replay:  worldgen replay {shlex.quote(str(path))}")
 
 
 def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
@@ -124,7 +137,6 @@ def _robot_facts(robot: Robot) -> dict[str, object]:
     }
 
 
-def _failure_lines(failure: FailureRecord, path: Path) -> str:
+def _failure_words(failure: FailureRecord) -> str:
     evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
-    what = f"{failure.who}: {failure.verdict}" + (f" ({evidence})" if evidence else "")
-    return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"
+    return f"{failure.who}: {failure.verdict}" + (f" ({evidence})" if evidence else "")

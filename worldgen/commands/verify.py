@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, say
+from worldgen.cli.output import PATH, emit_json, json_option, say, skip_bad_file
 from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
@@ -44,9 +44,11 @@ def verify(
     For a world that changes, it also reports how late the robot can set out: on the witness (its
     margin), and on any path (the latest start).
 
+    A world of whose map something was not read, as its provenance records, is undecided.
+
     Exits with 0 if every certificate is valid or every map could be decided (blocked is an answer
-    too), with 1 if a certificate is invalid or a map remains undecided, with 2 if a file cannot be
-    read.
+    too), with 1 if a certificate is invalid or a map remains undecided, with 2 if a file, or a part
+    of the map that it was imported from, cannot be read.
     """
     from worldgen.errors import InvalidParameter
     from worldgen.files.worlds import read_worlds
@@ -56,7 +58,7 @@ def verify(
     # Verify one world after the other.
     results: list[dict[str, Any]] = []
     with working("verifying") as work:
-        for path, world in read_worlds(paths):
+        for path, world in read_worlds(paths, skip_bad_file):
             work.say(f"{path}, world {len(results) + 1}")
             results.append({"path": str(path), **verify_world(world, radius, deadline)})
             if widest and world.others:
@@ -69,7 +71,7 @@ def verify(
                     path=str(path),
                     count=len(world.robots),
                 )
-            if widest:
+            if widest and not world.unread:
                 work.say(f"{path}: looking for the largest disc that could pass")
                 results[-1]["widest"] = widest_disc(world)
             # Each result is printed as soon as it is known, since one can take minutes.
@@ -78,8 +80,10 @@ def verify(
     # Report, and fail if a proof does not hold.
     if as_json:
         emit_json(results[0] if len(results) == 1 else {"files": results})
-    if not all(result["certificate_valid"] for result in results):
+    if not all(result["certificate_valid"] or "unread" in result for result in results):
         raise click.exceptions.Exit(1)
+    if any("unread" in result for result in results):
+        raise click.exceptions.Exit(2)
 
 
 def _line(result: dict[str, Any]) -> str:

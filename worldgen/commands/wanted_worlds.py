@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, note, say
+from worldgen.cli.output import draw_seed, emit_data, emit_json, note
 from worldgen.commands.set_output import Output, make_many
 from worldgen.errors import GenerationFailed
 from worldgen.support.progress import working
@@ -227,12 +227,11 @@ def _write(one: Nearest, again: str, to: Output) -> dict[str, Any]:
     if file is not None:
         write_world(world, file, force=to.force)
     elif not to.as_json:
-        say(dumps(world).decode(), nl=False)
+        emit_data(dumps(world).decode())
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
-    note(
-        (f"{file}: " if file is not None else "")
-        + f"fits at try {one.number}: {values}\n  to make it again: {again}"
-    )
+    place = f"{file}: " if file is not None else ""
+    note(f"{place}fits at try {one.number}: {values}")
+    note(f"  to make it again: {again}")
     made = world.provenance
     return {
         "file": None if file is None else str(file),

@@ -16,12 +16,19 @@ from worldgen.compose.marks import START, TARGET, Mark, frozen, marks_of
 from worldgen.compose.piece import Piece
 from worldgen.compose.sizes import TooLarge, check_size, whole
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
+from worldgen.errors import (
+    FormatError,
+    GenerationFailed,
+    InvalidParameter,
+    InvalidWorld,
+    WorldgenError,
+)
 from worldgen.family import FAMILIES, Family, check_choice, family
 from worldgen.generation import generate
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.reach.decision import unread_reason
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value, World
 
@@ -89,6 +96,15 @@ def read(path: str | PathLike[str]) -> Piece:
         FormatError: If the file cannot be read, or breaks its format's rules.
     """
     found = read_map(Path(path))
+    if found.unread:
+        raise FormatError(
+            "part-not-read",
+            "{reason}, so no world can be made of it",
+            "if it cannot, import the map with --ignore-unread, and use that .grid file",
+            at_terminal=True,
+            reason=unread_reason(found.unread),
+            source=str(path),
+        )
     if found.world is not None:
         return of_world(found.world)
     marks: dict[str, Mark] = {}

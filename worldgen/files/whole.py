@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
+from worldgen.support.results import opened_as
 
 _MOST_BYTES = 64 << 20
 
@@ -28,7 +29,7 @@ def check_output(path: Path, force: bool) -> None:
     if path.is_dir():
         raise OutputError("is-a-folder", "{path} is a folder", "choose a file in it", path=path)
     # A device or a pipe is never overwritten, so it needs no --force.
-    if path.is_file() and not force:
+    if opened_as(path).is_file() and not force:
         raise OutputError(
             "file-exists",
             "{path} already exists",
@@ -129,6 +130,7 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
     """
     with refused_writes(path):
         check_output(path, force)
+        path = opened_as(path)
         # A device or pipe cannot be replaced.
         if path.exists() and not path.is_file():
             path.write_bytes(data)

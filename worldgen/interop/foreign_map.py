@@ -88,8 +88,9 @@ class ForeignMap:
         robot_speed: Top speed, m/s, if the file has it.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
-        unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
-            through such a map is no proof.
+        unread: Elements of the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. Nothing
+            is proved on such a map. ``read_map`` adds what the parsers were not asked for.
+        is_picture: True if the cells are pixels, so that the map may show its surroundings too.
         others: The robots after the first, if the file has several.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its
             own there; empty if the file just lists its robots.
@@ -108,6 +109,7 @@ class ForeignMap:
     origin: tuple[float, float] = (0.0, 0.0)
     usual_robot: UsualRobot = THESIS_ROBOT
     unread: tuple[str, ...] = ()
+    is_picture: bool = False
     others: tuple[ForeignRobot, ...] = ()
     numbers: tuple[int, ...] = ()
 

@@ -169,6 +169,11 @@ class Format:
             gives one.
         most_bytes: Largest file that ``read`` accepts; ``export`` warns when it writes a larger
             one.
+        harmless: Names of elements of its files that no reader needs, because they cannot be
+            obstacles, such as ``"color"`` or ``"link/visual"``. What ``read`` does not take, and is
+            not named here, is unread, and a map with anything unread is not certified. This holds
+            for readers that use the parsers of ``worldgen.interop.readers`` for XML, YAML and JSON;
+            others report what they skip as ``ForeignMap.unread``.
     """
 
     name: str
@@ -183,6 +188,7 @@ class Format:
     client: str = ""
     usual_robot: UsualRobot = THESIS_ROBOT
     most_bytes: int = MAX_FILE_BYTES
+    harmless: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         unknown = sorted(self.holds - HELD.keys())

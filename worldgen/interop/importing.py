@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.format import ROBOT_FACTS
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
-from worldgen.interop.place import heading_towards, is_clear, place
+from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import exact
@@ -21,7 +21,7 @@ from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
 # Raise this whenever some file becomes a different world than before.
-VERSION = 2
+VERSION = 3
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
@@ -39,7 +39,7 @@ class ImportedRobot:
         row: Number of the scenario's problem, from 1.
         seed: Seed of the search for distant places. Without it, a ``.grid`` keeps its own places,
             and a thesis map its program's start.
-        ignore_unread: True to judge the map without obstacles that could not be read.
+        ignore_unread: True to judge the map without what could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
             world. If omitted, one, or all robots from ``row`` of a map that was exported with several.
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
@@ -64,14 +64,13 @@ class Imported:
 
     Args:
         world: The world with its certificate and provenance.
-        decision: Result, proof, and a sentence. It is ``undecided`` if a path was found on a map
-            that lacks some obstacles of its file; a world that is blocked without them is also
-            blocked with them.
+        decision: Result, proof, and a sentence. It is ``undecided`` if something of the file was
+            not read.
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         radius_from: Where the robot's radius comes from.
-        unread: Obstacles of the file that the world lacks.
-        withheld: True if a path was found that does not count because of them.
+        unread: Elements of the file that the world lacks.
+        withheld: True if the world has no proof because of them.
         origin: The grid's lower-left corner, m, in the file's own coordinates.
         in_file_frame: True if people are told places in these coordinates.
     """
@@ -126,9 +125,22 @@ def import_world(
         InvalidParameter: If an option is out of range or contradicts another one.
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
-    # Read the map and complete the robot.
-    robot = robot or ImportedRobot()
     found, sidecar = read_map_alone(path, name, options)
+    try:
+        return _with_robot(path, found, sidecar, robot or ImportedRobot())
+    except WorldgenError as error:
+        # What the reader noticed often explains why the robot has no room.
+        lost = [f"not read: {'; '.join(found.unread)}"] if found.unread else []
+        warnings = [f"warning: {sentence}" for sentence in (*found.warnings, *lost)]
+        error.notes = (*found.notes, *warnings)
+        raise
+
+
+def _with_robot(
+    path: Path, found: ForeignMap, sidecar: Sidecar | None, robot: ImportedRobot
+) -> Imported:
+    """Add a robot, a start and a target to a map, and decide whether the target is reachable."""
+    # Complete the robot.
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
     if robot.scenario is not None or robot.robots not in (None, 1 + len(found.others)):
@@ -150,40 +162,29 @@ def import_world(
         robot = replace(robot, start=found.start, target=found.target)
     robot, notes = _at_programs_start(_complete(robot, found), found)
     try:
-        world, warnings = _place(robot, found)
+        world, placement = _place(robot, found)
     except InvalidWorld as error:
         if not robot.in_file_frame:
             raise
         raise _in_file_frame(error, found) from error
 
-    # Decide. A path does not count if obstacles could not be read.
-    decision = decide(world)
-    withheld = False
+    # Record the world's origin, and what it lacks, before it is decided.
+    warnings = list(placement.warnings)
     if found.unread:
         params["unread"] = list(found.unread)
-        warnings = (
-            *warnings,
-            f"could not be read, and are not in this world: {'; '.join(found.unread)}",
-        )
-        withheld = decision.result == "reachable" and not robot.ignore_unread
-        if withheld:
-            decision = Decision(
-                "undecided",
-                None,
-                f"unread obstacles might block the path: {'; '.join(found.unread)}",
-            )
-
-    # Record the origin in the world.
-    provenance = Provenance("import", VERSION, robot.seed or 0, params)
-    world = replace(world, certificate=decision.certificate, provenance=provenance)
+        params |= {"ignore_unread": True} if robot.ignore_unread else {}
+        warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
+    world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
+    decision = decide(world)
+    world = replace(world, certificate=decision.certificate)
     return Imported(
         world,
         decision,
-        (*found.notes, *notes),
+        (*found.notes, *notes, *placement.notes),
         (*found.warnings, *warnings),
         radius_from,
         found.unread,
-        withheld,
+        bool(world.unread),
         found.origin,
         robot.in_file_frame,
     )
@@ -366,7 +367,7 @@ def _first(*values: float | None) -> float:
     return next(value for value in values if value is not None)
 
 
-def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
+def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     """Return the map with start and target, as given or chosen."""
     # _complete has already set them.
     radius = robot.radius or 0.0
@@ -374,9 +375,12 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
     given = [
         None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)
     ]
-    at, to, warnings = place(
-        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1]
-    )
+    placement = place(
+        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1],
+        origin=(-found.origin[0], -found.origin[1]) if found.is_picture else None,
+    )  # fmt: skip
+    at = placement.start
+    to = placement.target
     headed = robot.start or ()
     sized = robot.target or ()
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
@@ -385,7 +389,7 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
     others = _other_robots(robot, found, radius, speed)
     return World(
         found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
-    ), warnings
+    ), placement
 
 
 def _other_robots(

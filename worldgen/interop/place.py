@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
@@ -36,7 +37,13 @@ _ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))
 _FAR = 0.5
 # Share of the clear places below which the largest region deserves a warning.
 _SCATTERED = 0.5
+# Share of the largest region from which one that does not reach the border is taken instead, and
+# from which the one with the map's origin is.
+_SMALL = 0.05
+_TINY = 0.01
+_LARGEST = "the largest"
 _Point = tuple[float, float]
+_Labels: TypeAlias = npt.NDArray[np.signedinteger[Any]]
 
 
 class Placement(NamedTuple):
@@ -45,6 +52,7 @@ class Placement(NamedTuple):
     start: _Point
     target: _Point
     warnings: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def place(
@@ -55,11 +63,14 @@ def place(
     *,
     start: _Point | None = None,
     target: _Point | None = None,
+    origin: _Point | None = None,
 ) -> Placement:
     """Choose a start and a target with the longest path that two sweeps find; keep given ones.
 
-    If neither is given, both are in the largest region that the disc can drive through; otherwise
-    the missing one is as far as possible from the given one, in its region. A chosen place has room
+    If neither is given, both are in the largest region that the disc can drive through. On a
+    picture that shows its surroundings too, such as a race track's, they are rather in the region
+    with the map's origin, or, if the largest reaches the picture's border, in the largest one that
+    does not. Otherwise the missing one is as far as possible from the given one, in its region. A chosen place has room
     to turn if the map has such places far enough away: a disc of twice the radius is clear there,
     or one of 1.5 or 1.25 radii.
 
@@ -70,6 +81,7 @@ def place(
         seed: Selects where in the region the sweeps begin.
         start: x and y, m; moved to the nearest point of the pose lattice.
         target: x and y, m; need not be clear itself.
+        origin: For a picture, x and y, m, of the point (0, 0) of the map's own coordinates.
 
     Raises:
         InvalidWorld: If a given point is outside, the start is not clear (the message names the
@@ -90,8 +102,8 @@ def place(
     if given is not None:
         other = places.metres(places.farthest(places.near(given)))
         return Placement(given, other) if start is not None else Placement(other, given)
-    # Choose both ends in the largest region, by two sweeps.
-    region = places.largest_region()
+    # Choose both ends in one region, by two sweeps.
+    region = places.largest_region() if origin is None else places.region_of_picture(origin)
     first = places.farthest(places.any_of(region, RandomStream(seed).child("import")))
     last = places.farthest(first)
     warnings = []
@@ -100,19 +112,27 @@ def place(
     if region.share < _SCATTERED:
         warnings.append(
             f"for a disc of radius {radius:g} m there are {region.regions} separate regions; "
-            f"start and target are in the largest, which has {100 * region.share:.0f} % of the free space; a "
+            f"start and target are in {region.name}, which has {100 * region.share:.0f} % of the free space; a "
             f"smaller radius may join them"
         )
-    return Placement(places.metres(first), places.metres(last), tuple(warnings))
+    if region.warning:
+        warnings.append(region.warning)
+    notes = () if region.name == _LARGEST else (f"start and target are in {region.name}",)
+    return Placement(places.metres(first), places.metres(last), tuple(warnings), notes)
 
 
 class _Region(NamedTuple):
-    """The largest region: a place in it, its size, its share of all, and the number of regions."""
+    """A region: a place in it, its size, its share of all, and the number of regions.
+
+    Then its name, and why it may be the wrong one; empty if nothing speaks against it.
+    """
 
     root: int
     size: int
     share: float
     regions: int
+    name: str
+    warning: str = ""
 
 
 class _ClearPoints:
@@ -139,7 +159,103 @@ class _ClearPoints:
                 "use a smaller radius",
                 radius=self._radius,
             )
-        return _Region(found.root, found.largest, found.largest / found.places, found.regions)
+        share = found.largest / found.places
+        return _Region(found.root, found.largest, share, found.regions, _LARGEST)
+
+    def region_of_picture(self, origin: _Point) -> _Region:
+        """Return the region to use on a picture, which may show its surroundings too."""
+        largest = self.largest_region()
+        root = self._node_of_origin(origin)
+        size = 0 if root is None else int(self._floods.regions(root, root + 1).largest)
+        labels, sizes = self._labelled()
+        places = int(sizes.sum())
+        used = int(labels.ravel()[largest.root])
+
+        # A map's origin is mostly where its robot began. Without one, the largest region is the
+        # surroundings if it reaches the border, and another one does not.
+        at_border = self._at_border(labels, frame=0)
+        others = np.where(at_border, 0, sizes)
+        best = int(np.argmax(others))
+        region = largest
+        if root is not None and size >= _TINY * largest.size:
+            used = int(labels.ravel()[root])
+            if used != labels.ravel()[largest.root]:
+                name = "the region with the map's origin"
+                region = _Region(root, size, size / places, largest.regions, name)
+        elif at_border[used] and others[best] >= _SMALL * largest.size:
+            used = best
+            size = int(sizes[best])
+            node = int(np.argmax(labels.ravel() == best))
+            name = "the largest region that does not reach the picture's border"
+            region = _Region(node, size, size / places, largest.regions, name)
+        return region._replace(warning=self._doubt(labels, sizes, used, root))
+
+    def _doubt(self, labels: _Labels, sizes: _Labels, used: int, root: int | None) -> str:
+        """Return why a region may be the wrong one; empty if nothing speaks against it."""
+        # A solid frame hides that a region is the outside.
+        rings = min(self._grid.shape) // 2
+        frame = next((n for n in range(rings) if not self._is_solid_ring(n)), rings)
+        outside = self._at_border(labels, frame)
+        where = "a region that reaches the picture's border" if outside[used] else "a region"
+        if root is not None and labels.ravel()[root] != used:
+            return (
+                f"start and target are in {where}, and the map's origin, where its robot mostly began, "
+                f"is not in it: the region there is too small for a disc of radius {self._radius:g} m; use "
+                f"a smaller radius, or choose --start and --target"
+            )
+        if self._at_border(labels, frame=0)[used]:
+            return (
+                f"start and target are in {where}, so they may be outside of what the map shows; if so, "
+                f"choose --start and --target"
+            )
+        inner = int(np.max(np.where(outside, 0, sizes)))
+        if root is None and frame and outside[used] and inner >= _SMALL * sizes[used]:
+            return (
+                f"start and target are in {where}, along its frame; another one, with "
+                f"{100 * inner / sizes.sum():.0f} % of the free space, does not reach it; if the map shows "
+                f"that one, choose --start and --target"
+            )
+        return ""
+
+    def _is_solid_ring(self, number: int) -> bool:
+        rows, columns = self._grid.shape
+        ring = self._grid[number : rows - number, number : columns - number]
+        return bool(ring[0].all() and ring[-1].all() and ring[:, 0].all() and ring[:, -1].all())
+
+    def _labelled(self) -> tuple[_Labels, _Labels]:
+        """Return the number of each place's region, from 1, and the regions' sizes."""
+        from scipy.ndimage import label  # noqa: PLC0415 - takes a while to import
+
+        labels: _Labels = label(self.clear)[0]
+        sizes = np.bincount(labels.ravel())
+        sizes[0] = 0
+        return labels, sizes
+
+    def _at_border(self, labels: _Labels, frame: int) -> Bools:
+        """Return, by number, which regions have a place as near to the border as a disc can be.
+
+        Args:
+            labels: The number of each place's region.
+            frame: Cells around the picture that do not count.
+        """
+        rim = math.ceil(2 * (self._cells + frame)) + 1
+        found = np.zeros(int(labels.max()) + 1, np.bool_)
+        for part in (labels[:rim], labels[-rim:], labels[:, :rim], labels[:, -rim:]):
+            found[np.unique(part)] = True
+        return found
+
+    def _node_of_origin(self, origin: _Point) -> int | None:
+        """Return a clear place at the origin of the map's coordinates; None if it is elsewhere."""
+        height, width = (side * self._cell_size for side in self._grid.shape)
+        if not (0.0 < origin[0] < width and 0.0 < origin[1] < height):
+            return None
+        near = self.nearest_to(origin)
+        reach = 2.0 * self._radius + 2.0 * self._cell_size
+        return None if near is None or math.dist(near, origin) > reach else self._node(near)
+
+    def _node(self, point: _Point) -> int:
+        i, j = (metres_to_lattice(value, self._cell_size) // _HALF for value in point)
+        return j * self._stride + i
 
     def any_of(self, region: _Region, rng: RandomStream) -> int:
         """Return one of a region's places, all equally likely."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.account import accounting
 from worldgen.interop.foreign_map import ForeignMap, names_its_file, naming, read_bounded
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
@@ -217,7 +218,7 @@ def read_map_alone(
     # find_format has already refused it.
     if known.read is None:
         raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
-    with naming(path):
+    with naming(path), accounting() as account:
         found = known.read(path, **given)
     params: dict[str, Value] = {
         "format": known.name,
@@ -225,7 +226,8 @@ def read_map_alone(
         **_digest_of(path, found),
         **found.params,
     }
-    return replace(found, params=params, usual_robot=known.usual_robot), sidecar
+    unread = (*found.unread, *account.total(known.harmless))
+    return replace(found, params=params, usual_robot=known.usual_robot, unread=unread), sidecar
 
 
 def _digest_of(path: Path, found: ForeignMap) -> dict[str, Value]:

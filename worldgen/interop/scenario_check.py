@@ -24,7 +24,7 @@ from worldgen.interop.formats.movingai import (
 from worldgen.interop.octile import octile_lengths
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bools, Bytes, Floats
-from worldgen.support.plain_text import aligned, counted
+from worldgen.support.plain_text import Styled, aligned, counted, stacked
 
 # Files of "version 1.0" write two decimals: half of the last one, and rounding.
 _TWO_DECIMALS = 0.0051
@@ -284,7 +284,7 @@ def as_csv(reports: Sequence[ScenarioReport]) -> str:
     return text.getvalue()
 
 
-def as_text(reports: Sequence[ScenarioReport]) -> str:
+def as_text(reports: Sequence[ScenarioReport]) -> Styled:
     """Return the sums, and a line for each file in which a problem does not agree."""
     sums = total(reports)
     scaled = f", {sums['scaled']} on maps scaled to their sizes" if sums["scaled"] else ""
@@ -312,4 +312,4 @@ def as_text(reports: Sequence[ScenarioReport]) -> str:
         )
     if len(faults) > _MOST_LINES:
         lines.append(f"{len(faults) - _MOST_LINES} more files do not fully agree; --csv lists them")
-    return "\n".join(lines) + "\n"
+    return stacked([*lines, ""])

@@ -1,29 +1,29 @@
-"""Load a module again with a counter before each statement of its functions.
+"""Count how often the statements of a loaded module's functions run.
 
-Neither a trace function nor a monitor is needed, and the module that runs otherwise stays as it is.
+The module's text is compiled again with a counter before each statement, and its functions get
+that code for a while. So its top level runs only once, ordinary runs are as fast as before, and
+neither a trace function nor a monitor is needed, which a debugger or coverage may already use.
 """
 
 from __future__ import annotations
 
 import ast
 import contextlib
+import gc
 import importlib.util
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, FunctionType, ModuleType
 
 from worldgen.errors import InvalidParameter
-from worldgen.plugins.registry import loading, user_code
+from worldgen.plugins.registry import user_code
+from worldgen.plugins.user_modules import digest_of_source, sources_read
 
 # A name with two underscores at both ends is neither mangled in a class nor taken for its state.
 _COUNTS = "__worldgen_counts__"
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-
-# What a module needs besides its code, so that its imports work as before.
-_KEPT = ("__spec__", "__loader__", "__file__", "__package__", "__path__", "__builtins__")
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,6 @@ class CountedCode:
     """A module that counts how often its statements run.
 
     Args:
-        module: The module.
         file: Its file.
         source: The lines of its file.
         counts: By line, how often the statement that begins there has run; index 0 is unused.
@@ -65,7 +64,6 @@ class CountedCode:
         constants: By name, the line of a value outside its functions.
     """
 
-    module: ModuleType
     file: Path
     source: list[str]
     counts: list[int]
@@ -76,13 +74,13 @@ class CountedCode:
 
 @contextlib.contextmanager
 def counted_module(module: ModuleType) -> Iterator[CountedCode]:
-    """Load a module's file again, and put the result in the module's place for a while.
+    """Let the functions of a module count their statements for a while.
 
     Args:
         module: A module with a source file.
 
     Raises:
-        InvalidParameter: If its source cannot be read or run.
+        InvalidParameter: If its source cannot be read, or has been edited since it was loaded.
     """
     # Read the file and insert the counters.
     file = Path(module.__file__ or "")
@@ -90,7 +88,9 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
         data = file.read_bytes()
     except OSError:
         raise InvalidParameter("no-source", "{file} cannot be read", file=str(file)) from None
-    with user_code(f"{file}: loading it to count its lines"):
+    if sources_read().get(str(file), digest_of_source(data)) != digest_of_source(data):
+        raise InvalidParameter("edited", "{file} was edited after it was loaded", file=str(file))
+    with user_code(f"{file}: reading it to count its lines"):
         source = importlib.util.decode_source(data).splitlines()
         tree = ast.parse(data, str(file))
         functions = [_described(node) for node in _functions(tree)]
@@ -98,23 +98,48 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
         statements = _insert_counters(tree)
         code = compile(tree, str(file), "exec", dont_inherit=True)
 
-    # Run it as a module of the same name.
-    again = ModuleType(module.__name__, module.__doc__)
-    vars(again).update({name: vars(module)[name] for name in _KEPT if name in vars(module)})
+    # The counters stay in the module: a function that was made in the meantime may be called later.
     counts = [0] * (len(source) + 2)
-    vars(again)[_COUNTS] = counts
-    # Dataclasses and pickles look up a class's module by its name.
-    before = sys.modules.get(module.__name__)
-    sys.modules[module.__name__] = again
+    vars(module)[_COUNTS] = counts
+    counting = _codes_in(code)
+    before: list[tuple[FunctionType, CodeType]] = []
     try:
-        with loading(f"{file}: loading it to count its lines"):
-            exec(code, vars(again))
-        yield CountedCode(again, file, source, counts, statements, functions, constants)
+        for function in _functions_of(module):
+            new = counting.get(_key_of(function.__code__))
+            if new is not None and new.co_freevars == function.__code__.co_freevars:
+                before.append((function, function.__code__))
+                function.__code__ = new
+        yield CountedCode(file, source, counts, statements, functions, constants)
     finally:
-        if before is None:
-            sys.modules.pop(module.__name__, None)
-        else:
-            sys.modules[module.__name__] = before
+        for function, old in before:
+            function.__code__ = old
+
+
+def _functions_of(module: ModuleType) -> list[FunctionType]:
+    """Return all functions of a module that exist, also those behind decorators and in closures."""
+    names = vars(module)
+    return [
+        one for one in gc.get_objects() if type(one) is FunctionType and one.__globals__ is names
+    ]
+
+
+def _codes_in(code: CodeType) -> dict[tuple[str, int], CodeType]:
+    """Return the code of all functions in a module's code."""
+    found: dict[tuple[str, int], CodeType] = {}
+    twice = set()
+    rest = [code]
+    while rest:
+        for one in rest.pop().co_consts:
+            if isinstance(one, CodeType):
+                twice |= {_key_of(one)} & found.keys()
+                found[_key_of(one)] = one
+                rest.append(one)
+    # Two lambdas in one line cannot be told apart, and contain no statements.
+    return {key: one for key, one in found.items() if key not in twice}
+
+
+def _key_of(code: CodeType) -> tuple[str, int]:
+    return code.co_qualname, code.co_firstlineno
 
 
 def _functions(tree: ast.AST) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:

@@ -6,73 +6,35 @@ import contextlib
 import difflib
 import importlib
 import importlib.util
-import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
-from worldgen.parameters import without_class_options
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
+from worldgen.plugins.trust import check_code
 from worldgen.plugins.user_modules import (
     SourceLoader,
+    digest_of_source,
     forget_folder,
     import_in,
     package_of,
+    sources_read,
     without_private_names,
 )
 from worldgen.support.known_names import unknown_name
-from worldgen.support.time_limit import TimeLimitReached, time_limit
+from worldgen.support.progress import say_once
 
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-# Default time limit for loading a module, s: ten times as long as the largest frameworks take.
-_LOADS_IN = 60.0
-# Upper bound on that limit, s; every operating system's timers support it.
-_LONGEST_LOAD = 1e6
-LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
-"""Environment variable that overrides the time limit for loading a module, s."""
-ONLY_CODE = "WORLDGEN_ONLY_CODE"
-"""Environment variable with the names given to :func:`only_code`, as a JSON list.
-
-An environment variable is used because child processes inherit it.
-"""
-
-
-def only_code(names: Iterable[str]) -> None:
-    """Allow only registered code and these names to run, in this process and its children.
-
-    A file from a stranger may name any code as its controller, motion model or oracle. After this
-    call, reading such a file cannot run that code.
-
-    Args:
-        names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
-    """
-    os.environ[ONLY_CODE] = json.dumps(
-        sorted({_identity(without_class_options(name)) for name in names})
-    )
-
-
-def check_code(name: str) -> None:
-    """Raise an error for code that :func:`only_code` does not allow.
-
-    Raises:
-        InvalidParameter: If :func:`only_code` was called without this name.
-    """
-    said = os.environ.get(ONLY_CODE)
-    if said is not None and _identity(without_class_options(name)) not in json.loads(said):
-        raise InvalidParameter(
-            "code-not-allowed",
-            "{name!r} is code that was not named at the start, so it is not run",
-            "name it there",
-            name=name[:60],
-        )
+# Environment variable of earlier versions, which limited the time for loading a module.
+_LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 
 
 def lend(place: str, copy: Path) -> None:
@@ -120,43 +82,16 @@ def user_code(doing: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def loading(doing: str) -> Iterator[None]:
-    """Run code like :func:`user_code`, but stop it if it takes too long."""
-    seconds = _load_seconds()
+    """Run code like :func:`user_code`; also explain an import that one of our packages hides."""
+    if _LOAD_SECONDS in os.environ:
+        say_once(f"{_LOAD_SECONDS} is ignored: loading has no time limit; Ctrl-C ends it")
     try:
-        with user_code(doing), time_limit(seconds):
+        with user_code(doing):
             yield
     except InvalidParameter as error:
         if isinstance(error.__cause__, ModuleNotFoundError):
             check_import(error.__cause__)
-        if not isinstance(error.__cause__, TimeLimitReached):
-            raise
-        raise InvalidParameter(
-            "load-timeout",
-            "{doing} takes longer than {seconds:g} s",
-            "put code that waits for input or keeps running under if __name__ == '__main__', or "
-            "give it more time with {variable}",
-            doing=doing,
-            seconds=seconds,
-            variable=LOAD_SECONDS,
-        ) from error
-
-
-def _load_seconds() -> float:
-    said = os.environ.get(LOAD_SECONDS, "")
-    try:
-        seconds = float(said or _LOADS_IN)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds <= _LONGEST_LOAD:
-        raise InvalidParameter(
-            "not-a-number",
-            "{variable}={text!r} is not a time",
-            "use seconds, such as 120, up to {most:.0f}",
-            variable=LOAD_SECONDS,
-            text=said[:40],
-            most=_LONGEST_LOAD,
-        )
-    return seconds
+        raise
 
 
 class Registry(Generic[T]):
@@ -214,6 +149,9 @@ class Registry(Generic[T]):
             InvalidParameter: If nothing has this name, loading it fails, or it has the wrong type.
         """
         key = _identity(name)
+        # Loaded code is checked again, because the next command may not have named it.
+        if ":" in name and not self._is_registered(name):
+            check_code(name)
         if key not in self._loaded:
             point = self.entry_points().get(name)
             # An installed name is loaded by its entry point, anything with a colon by its path.
@@ -221,25 +159,37 @@ class Registry(Generic[T]):
                 with loading(f"{self.noun} {name!r}: loading {point.value}"):
                     thing = point.load()
             elif ":" in name:
-                check_code(name)
                 thing = self._load_path(name)
             else:
                 raise InvalidParameter.of(self._unknown(name))
             self._loaded[key] = self._accept(name, thing)
         return self._loaded[key]
 
-    def forget(self, place: str) -> None:
-        """Forget a file and the files next to it, so that the next request loads them again."""
+    def _is_registered(self, name: str) -> bool:
+        """Return True for a registered name, and for the place of a registered object."""
+        return any(name in (point.name, point.value) for point in points_of(self.group))
+
+    def renew(self, place: str) -> None:
+        """Forget what was made from a file, so that the next request makes it again.
+
+        The file's module stays loaded, and its top level does not run again.
+        """
         file = _identity(f"{place}:").rpartition(":")[0]
         for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
             del self._loaded[key]
+
+    def forget(self, place: str) -> None:
+        """Forget a file and the files next to it, so that the next request loads them again."""
+        self.renew(place)
+        file = _identity(f"{place}:").rpartition(":")[0]
         if file.endswith(".py"):
+            sys.modules.pop(_module_name(Path(file)), None)
             forget_folder(Path(file).parent)
 
     def source(self, name: str) -> Path | None:
         """Return the file that defines the object with this name, or ``None`` if no file does."""
         point = self.entry_points().get(name)
-        if point is None and ":" in name:
+        if point is None and ":" in name and not self._is_registered(name):
             check_code(name)
         place = name.rpartition(":")[0] if point is None else point.module
         if place.endswith(".py"):
@@ -305,11 +255,19 @@ def _identity(name: str) -> str:
     )
 
 
+def _module_name(path: Path) -> str:
+    return f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+
+
 def _load_file(path: Path) -> Any:
     path = expanded(path).resolve()
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
-    module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+    module_name = _module_name(path)
+    # A controller and an oracle in one file share its module, unless it was edited in between.
+    loaded = sys.modules.get(module_name)
+    if loaded is not None and sources_read().get(str(path)) == digest_of_source(path.read_bytes()):
+        return loaded
     loader = SourceLoader(module_name, str(path))
     spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
     if spec is None or spec.loader is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from worldgen.reach.decision import Decision, check_margin, check_radius
+from worldgen.reach.decision import UNDECIDED, Decision, check_margin, check_radius, unread_reason
 from worldgen.reach.joint.decide import decide_joint
 from worldgen.reach.still import prove
 from worldgen.world import World
@@ -21,7 +21,8 @@ def decide(
     """Decide whether a disc, or each of several discs, can get from its start to its target.
 
     Args:
-        world: The world; its own certificate is ignored.
+        world: The world; its own certificate is ignored. If something of its map was not read, it
+            is ``UNDECIDED``.
         radius: Radius of the disc, m; the robot's, or each robot's, if omitted.
         margin: s. The witness of a world that changes also holds if the robot first waits at the
             start for any time up to this, and then does everything that much later.
@@ -34,6 +35,8 @@ def decide(
         InvalidParameter: If the radius is not a finite number above 0, or the margin is negative or
             not finite.
     """
+    if world.unread:
+        return Decision(UNDECIDED, None, unread_reason(world.unread))
     if not world.others:
         return prove.decide(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
     if radius is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from worldgen.domain import LATEST, number_fault, radius_fault
@@ -49,6 +50,12 @@ class Decision:
     reason: str
     confinement: Confinement | None = None
     swap: Swap | None = None
+
+
+def unread_reason(unread: Sequence[str]) -> str:
+    """Return why nothing is decided on a map of which something was not read."""
+    verb = "was" if len(unread) == 1 and unread[0].startswith("1 ") else "were"
+    return f"{'; '.join(unread)} {verb} not read, and might block the path"
 
 
 def check_radius(radius: float, cell_size: float) -> None:

@@ -9,6 +9,7 @@ from worldgen.reach.check.certificate import CheckReport, check_certificate
 from worldgen.reach.check.confinement import check_confinement
 from worldgen.reach.check.margin import witness_margin
 from worldgen.reach.check.swap import check_swap
+from worldgen.reach.deciding import decide
 from worldgen.reach.decision import (
     BLOCKED,
     REACHABLE,
@@ -34,11 +35,12 @@ def verify_world(
     Returns:
         ``result``, ``certificate`` (witness, cut, confinement, swap or None),
         ``certificate_valid``, ``decided`` (again, or read from the file), ``clearance``, ``radius``
-        and ``reason``; ``deadline`` if there is one; ``robots``, their number, if there are
-        several, and then ``radius`` is the largest of theirs; for a witness in a world that changes
-        or under a deadline, also ``margin`` (s by which it may begin later) and ``latest_start`` (s
-        until which the robot may wait at the start, on the best path); both None
-        if there is no limit.
+        and ``reason``; ``unread``, a list, if the world lacks elements of the map that it was
+        imported from, and then ``result`` is undecided; ``deadline`` if there is one; ``robots``,
+        their number, if there are several, and then ``radius`` is the largest of theirs; for a
+        witness in a world that changes or under a deadline, also ``margin`` (s by which it may
+        begin later) and ``latest_start`` (s until which the robot may wait at the start, on the
+        best path); both None if there is no limit.
 
     Raises:
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.
@@ -48,8 +50,10 @@ def verify_world(
     check_deadline(deadline)
     # Use the file's own certificate if it answers this question; otherwise decide.
     decision = Decision(UNDECIDED, world.certificate, "")
-    decided = not _answers(world, radius, deadline)
-    if decided:
+    decided = not world.unread and not _answers(world, radius, deadline)
+    if world.unread:
+        decision = decide(world)
+    elif decided:
         decision = decide_in_time(world, deadline, radius=radius)
     # Check the proof, with code that shares nothing with the prover.
     certificate = decision.certificate
@@ -76,6 +80,7 @@ def verify_world(
         "radius": asked,
         "reason": report.reason,
     }
+    answer |= {"unread": list(world.unread)} if world.unread else {}
     answer |= {} if deadline is None else {"deadline": deadline}
     answer |= {"robots": len(world.robots)} if world.others else {}
     # How late the robot may begin matters only if something changes or there is a deadline.

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS, Frame
@@ -50,6 +51,9 @@ def draw_png(
 ) -> bytes:
     """Return the picture of a world, and of a run in it, as the bytes of a PNG file.
 
+    The file also has its words as text, under ``Description``: the caption, the legend, and the
+    numbers in the map, a line each. Programs that describe pictures to people read it there.
+
     Args:
         world: What to draw.
         trail: A robot's trail; for several robots, one trail for each.
@@ -62,8 +66,13 @@ def draw_png(
         InvalidParameter: If ``pixels`` is out of range.
     """
     scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
+    image = draw_parts(scene.primitives, scene.frame, (scene.width, scene.height))
+    words = PngInfo()
+    words.add_text(
+        "Description", "\n".join(part.text for part in scene.primitives if isinstance(part, Text))
+    )
     stream = io.BytesIO()
-    draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)).save(stream, "PNG")
+    image.save(stream, "PNG", pnginfo=words)
     return stream.getvalue()
 
 

@@ -31,6 +31,7 @@ from worldgen.render.palette import (
 )
 from worldgen.render.polyline import along, arc_length
 from worldgen.support.arrays import Bools, Bytes, Floats
+from worldgen.support.plain_text import Styled, shown
 from worldgen.support.rows import flip_rows
 from worldgen.world import JointWitness, Witness, World
 
@@ -107,7 +108,7 @@ def draw_terminal(
     width: int | None = None,
     color: bool = True,
     truecolor: bool | None = None,
-) -> str:
+) -> Styled:
     """Return a world, and a run in it, as lines of text.
 
     Without colours one character is one cell, as in a ``.grid`` file, with a frame around a world
@@ -153,7 +154,7 @@ def draw_terminal(
         else ""
     )
     origin = "; cell (0, 0) is at the bottom left"
-    return "\n".join([*lines, key, facts(world) + origin + scale, ""])
+    return Styled("\n".join([*lines, key, shown(facts(world)) + origin + scale, ""]))
 
 
 def _is_walled(world: World) -> bool:
@@ -390,11 +391,11 @@ def _key(dots: Bytes, own: Mapping[int, str], *, color: bool, deep: bool) -> str
             if sign in own:
                 words.append(own[sign])
                 continue
-            shown = SIGNS[sign]
+            drawn = SIGNS[sign]
             swatch = (
-                f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m"
+                f"{_ansi(list(rgb(drawn.colour)), 38, deep=deep)}\u2588\x1b[0m"
                 if color
-                else shown.letter
+                else drawn.letter
             )
-            words.append(f"{swatch} {shown.word}")
+            words.append(f"{swatch} {drawn.word}")
     return "  ".join(words)

@@ -15,6 +15,7 @@ from msgspec import Meta
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
 from worldgen.files.json_file import converted, faulty_field, plain
+from worldgen.plugins.trust import note_names
 from worldgen.world import Value
 
 FORMAT = "worldgen-set 1"
@@ -173,6 +174,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
             "empty", "is empty; a manifest begins with a line about the set", source=source
         )
     header = _header(first, source)
+    note_names(header.params, source)
     entries = []
     kept = []
     files = set()

@@ -6,6 +6,7 @@ so an array of the wrong type would be read as garbage; these functions reject i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,8 @@ _MEANINGS = {1: "an array is too small", 2: "a number is out of its range"}
 
 def pointer(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> Any:
     """Return the address of an array that C only reads. It must outlive the call.
+
+    If C keeps the address after the call, own the array with :func:`kept`.
 
     Args:
         ffi: ``ffi`` of the core.
@@ -56,6 +59,30 @@ def writable(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> A
     if not array.flags.writeable:
         raise BufferError("the core would write into an array that is read-only")
     return pointer(ffi, array, kind)
+
+
+def kept(
+    ffi: Any, address: Any, *objects: object, free: Callable[[Any], object] | None = None
+) -> Any:
+    """Return an address that keeps alive everything that C finds through it.
+
+    C keeps plain addresses, which Python does not count as references. Every struct that points to
+    arrays, and every object of the core that does, is owned this way. A tuple of arrays in another
+    attribute is not enough: Python may clear the attributes of an object in any order, and a
+    core's function that frees an object may still read what it points to.
+
+    Args:
+        ffi: ``ffi`` of the core.
+        address: A pointer to a struct or to an object of the core.
+        objects: They are released only after ``free`` has returned.
+        free: The core's function that frees the object; None if nothing needs to be freed.
+    """
+
+    def release(freed: Any, _objects: tuple[object, ...] = objects) -> None:
+        if free is not None:
+            free(freed)
+
+    return ffi.gc(address, release)
 
 
 def check(status: int) -> None:

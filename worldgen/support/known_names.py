@@ -12,6 +12,24 @@ from worldgen.errors import Message
 _LONGEST = 200
 
 
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return the name that a misspelt one means; empty if none is near.
+
+    Case, underscores and a plural make no difference.
+    """
+    plain = {_plain(one): one for one in names}
+    key = _plain(name)
+    for other in (key, key.removesuffix("s"), f"{key}s"):
+        if other in plain:
+            return plain[other]
+    close = difflib.get_close_matches(key, plain, n=1) if len(name) <= _LONGEST else []
+    return plain[close[0]] if close else ""
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("_", "-").strip("-")
+
+
 def unknown_name(
     problem: str, name: str, known: Iterable[str], remedy: str = "known: {known!l}", **facts: Any
 ) -> Message:
@@ -25,7 +43,7 @@ def unknown_name(
         facts: Further facts.
     """
     names = list(known)
-    near = "".join(difflib.get_close_matches(name, names, n=1) if len(name) <= _LONGEST else [])
+    near = nearest(name, names)
     suggestion = "did you mean {near!r}? " if near else ""
     given = {"name": name, "near": near, "known": names, **facts}
     return Message("unknown-name", problem, suggestion + remedy, **given)

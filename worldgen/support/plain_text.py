@@ -1,12 +1,16 @@
-"""Plain text for terminals.
+"""Plain text for terminals, logs and reports.
 
-It provides aligned columns, counted nouns, and text without control codes.
+It provides aligned columns, counted nouns, and the one place where text that is not ours becomes
+safe: :func:`shown` for a part of a line, :func:`shown_lines` for whole lines. The output functions
+of :mod:`worldgen.cli.output`, the messages of :mod:`worldgen.errors` and the reports for CI apply
+it themselves, so a caller that forgets it prints an escape instead of a control code.
 """
 
 from __future__ import annotations
 
+import re
 import reprlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from numbers import Number
 
 # Gap between two columns.
@@ -20,18 +24,29 @@ _BRIEF = reprlib.Repr()
 _BRIEF.maxdict = _BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxset = 20
 _BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000
 
+# Characters that Unicode calls printable although nothing is drawn for them: joiners, fillers,
+# variation selectors. They can hide or forge a part of a name.
+_INVISIBLE = re.compile(
+    "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]"
+)
 
-def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
+# What CI services take as a command in a log: GitHub, Azure Pipelines and TeamCity the first ones
+# anywhere in a line, GitHub the second at its beginning, after blanks.
+_COMMAND = re.compile(r"##(?=(?:vso|teamcity)?\[)")
+_COMMAND_LINE = re.compile(r"^((?:[^\S\n]|\x1b\[[0-9;]*m)*)::", re.MULTILINE)
+
+
+def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> Styled:
     """Format rows as lines, with each column as wide as its widest cell.
 
-    Missing cells at the end of a row are empty.
+    Cells may hold text from outside. Missing cells at the end of a row are empty.
 
     Args:
         rows: The rows, at least one.
         right: Columns that are aligned to the right, counted from 0.
     """
     columns = max(map(len, rows))
-    filled = [[*row, *[""] * (columns - len(row))] for row in rows]
+    filled = [[*map(shown, row), *[""] * (columns - len(row))] for row in rows]
     widths = [max(len(row[column]) for row in filled) for column in range(columns)]
     lines = [
         GAP.join(
@@ -40,7 +55,7 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
         )
         for row in filled
     ]
-    return "\n".join(line.rstrip() for line in lines)
+    return Styled("\n".join(line.rstrip() for line in lines))
 
 
 def counted(count: int, one: str, many: str = "") -> str:
@@ -102,17 +117,74 @@ def _shown_value(value: object) -> str:
     return str(value) if isinstance(value, Number) else _BRIEF.repr(value)
 
 
-def shown(text: object) -> str:
-    """Return a text with terminal control codes escaped.
+class Styled(str):
+    """Text that is safe to print as it is, with the lines and colours that we gave it.
 
-    Names of strangers' files may contain them.
+    Make one with :func:`styled`, :func:`joined`, :func:`stacked` or :func:`aligned`.
     """
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+    __slots__ = ()
+
+
+def shown(text: object) -> str:
+    r"""Return text from outside in a form that is safe within a line.
+
+    Control characters, line ends, characters that reorder or hide text, and lone surrogates become
+    escapes such as ``\x1b``, and so do commands of CI services. Strangers' files may contain any of
+    them, even in their names.
+    """
+    whole = _COMMAND.sub(r"\\x23#", str(text))
+    # Nearly all text is plain, and these two checks are a hundred times as fast as the loop.
+    if whole.isascii() and whole.isprintable():
+        return whole
+    return "".join(map(_shown_character, whole))
+
+
+def _shown_character(character: str) -> str:
+    if character.isprintable() and not _INVISIBLE.match(character):
+        return character
+    return character.encode("unicode_escape").decode()
 
 
 def shown_lines(text: str) -> str:
-    """Do the same for a text of several lines, keeping the line breaks."""
-    return "\n".join(map(shown, text.split("\n")))
+    """Do the same for a text of several lines, keeping its line breaks and tabs.
+
+    Use it only where no part of the text can bring a line break of its own. Styled text keeps its
+    colours.
+    """
+    if isinstance(text, Styled):
+        return text
+    return "\n".join("\t".join(map(shown, line.split("\t"))) for line in text.split("\n"))
+
+
+def styled(text: object, code: str) -> Styled:
+    """Return text from outside in a style of the terminal.
+
+    Args:
+        text: The text.
+        code: Parameters of the escape sequence "select graphic rendition": ``1;31`` is bold red.
+    """
+    return Styled(f"\x1b[{code}m{shown(text)}\x1b[0m")
+
+
+def joined(*parts: str) -> Styled:
+    """Join parts into one text, in which only styled parts keep their escape sequences."""
+    return Styled("".join(map(shown_lines, parts)))
+
+
+def stacked(lines: Iterable[str]) -> Styled:
+    """Put lines below each other; a line break within one of them becomes an escape."""
+    return Styled("\n".join(line if isinstance(line, Styled) else shown(line) for line in lines))
+
+
+def printed(text: str) -> str:
+    """Return what an output function prints for a text: the last door, which none can forget.
+
+    A plain text becomes one line; :func:`stacked` makes a text of several. A line that begins like
+    a command of a CI service, such as ``::error::``, becomes harmless.
+    """
+    safe = text if isinstance(text, Styled) else shown(text)
+    return _COMMAND_LINE.sub(r"\1\\x3a:", safe)
 
 
 def describe_value(value: object) -> str:

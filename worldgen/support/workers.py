@@ -13,11 +13,16 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
+from worldgen.plugins.trust import Inherited
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
 # Seconds between two checks for Ctrl-C in a waiting driver.
 LISTEN = 0.1
+# Python's own switch; any text turns it on, and ours says who did.
+_SAFE_PATH = "PYTHONSAFEPATH"
+_OURS = "worldgen"
 # Seconds for all processes together.
 _TO_TERMINATE = 1.0
 
@@ -80,12 +85,13 @@ class WorkerPool(ProcessPoolExecutor):
     def __init__(
         self, workers: int, initializer: Callable[..., None] | None = None, *args: Any
     ) -> None:
-        super().__init__(
-            workers,
-            mp_context=get_context("spawn"),
-            initializer=_start_worker,
-            initargs=(initializer, args),
-        )
+        with current_folder_hidden():
+            super().__init__(
+                workers,
+                mp_context=get_context("spawn"),
+                initializer=_start_worker,
+                initargs=(Inherited(), initializer, args),
+            )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Submit it to the next free process."""
@@ -111,12 +117,35 @@ class WorkerPool(ProcessPoolExecutor):
 
 
 @contextlib.contextmanager
+def current_folder_hidden() -> Iterator[None]:
+    """Start processes inside that import nothing from the current folder.
+
+    A new Python looks there first, even for its own modules, until it gets this process's path. So
+    a file ``pickle.py`` in a folder of a stranger's worlds would run.
+    """
+    before = os.environ.get(_SAFE_PATH)
+    os.environ[_SAFE_PATH] = before or _OURS
+    try:
+        yield
+    finally:
+        del os.environ[_SAFE_PATH]
+        if before is not None:
+            os.environ[_SAFE_PATH] = before
+
+
+@contextlib.contextmanager
 def sigint_blocked() -> Iterator[None]:
     """Start processes inside with SIGINT blocked, which they inherit.
 
     They ignore Ctrl-C from their first moment. If a Ctrl-C arrives in the meantime, this process
-    gets it afterwards.
+    gets it afterwards. They import nothing from the current folder while they start.
     """
+    with current_folder_hidden(), _sigint_blocked():
+        yield
+
+
+@contextlib.contextmanager
+def _sigint_blocked() -> Iterator[None]:
     # Windows signals a process group instead.
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -130,7 +159,9 @@ def sigint_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]) -> None:
+def _start_worker(
+    _: Inherited, initializer: Callable[..., None] | None, args: tuple[Any, ...]
+) -> None:
     become_worker()
     if initializer is not None:
         initializer(*args)
@@ -138,6 +169,9 @@ def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]
 
 def become_worker() -> None:
     """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed."""
+    # The programs that it starts are the user's, and find their modules as always.
+    if os.environ.get(_SAFE_PATH) == _OURS:
+        del os.environ[_SAFE_PATH]
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_driver, daemon=True).start()
 

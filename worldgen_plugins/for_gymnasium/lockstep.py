@@ -14,7 +14,7 @@ from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import lattice_to_metres
 from worldgen.support.arrays import Bools, Floats
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 from worldgen.world import World
 from worldgen_plugins.for_gymnasium.distances import distances_to_target
 from worldgen_plugins.for_gymnasium.options import Rules
@@ -104,13 +104,13 @@ class RobotArrays:
         self.c.workspace.observation.beam_count = len(beams)
         self._robots = ffi.new("WgRobot[]", count)
         self.c.robots = self._robots
-        self._held: tuple[Any, ...] = (numbers, codes, choices, beams)
-        self._worlds: tuple[Any, ...] = ()
+        self.c = kept(ffi, self.c, self._robots, numbers, codes, choices, beams)
+        self._places: Any = ffi.NULL
         self._chain: Any = ffi.NULL
         self._own: tuple[npt.NDArray[Any], ...] = ()
 
-    def load(self, places: Any, runs: Sequence[LatticeRun], held: tuple[Any, ...]) -> None:
-        """Put the robots into other worlds, whose memory ``held`` keeps alive."""
+    def load(self, places: Any, runs: Sequence[LatticeRun]) -> None:
+        """Put the robots into other worlds: WgPlace[], one for each run."""
         # A step may have as many corners as events, so the busiest step decides the room for them.
         changing = [run.events for run in runs if len(run.events)]
         most = max(
@@ -119,6 +119,7 @@ class RobotArrays:
         )
         self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + 1))
         self._tie_robots()
+        self._places = places
         self.c.places = places
 
         # In worlds that change, each robot needs its own copy of the cells.
@@ -135,7 +136,6 @@ class RobotArrays:
             self.c.cells = writable(ffi, cells, np.uint8)
             self.c.near = writable(ffi, near, np.int32)
             self._own = (cells, near)
-        self._worlds = (places, held)
 
     def _tie_robots(self) -> None:
         """Connect the robots with their states and with the shared chain of corners."""
@@ -210,7 +210,6 @@ class Lockstep:
             InvalidParameter: If the time step does not fit a robot's speed.
         """
         options = self._rules.run_options()
-        # Everything that C points to is kept in the crew, as long as C may use it.
         runs = [LatticeRun(world, self._driver, options) for world in worlds]
         arenas = [run.arena() for run in runs]
         # Distances to the target are needed only if the reward measures progress.
@@ -221,7 +220,7 @@ class Lockstep:
             places[k].settings = run.settings[0]
             if ways:
                 places[k].ways = pointer(ffi, ways[k], np.float32)
-        self.crew.load(places, runs, (arenas, ways))
+        self.crew.load(kept(ffi, places, runs, arenas, ways), runs)
         self.worlds = worlds
 
     def begin(self, robot: int, world: int) -> Singles:

@@ -20,7 +20,7 @@ from fuzz.triage.proofs import certified
 from sim.runners.controller_time import Effort
 from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
-from worldgen.support.workers import WorkerPool, ctrl_c_held_back
+from worldgen.support.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -48,7 +48,8 @@ class InlineExecutor:
         self._stopped_at = math.inf
         self._patience: threading.Timer | None = None
         self._open = ExitStack()
-        self._counters = get_context("spawn").Array(c_double, 3)
+        with current_folder_hidden():
+            self._counters = get_context("spawn").Array(c_double, 3)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Do the work."""
@@ -125,8 +126,9 @@ class ProcessExecutor:
         self._workers = workers
         self._open = ExitStack()
         # A single word, so it needs no lock.
-        self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
-        self._counters = get_context("spawn").Array(c_double, 3)
+        with current_folder_hidden():
+            self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
+            self._counters = get_context("spawn").Array(c_double, 3)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Submit it to the next free process."""

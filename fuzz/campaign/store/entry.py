@@ -41,6 +41,7 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
     steps: int
     seconds: float
     verdicts: dict[str, int]
+    judged: int
     met: dict[str, int]
     failures: dict[str, _FailureId]
     elites: list[StoredElite]
@@ -80,6 +81,7 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
         steps=result.steps,
         seconds=round(done.seconds, 3),
         verdicts=dict(result.verdicts),
+        judged=result.judged,
         met=dict(result.met),
         failures=dict(failures),
         elites=[
@@ -116,6 +118,7 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
         worlds=entry.worlds,
         steps=entry.steps,
         verdicts=Counter(entry.verdicts),
+        judged=entry.judged,
         met=Counter(entry.met),
         failures={bucket: failure(name) for bucket, name in entry.failures.items()},
         elites={

@@ -23,6 +23,7 @@ from worldgen.domain import MASK64
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
+from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.support.plain_text import quote
 
 _OWN = ("worldgen", "sim", "fuzz")
@@ -136,8 +137,12 @@ def _configuration(config: CampaignConfig) -> dict[str, Any]:
     return configuration
 
 
-def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
+def config_of(configuration: Mapping[str, Any], source: str | None = None) -> CampaignConfig:
     """Return the stored configuration.
+
+    Args:
+        configuration: What is stored.
+        source: The campaign's folder, for messages.
 
     Raises:
         WorldgenError: If part of it is out of range.
@@ -148,7 +153,8 @@ def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
         for name, value in configuration.items()
     }
     said = values.pop("scenario")
-    controller = str(said["controller"])
+    note_names(configuration, source)
+    controller = NameInFile(said["controller"])
     motion = str(said["motion"])
     seed = int(said["seed"])
     scenario = Scenario(controller, RunOptions.of(motion, seed, said["parameters"]))

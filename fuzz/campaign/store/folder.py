@@ -355,7 +355,10 @@ class FolderStore(CampaignStore):
             # The next reader reports it.
             return
         if summary is not None:
-            self.save_summary(msgspec.structs.replace(summary, status=status))
+            # An earlier run's answer is not the answer of one that is under way.
+            outdated = dict.fromkeys(("answer", "answer_reason", "answer_numbers"), msgspec.UNSET)
+            changes = outdated if status == Status.RUNNING else {}
+            self.save_summary(msgspec.structs.replace(summary, status=status, **changes))
 
     def _unit_file(self, unit: int) -> Path:
         return self._path / "units" / f"{unit:06}.json"

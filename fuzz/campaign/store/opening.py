@@ -144,7 +144,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         )
     fingerprint, before = stored
     try:
-        config = config_of(fingerprint.configuration)
+        config = config_of(fingerprint.configuration, str(out))
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise FormatError(
             "invalid-campaign",

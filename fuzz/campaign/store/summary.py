@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import msgspec
 
+from fuzz.campaign.answer import Answer, AnswerNumbers
 from worldgen.files.json_file import JsonFile
 
 # Name of the store's folder in a campaign's folder.
@@ -104,6 +105,9 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
     Args:
         status: Its progress.
+        answer: What it answers; not set while it runs.
+        answer_reason: The reason, as a sentence without a full stop.
+        answer_numbers: The numbers that decide the answer.
         controller: Name of the controller.
         motion: Name of the motion model.
         seed: Seed of the campaign.
@@ -126,6 +130,9 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     status: Status = Status.UNKNOWN
+    answer: Answer | msgspec.UnsetType = msgspec.UNSET
+    answer_reason: str | msgspec.UnsetType = msgspec.UNSET
+    answer_numbers: AnswerNumbers | msgspec.UnsetType = msgspec.UNSET
     controller: _Name
     motion: _Name
     seed: Annotated[int, msgspec.Meta(ge=0)]

@@ -187,3 +187,13 @@ export function verdictSign(verdict) {
 export function verdictDot(verdict) {
   return el("span", { class: "dot", "data-verdict": verdict, "aria-hidden": "true" });
 }
+
+// Returns what to say of a failure that shrinking has not finished; nothing if it has.
+/**
+ * @param {string} shrinking
+ * @returns {string}
+ */
+export function unfinished(shrinking) {
+  if (shrinking === "done") return "";
+  return shrinking === "cut short" ? "shrinking was cut short" : "as found, not shrunk";
+}

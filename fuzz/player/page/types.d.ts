@@ -282,7 +282,7 @@ interface ReportFailure {
   reactions: [string, number, string, string][];
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
-  shrunk: boolean;
+  shrinking: "done" | "cut short" | "none";
   /** A sentence if its controller's file has changed since its campaign; else empty. */
   changed: string;
   /** A test that contains the world. */
@@ -298,6 +298,10 @@ interface ReportCampaign {
   controller: string;
   motion: string;
   seed: string;
+  /** Not set while it runs, and by earlier versions. */
+  answer?: "failures" | "clean" | "none";
+  answer_reason?: string;
+  answer_numbers?: { searched_unjudged: number };
   units: number;
   units_cut: number;
   worlds: number;

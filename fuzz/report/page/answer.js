@@ -1,6 +1,6 @@
 // The first screen: does it work, how bad is it, why, and what to do.
 
-import { el, grouped, plural, verdictDot } from "#player/dom.js";
+import { el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
@@ -63,7 +63,7 @@ export function makeAnswer(section, data) {
 function answerPart(answer, find, several, campaign, redraw) {
   const own = answer.causes.filter(isCounted);
   const worst = own[0];
-  const causes = own.length ? own : answer.causes;
+  const causes = own.length ? own : answer.causes.filter(isMet);
   const others = answer.causes.filter((cause) => !causes.includes(cause));
   const shown = causes.slice(0, MOST_SHOWN).map((cause) => makeCause(cause, answer, find(cause.file)));
   const choose = (chosen) => {
@@ -101,7 +101,12 @@ function answerPart(answer, find, several, campaign, redraw) {
 
 // The controller's own causes count, if a world that nobody shrunk shows them.
 function isCounted(cause) {
-  return cause.severity !== "unsensed" && (cause.met > 0 || cause.natural > 0);
+  return cause.severity !== "unsensed" && isMet(cause);
+}
+
+// A world of the search or a natural one shows it, and not only a shrunk one.
+function isMet(cause) {
+  return cause.met > 0 || cause.natural > 0;
 }
 
 function morePart(causes, find) {
@@ -110,7 +115,7 @@ function morePart(causes, find) {
 
 function othersPart(causes, find) {
   return namesPart("Not counted", causes, find, (cause) =>
-    cause.severity === "unsensed" ? verdictsOf(cause) : "only in worlds that shrinking made",
+    isMet(cause) ? verdictsOf(cause) : "only in worlds that shrinking made",
   );
 }
 
@@ -130,16 +135,21 @@ function verdictsOf(cause) {
 }
 
 function verdictPart(worst, answer, campaign) {
-  if (!worst && campaign && campaign.units === 0)
-    return el("p", { class: "headline", "data-verdict": "timeout" }, "There was too little time for an answer.");
+  if (campaign?.answer === "none")
+    return el(
+      "div",
+      {},
+      el("p", { class: "headline", "data-verdict": "timeout" }, `No answer: ${campaign.answer_reason}.`),
+      answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
+    );
   const words = worst ? headline(worst, answer) : "No failure found";
   return el(
     "div",
     {},
     el(
       "p",
-      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : "reached" },
-      `${worst ? "" : "✓ "}${words}.`,
+      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : campaign?.answer === "clean" ? "reached" : "timeout" },
+      `${campaign?.answer === "clean" ? "✓ " : ""}${words}.`,
     ),
     answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
     answer.causes.length ? null : doubtPart(campaign),
@@ -148,9 +158,7 @@ function verdictPart(worst, answer, campaign) {
 
 // Without failures, mention the runs of the search that did not arrive.
 function doubtPart(campaign) {
-  const expected = ["reached", "covered", "sealed"];
-  const counts = Object.entries(campaign?.verdicts ?? {}).filter(([verdict]) => !expected.includes(verdict));
-  const late = counts.reduce((sum, [, count]) => sum + count, 0);
+  const late = campaign?.answer_numbers?.searched_unjudged;
   if (!late) return null;
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
@@ -269,9 +277,8 @@ function picturePart(failure) {
       ),
       el("figcaption", {}, words, legendOfCells(drawn)),
     );
-  const now = failure.shrunk
-    ? `Shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`
-    : `As found, not shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`;
+  const state = unfinished(failure.shrinking) || "shrunk";
+  const now = `${state.charAt(0).toUpperCase()}${state.slice(1)}: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`;
   return el(
     "div",
     { class: "pictures" },

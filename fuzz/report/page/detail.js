@@ -97,9 +97,9 @@ function topOf(failure, [before, after]) {
       `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}. Class `,
       el("span", { class: "class" }, failure.bucket),
     ),
-    failure.shrunk
+    failure.shrinking === "done"
       ? null
-      : el("p", { class: "notice" }, "This world is as it was found, so some of its walls may not matter. worldgen shrink makes it small."),
+      : el("p", { class: "notice" }, `${failure.shrinking === "cut short" ? "Shrinking this world was cut short" : "This world is as it was found"}, so some of its walls may not matter. worldgen shrink makes it small.`),
     failure.changed ? el("p", { class: "notice" }, `${failure.changed}.`) : null,
     failure.confirmed
       ? null

@@ -1,6 +1,6 @@
 // The failures as cards that can be filtered, ordered and grouped.
 
-import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
+import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
@@ -224,7 +224,7 @@ function card(failure, several, twins) {
         facts.map((fact) => el("span", {}, fact)),
       ),
       several ? el("div", { class: "facts" }, `${failure.controller}, ${failure.motion}`) : null,
-      failure.shrunk ? null : el("div", { class: "facts" }, "as found, not shrunk"),
+      unfinished(failure.shrinking) ? el("div", { class: "facts" }, unfinished(failure.shrinking)) : null,
       twins ? el("div", { class: "facts" }, twins) : null,
       failure.confirmed ? null : el("div", { class: "facts bad" }, "not confirmed here"),
       el("div", { class: "facts on-paper" }, el("code", {}, failure.replay)),

@@ -110,7 +110,7 @@ class CampaignAnswers(Opened):
     def _words(self, message: Request) -> list[str]:
         """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
         ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
-        return [*begun(message, self.named, self.folder), *ours]
+        return [*begun(message, self), *ours]
 
     def resume(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Resume the campaign in a folder; a part announces that it can be stopped."""
@@ -119,7 +119,8 @@ class CampaignAnswers(Opened):
         out = self._own(name)
         self._check_stored(out, name)
         ours = (*budget(message, needed=False), *workers(message), *baseline(message, self.folder))
-        self._start(out, [f"--resume={out}", *ours], lambda: part({"begins": name}))
+        # The check above has decided whether its code may run.
+        self._start(out, ["--trust", f"--resume={out}", *ours], lambda: part({"begins": name}))
         return {"state": self._state(out, name)}
 
     def elite(self, message: Request, part: object) -> dict[str, Any]:
@@ -228,7 +229,8 @@ class CampaignAnswers(Opened):
                 mark = stack.enter_context(beginning(memory))
                 with (memory / SAID).open("wb") as stderr:
                     process = _process(
-                        [sys.executable, "-m", "worldgen", "fuzz", "--json", *words], stderr
+                        [sys.executable, *_flags(), "-m", "worldgen", "fuzz", "--json", *words],
+                        stderr,
                     )
             except OSError as error:
                 raise OutputError(
@@ -279,9 +281,17 @@ def _wait_until_begun(
             return _stopped()
         time.sleep(_LOOK)
     # It has already ended: normally, with a recorded error, or unexpectedly.
-    if process.returncode in (0, 1, 130):
+    if process.returncode in (0, 1, 4, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
+
+
+def _flags() -> tuple[str, ...]:
+    """Return Python's flag against modules in the current folder, unless this process has it too.
+
+    The folder may hold a stranger's files.
+    """
+    return () if {"", str(Path.cwd())} & {*sys.path} else ("-P",)
 
 
 def _stopped() -> OutputError:

@@ -17,11 +17,11 @@ from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
-from fuzz.studio.folder import KNOWN, Folder
+from fuzz.studio.folder import KNOWN, Folder, Opened
 from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import Request, seed_of
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.running import check_named, check_registered, from_anywhere
+from fuzz.studio.running import check_registered, from_anywhere, label_in
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter
@@ -31,20 +31,19 @@ from worldgen.files.worlds import files_in
 from worldgen.parameters import Parameter
 
 
-def begun(message: Request, named: Sequence[str], folder: Folder) -> list[str]:
+def begun(message: Request, opened: Opened) -> list[str]:
     """Return the arguments that define a campaign, without fixed map, folder and budget.
 
     Args:
         message: The page's message.
-        named: Controllers that were named at the start.
-        folder: The opened folder.
+        opened: The opened folder, and the controllers that were named at the start.
 
     Raises:
         InvalidParameter: If the message requests something that is not offered.
     """
     # Check everything that could name code in a file or a place outside the folder.
     checked: dict[str, Any] = {
-        "controller": _controller(message, named),
+        "controller": label_in(opened, part_of(message, "controller", str)),
         "motion": _one_of(message, "motion", MOTIONS.names()),
         "oracles": tuple(check_oracles(message.get("oracles", []))),
     }
@@ -54,7 +53,7 @@ def begun(message: Request, named: Sequence[str], folder: Folder) -> list[str]:
     )
     checked["strategies"] = tuple(strategy for strategy in strategies if strategy in OWN_STRATEGIES)
     if message.get("database") is not None:
-        checked["database"] = str(folder.place(part_of(message, "database", str)))
+        checked["database"] = str(opened.folder.place(part_of(message, "database", str)))
     # The other options check their own values.
     words = []
     for option in CampaignOptions.declared():
@@ -220,12 +219,6 @@ def check_oracles(texts: object) -> list[str]:
                 known=list(ORACLES),
             )
     return oracles
-
-
-def _controller(message: Request, named: Sequence[str]) -> str:
-    label: str = part_of(message, "controller", str)
-    check_named(label, named)
-    return label
 
 
 def _one_of(message: Request, name: str, offered: Iterable[str]) -> str:

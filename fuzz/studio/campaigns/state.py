@@ -13,7 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.live import Phase, has_not_arrived, read_live
+from fuzz.campaign.live import Phase, not_arrived, read_live
 from fuzz.campaign.store import MEMORY, FolderStore, Status, read_error, read_summary
 from fuzz.studio.edits import digest_of_file
 from fuzz.studio.refusals import refusal
@@ -26,7 +26,7 @@ from worldgen.files.worlds import is_world_file
 
 _TOTALS = (
     "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",
-    "strategies",
+    "strategies", "answer", "answer_reason",
 )  # fmt: skip
 
 # Name of the mark of a campaign that is about to begin. The number of the waiting process follows,
@@ -114,8 +114,7 @@ def campaign_state(
     live = read_live(folder / MEMORY) if running else None
     state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
     state["shrinking"] = 0 if live is None else live.shrinking
-    failed = sum(count for verdict, count in state["verdicts"].items() if has_not_arrived(verdict))
-    state["failed"] = failed
+    state["failed"] = not_arrived(state["verdicts"])
     if live is not None:
         # The summary still counts a resumed campaign's earlier runs until the campaign has read
         # them again.
@@ -179,11 +178,13 @@ def _totals(folder: Path) -> dict[str, Any]:
             "seconds": 0.0,
             **tables,
             "strategies": [],
+            "answer": "",
+            "answer_reason": "",
             "archive": None,
         }
     archive = None if summary.archive is None else summary.archive.table()
     whole = plain(summary)
-    return {name: whole[name] for name in _TOTALS} | {"archive": archive}
+    return {name: whole.get(name, "") for name in _TOTALS} | {"archive": archive}
 
 
 def _stamp(folder: Path) -> str:

@@ -1,13 +1,14 @@
 // The studio: everything that the pages share, which page is visible,
 // and whether the server answers.
 
+import { askToOpen } from "#studio/shared/asking.js";
 import { byId, el, keyButton, say, shortName } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { makeCampaign } from "#studio/campaign/campaign.js";
 import { makeCompare } from "#studio/compare/compare.js";
 import { exampleButtons } from "#studio/draw/examples.js";
 import { Ended, makeConnection, shareToken, takeToken } from "#studio/shared/connection.js";
-import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
+import { findDraft, keepDraft, lendDraft, linkOfDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
 import { makeDraw } from "#studio/draw/draw.js";
 import { listenToEdits, stillOffered } from "#studio/shared/edits.js";
 import { isField } from "#studio/shared/fields.js";
@@ -35,6 +36,7 @@ const studio = {
   usual: given.world,
   limits: null,
   offered: null, // the choices that the server offers
+  code: [], // the files whose code the server runs
   widest: null,
   draw: null,
   play: null,
@@ -65,8 +67,6 @@ const codeFiles = new Map(); // digest of each file of the user's code
 let followed = false; // whether the link that the page was opened with has been followed
 let refused = false; // whether the server refused the last attempt to save
 let misled = false; // whether a message about the last link is visible
-/** @type {{entry: object | null, shows: Record<string, string>} | null} */
-let made = null; // the last generated world: its place in the history, and what a link to it contains
 
 // Redraws everything after changes, at most once per frame.
 function changed() {
@@ -77,7 +77,10 @@ function changed() {
       scheduled = 0;
       studio.draw.refresh();
       showName();
+      if (studio.page() === "play") studio.play.begin(); // another world is there
     });
+  studio.play?.changed();
+  studio.compare?.changed();
   prove();
   studio.draw.senseSignal();
   clearTimeout(keeping);
@@ -104,8 +107,8 @@ function showLink() {
   if (!followed) return; // the link that the page was opened with is still to be followed
   const page = studio.page();
   const own = { campaign: studio.campaign, compare: studio.compare }[page];
-  const { world, past } = studio.model;
-  const shown = made && made.entry === past.at(-1) ? made.shows : { world: world.name };
+  const { world, link: made } = studio.model;
+  const shown = made ?? { world: world.name };
   const shows = own ? own.link() : { ...shown, ...(page === "play" ? studio.play.link() : {}) };
   const link = linkTo(page, shows);
   if (link !== location.hash) history.replaceState(null, "", `${location.pathname}${link}`);
@@ -145,7 +148,8 @@ async function followLink() {
 
 // Returns whether the page shows the unchanged world of a request to generate it.
 function isShown(message) {
-  return made !== null && made.entry === studio.model.past.at(-1) && linkTo("", made.shows) === linkTo("", madeOf(message));
+  const { link } = studio.model;
+  return link !== null && linkTo("", link) === linkTo("", madeOf(message));
 }
 
 // Says why a link cannot be followed, until another one is, or another world is opened.
@@ -163,10 +167,10 @@ function mislead(faults) {
  * @returns {Promise<OpenedMessage>}
  */
 async function generate(message, label, progress) {
-  const answer = await studio.connection.ask("generate", message, progress);
+  const answer = await askToOpen(studio.connection, "generate", message, progress);
   show(answer, "", label);
   const searched = message.difficulty !== undefined || message.where !== undefined;
-  made = searched ? null : { entry: studio.model.mark(), shows: madeOf(message) };
+  if (!searched) studio.model.markMade(madeOf(message));
   showLink();
   return answer;
 }
@@ -224,6 +228,7 @@ async function save() {
   }
 }
 
+let restored = 0; // changes of the board that brought an unsaved drawing back
 let routed = ""; // the visible page
 
 function route() {
@@ -267,7 +272,11 @@ async function begun(begins) {
   studio.folder = begins.folder;
   studio.limits = begins.limits;
   studio.draw.refresh();
-  listenToEdits(studio.connection, codeFiles, codeEdited);
+  listenToEdits(studio.connection, codeFiles, codeEdited, (files) => {
+    studio.code = files;
+    studio.play.changed();
+    studio.compare.changed();
+  });
   let faults = []; // of the link
   try {
     const offered = await hello(told);
@@ -275,11 +284,11 @@ async function begun(begins) {
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
     const { shows } = readLink(location.hash);
     const file = shows.world || shows.family ? "" : openedBefore() || begins.file;
-    // nothing has been dropped on the page in the meantime
-    const untouched = () => studio.model.past.length === 0;
-    if (first && (untouched() || studio.page() === "campaign")) faults = await followLink();
+    // nothing but an earlier drawing of this tab has been put on the board in the meantime
+    const untouched = () => studio.model.past.length === restored;
+    if (first && (untouched() || ["campaign", "compare"].includes(studio.page()))) faults = await followLink();
     followed = true;
-    if (first && file && untouched())
+    if (first && file && restored === 0 && untouched())
       await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) }, untouched);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -428,6 +437,9 @@ async function goOn() {
   const kept = await findDraft();
   if (!kept) return;
   studio.model.change("the unsaved drawing", kept);
+  restored = studio.model.past.length;
+  const link = linkOfDraft();
+  if (link) studio.model.markMade(link);
   takeOver(studio.model);
 }
 

@@ -261,6 +261,9 @@ interface CampaignState {
   budget: { units: number | null; seconds: number | null };
   /** What it is doing, or how it ended. */
   activity: "preparing" | "searching" | "shrinking" | "explaining" | "stopped" | "done" | "gave-up";
+  /** What it answers; empty while it runs, and if an earlier version wrote it. */
+  answer: "" | "failures" | "clean" | "none";
+  answer_reason: string;
   /** Failures that are being shrunk, or wait for it. */
   shrinking: number;
   units: number;
@@ -294,7 +297,7 @@ interface WallFailure {
   height: number;
   solid: number;
   /** False for a world as it was found. */
-  shrunk: boolean;
+  shrinking: "done" | "cut short" | "none";
   events: number;
   /** Its place among the folder's failures, the simplest first. */
   place: number;
@@ -324,6 +327,8 @@ interface Studio {
   /** Null until the server has sent them. */
   limits: Limits | null;
   offered: Offered | null;
+  /** The files whose code the server runs, as it last reported them. */
+  code: CodeFile[];
   /** The largest radius that passes, m. */
   widest: number | symbol | null;
   askWidest(): void;

@@ -17,6 +17,7 @@ from sim.controllers.contract import no_command, no_memory
 from sim.controllers.memory_view import MemoryField
 from sim.kernels.layout import OBS_SIZE
 from sim.options.robot import RobotOptions
+from worldgen.support.ccall import kept
 
 # The C type of a trigger and of an action.
 _CALL = dict(ffi.typeof("WgBehaviour").fields)["trigger"].type
@@ -87,18 +88,15 @@ class _Calls(NamedTuple):
     Args:
         behaviours: WgBehaviour[].
         now: State that the calls share.
-        held: Objects that must stay alive as long.
     """
 
     behaviours: Any
     now: _Now
-    held: tuple[Any, ...]
 
 
 @functools.lru_cache(maxsize=64)
 def _calls_of(others: tuple[Behaviour, ...]) -> _Calls:
     now = _Now()
-    # The core keeps addresses of names and callbacks, so they must live as long as it does.
     behaviours = ffi.new("WgBehaviour[]", len(others))
     held: list[Any] = []
     for into, one in zip(behaviours, others, strict=True):
@@ -111,7 +109,8 @@ def _calls_of(others: tuple[Behaviour, ...]) -> _Calls:
         into.restarts = int(one.restarts)
         into.state_size = len(one.memory)
         held += [name, trigger, action]
-    return _Calls(behaviours, now, tuple(held))
+    # The structs only have the addresses of names and callbacks.
+    return _Calls(kept(ffi, behaviours, *held), now)
 
 
 def _trigger(behaviour: Behaviour, now: _Now) -> Callable[[Any], int]:

@@ -21,7 +21,6 @@ from sim.runners.controller_time import timed
 from sim.runners.stopping import unbreakable
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.plugins.registry import ONLY_CODE
 from worldgen.world import Value
 
 # Bytes of an answer, not counting its newline.
@@ -440,9 +439,6 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
             stderr=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,
-            # The restriction on code that may be loaded applies to this process, not to the
-            # program.
-            env={name: value for name, value in os.environ.items() if name != ONLY_CODE},
         )
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error

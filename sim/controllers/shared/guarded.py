@@ -1,11 +1,13 @@
 """Make calls of the core in another process, so that a controller can crash without harm.
 
-A controller that crashes or hangs then ends a run, not the program. Campaigns run controllers from
-shared libraries this way. The other process is forked when it is first needed. It has the library
-loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand worlds.
-Everything that a call works on is in memory that both processes share (:data:`SHARED`). If the
-other process dies, the memory is in the state of the last call of the controller, and shows which
-run it was. ``sim/core/runs/wg_guard.h`` is the other side.
+A controller that crashes or hangs then ends a run, not the program. Controllers from shared
+libraries always run this way where the system can fork. The other process is forked when it is
+first needed. It has the library loaded and makes whole calls at full speed, such as a run, or
+screening runs in a thousand worlds. Everything that a call works on is in memory that both
+processes share (:data:`SHARED`). If the other process dies, the memory is in the state of the last
+call of the controller, and shows which run it was. ``sim/core/runs/wg_guard.h`` is the other side.
+
+Threads that make calls at the same time have a process each.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ import select
 import signal
 import threading
 import time
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +32,9 @@ from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
+can_fork = hasattr(os, "fork")
+"""Whether calls can be made in another process."""
+
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
 
@@ -38,6 +43,9 @@ _WAITING = 5.0
 
 # Seconds between two checks of the other process's progress, and for Ctrl-C.
 _LOOK = 0.1
+
+# Seconds that the process may take to end after it has closed its pipe.
+_ENDING = 5.0
 
 # Number of bytes by which the shared memory grows.
 _CHUNK = 1 << 24
@@ -56,16 +64,12 @@ class ControllerDied(ControllerError):
     """Raised if the process that ran the controller has ended, or was ended because of a hang."""
 
 
-class CallResult(NamedTuple):
-    """The result of a call.
+class Confined(Protocol):
+    """The memory of a function from a library: :class:`sim.controllers.shared.cage.Cage`."""
 
-    Args:
-        result: Return value of the core's function.
-        error: ``WgReport.error`` of the last run; empty if there was no error.
-    """
-
-    result: int
-    error: str
+    def misuse(self, address: int) -> str:
+        """Return what the function did if an address could not be used; empty if not its fault."""
+        ...
 
 
 class CoreMemory:
@@ -102,6 +106,7 @@ class _SharedMemory(CoreMemory):
 
     def __init__(self) -> None:
         self._chunks: list[mmap.mmap] = []
+        self._other_pages = 0
         self._next = 0
         self._end = 0
         self._sizes: dict[int, int] = {}
@@ -111,7 +116,12 @@ class _SharedMemory(CoreMemory):
     @property
     def chunks(self) -> int:
         """How many times it has grown; a process only knows chunks from before it was forked."""
-        return len(self._chunks)
+        return len(self._chunks) + self._other_pages
+
+    def note_pages(self) -> None:
+        """Count shared pages that were mapped elsewhere."""
+        with self._lock:
+            self._other_pages += 1
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:
         """See :meth:`CoreMemory.new`."""
@@ -197,6 +207,8 @@ class _Server:
         self._answer, answered = os.pipe()
         self.known = known
         self.chunks = SHARED.chunks
+        self.era = _here.era
+        self.is_open = True
         self.process = int(lib.wg_guard_start(self.call, asked, answered))
         os.close(asked)
         os.close(answered)
@@ -218,11 +230,12 @@ class _Server:
             return False
         return True
 
-    def wait(self, progress: Sequence[Any]) -> None:
+    def wait(self, progress: Sequence[Any], cages: Sequence[Confined]) -> None:
         """Wait until the call is done.
 
         Args:
             progress: Structs that change in each step.
+            cages: Where the controllers act.
 
         Raises:
             ControllerDied: If the process ends, or a step does not return.
@@ -242,40 +255,69 @@ class _Server:
                 used = lib.wg_guard_seconds(self.process)
             elif self._is_stuck(waited, used_since):
                 self.end()
-                raise ControllerDied(Verdict.HANG, NO_ANSWER, {"deadline": DEADLINE})
+                raise _hang()
         if not os.read(self._answer, 1):
-            _, status = os.waitpid(self.process, 0)
-            self._close()
-            code = os.waitstatus_to_exitcode(status)
-            raise ControllerDied(Verdict.CRASH, *how_it_ended(code))
+            self._bury(cages)
+
+    def _bury(self, cages: Sequence[Confined]) -> None:
+        """Wait for a process that has closed its pipe, and raise its error if it ended too early.
+
+        A controller may close the pipe, and then do its work, or never end.
+        """
+        until = time.monotonic() + _ENDING
+        process, status = os.waitpid(self.process, os.WNOHANG)
+        while not process:
+            if time.monotonic() > until:
+                self.end()
+                raise _hang()
+            time.sleep(_LOOK / 100)
+            process, status = os.waitpid(self.process, os.WNOHANG)
+        self._close()
+        if self.call.done:
+            return
+        error, facts = how_it_ended(os.waitstatus_to_exitcode(status))
+        fault = int(self.call.fault)
+        misuse = next(filter(None, (cage.misuse(fault) for cage in cages)), "") if fault else ""
+        raise ControllerDied(Verdict.CRASH, misuse or error, facts)
 
     @staticmethod
     def _is_stuck(waited: float, used: float) -> bool:
         return used >= DEADLINE or waited >= _WAITING
 
     def end(self) -> None:
-        """Kill the process."""
-        os.kill(self.process, signal.SIGKILL)
-        os.waitpid(self.process, 0)
-        self._close()
+        """Kill the process, unless it has ended."""
+        if self.is_open:
+            os.kill(self.process, signal.SIGKILL)
+            os.waitpid(self.process, 0)
+            self._close()
 
     def _close(self) -> None:
+        self.is_open = False
         os.close(self._ask)
         os.close(self._answer)
 
 
+def _hang() -> ControllerDied:
+    return ControllerDied(Verdict.HANG, NO_ANSWER, {"deadline": DEADLINE})
+
+
 class _Here:
-    """This process's side, with at most one call at a time and at most one other process.
+    """This process's side.
 
     Attributes:
+        lock: Held while a process is started or chosen. Two that start at the same time would
+            inherit each other's ends of the pipes, and their deaths would go unnoticed.
+        servers: Processes that wait for a call.
         known: Addresses of all functions requested so far, which a new process knows from its
             start.
+        era: How many times all processes were ended; one that was busy then ends after its call.
     """
 
     def __init__(self) -> None:
-        self.one_call = threading.RLock()
+        self.lock = threading.Lock()
         self.servers: list[_Server] = []
         self.known: frozenset[int] = frozenset()
+        self.era = 0
 
 
 _here = _Here()
@@ -283,78 +325,80 @@ _here = _Here()
 
 def call(
     work: Any,
-    act: int,
+    acts: Collection[int],
     objects: Sequence[Any],
-    number: int,
+    number: int = 0,
     *,
-    report: Any,
     progress: Sequence[Any] = (),
-) -> CallResult:
-    """Make a call of a core in the other process.
+    cages: Sequence[Confined] = (),
+) -> int:
+    """Make a call of a core in another process.
 
     Args:
         work: The function, a ``WgWork``.
-        act: Address of the controller's function.
+        acts: Addresses of the controllers' functions.
         objects: Arguments of the function. They, and everything that they point to, must be in
             :data:`SHARED`.
         number: The function's number argument.
-        report: ``WgReport`` of the run under way, which changes in each step.
-        progress: Other structs that change as the work progresses.
+        progress: Structs that change as the work progresses, one of them in each step.
+        cages: Where the controllers act.
 
     Returns:
-        The function's result and the controller's error.
+        The function's result.
 
     Raises:
         ControllerDied: If the process ended, or a step did not return; the next call starts a new
             process.
     """
-    # Describe the call in the shared memory.
     function = int(ffi.cast("uintptr_t", work))
-    with _here.one_call:
-        server = _server_for(frozenset((function, act)))
+    while True:
+        server = _taken_server(frozenset((function, *acts)))
+        # Describe the call in the shared memory.
         asked = server.call
         asked.work = ffi.cast("WgWork", function)
         for k, one in enumerate(objects):
             asked.objects[k] = ffi.cast("void *", one)
         asked.number = number
-        asked.report = ffi.cast("WgReport *", report)
-        # Make the call, in a new process if the old one has died.
-        if not server.ask():  # The process was ended while it waited.
-            renew()
-            return call(work, act, objects, number, report=report, progress=progress)
-        try:
-            server.wait((asked.report, *progress))
-        except ControllerDied:
-            _here.servers.clear()
-            raise
-        except BaseException:
-            renew()
-            raise
-        # Copy the controller's message, because the memory is reused.
-        error = ffi.string(asked.error).decode("utf-8", "replace") if asked.has_error else ""
-        return CallResult(int(asked.result), error)
+        asked.done = 0
+        if server.ask():
+            break
+        server.end()  # it was ended while it waited
+    try:
+        server.wait(progress, cages)
+    except ControllerDied:
+        raise
+    except BaseException:
+        server.end()
+        raise
+    result = int(asked.result)
+    with _here.lock:
+        if server.era == _here.era and server.is_open:
+            _here.servers.append(server)
+            return result
+    server.end()
+    return result
 
 
-def _server_for(functions: frozenset[int]) -> _Server:
-    """Return a process that knows these functions and all of the shared memory."""
-    _here.known |= functions
-    if _here.servers:
-        server = _here.servers[0]
-        if functions <= server.known and server.chunks == SHARED.chunks:
-            return server
-        renew()
-    server = _Server(_here.known)
-    _here.servers.append(server)
-    return server
+def _taken_server(functions: frozenset[int]) -> _Server:
+    """Return a process that waits, and knows these functions and all of the shared memory."""
+    with _here.lock:
+        _here.known |= functions
+        while _here.servers:
+            server = _here.servers.pop()
+            if functions <= server.known and server.chunks == SHARED.chunks:
+                return server
+            server.end()
+        return _Server(_here.known)
 
 
 def renew() -> None:
-    """End the other process.
+    """End the other processes.
 
     The next call forks a new process, in which the library is in its original state, whatever a
     controller did to it.
     """
-    with _here.one_call:
+    with _here.lock:
+        _here.era += 1
         while _here.servers:
             _here.servers.pop().end()
 

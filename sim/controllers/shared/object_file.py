@@ -6,14 +6,21 @@ process that loads it.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
+import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sim._core import ffi, lib
+from sim.controllers.shared import guarded
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
+from worldgen.plugins.trust import check_code
 
 _PREFIX = "lib:"
 # Suffix of the function that describes a controller.
@@ -137,8 +144,11 @@ def check_file(name: str) -> None:
 def _loaded(name: str, file: Path) -> ctypes.CDLL:
     """Return the library; it stays loaded until this process ends."""
     check_file(name)
+    check_code(name)
+    _check_loading(name, file)
     try:
-        return ctypes.CDLL(str(file.resolve()))
+        with _rounding_kept():
+            return ctypes.CDLL(str(file.resolve()))
     except OSError as error:
         raise InvalidParameter(
             "cannot-load",
@@ -149,6 +159,49 @@ def _loaded(name: str, file: Path) -> ctypes.CDLL:
             reason=str(error),
             build=_BUILD,
         ) from None
+
+
+def _check_loading(name: str, file: Path) -> None:
+    """Load a library in another process first, because its own start code may crash or hang.
+
+    Raises:
+        InvalidParameter: If it does.
+    """
+    if not guarded.can_fork:
+        return
+    system = ctypes.CDLL(None)
+    offer = guarded.SHARED.new("WgOffer *")
+    text = guarded.SHARED.own(np.frombuffer(os.fsencode(file.resolve()) + b"\0", np.uint8))
+    function = guarded.SHARED.own(
+        np.frombuffer(f"{name.rpartition(':')[2]}{_OFFER}\0".encode(), np.uint8)
+    )
+    offer.open = ffi.cast("WgOpen", ctypes.cast(system.dlopen, ctypes.c_void_p).value)
+    offer.find = ffi.cast("WgFind", ctypes.cast(system.dlsym, ctypes.c_void_p).value)
+    offer.flags = os.RTLD_NOW
+    offer.file = ffi.cast("char *", ffi.from_buffer(text))
+    offer.function = ffi.cast("char *", ffi.from_buffer(function))
+    try:
+        guarded.call(ffi.addressof(lib, "wg_call_offer"), (), (offer,))
+    except guarded.ControllerDied as death:
+        raise InvalidParameter(
+            "cannot-load",
+            "controller {name!r}: {file} cannot be loaded ({reason})",
+            "correct what it does before its controller acts: constructors, and {function}",
+            name=name,
+            file=file,
+            reason=death.error,
+            function=f"{name.rpartition(':')[2]}{_OFFER}()",
+        ) from None
+
+
+@contextlib.contextmanager
+def _rounding_kept() -> Iterator[None]:
+    """Restore how floating point rounds; a library built with -ffast-math changes it."""
+    before = lib.wg_rounding()
+    try:
+        yield
+    finally:
+        lib.wg_set_rounding(before)
 
 
 def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> Message:

@@ -85,14 +85,14 @@ static void forget_line(WgGestaltMemory *own, int64_t place, bool is_column)
 // Moves the window along an axis so that it begins at a place, and forgets the cells that leave it.
 static void move_along(WgGestaltMemory *own, double *low, int64_t place, bool columns)
 {
-    while ((int64_t)*low > place) {
-        *low -= 1.0;
-        forget_line(own, (int64_t)*low, columns);
+    int64_t before = (int64_t)*low;
+    int64_t first = wg_least(before, place);
+    // A window that moves further than its own side forgets every line once.
+    int64_t last = first + wg_least(wg_abs(place - before), (int64_t)own->side);
+    for (int64_t line = first; line < last; line++) {
+        forget_line(own, line, columns);
     }
-    while ((int64_t)*low < place) {
-        forget_line(own, (int64_t)*low, columns);
-        *low += 1.0;
-    }
+    *low = (double)place;
 }
 
 // Lays the grid in the first step, and keeps the robot in the middle of its window.

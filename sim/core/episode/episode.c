@@ -1,6 +1,7 @@
 // The loop of an episode: step by step, until the outcome is decided.
 
 #include "step.h"
+#include "stopwatch.h"
 
 // Judges and records a finished step; returns true if it was the last one.
 static bool finish_step(WgEpisode *episode)
@@ -51,7 +52,16 @@ int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps)
     if (episode->over != 0) {
         return WG_OVER;
     }
-    bool goes_on = wg_is_plain(episode) ? wg_run_plain(episode, last) : run_any(episode, last);
+    bool is_plain = wg_is_plain(episode);
+    bool goes_on = true;
+    WgStopwatch watch = wg_stopwatch();
+    while (goes_on && episode->step < last) {
+        int64_t until = wg_least(last, episode->step + watch.portion);
+        goes_on = is_plain ? wg_run_plain(episode, until) : run_any(episode, until);
+        if (wg_is_late(&watch)) {
+            break;
+        }
+    }
     episode->over = !goes_on || episode->step >= settings->steps;
     return episode->over != 0 ? WG_OVER : WG_GOES_ON;
 }

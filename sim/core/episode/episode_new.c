@@ -97,6 +97,11 @@ WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const 
     episode->robot.body = take(&rest, parts.state);
     episode->robot.chain = take(&rest, parts.corners);
     episode->workspace.beams = take(&rest, parts.beams);
+    if (controller->cage != NULL) {
+        // What a library's function uses in every step is where it acts.
+        episode->robot.body = (WgBody *)(controller->cage->memory - WG_STATE_WORDS);
+        episode->workspace.beams = controller->cage->beams;
+    }
     episode->workspace.flat = take(&rest, parts.flat);
     episode->workspace.answer = take(&rest, parts.answer);
     episode->search.prints = take(&rest, parts.prints);

@@ -73,6 +73,9 @@ void wg_take_answer(WgEpisode *episode);
 // Copies the observation into workspace->flat.
 void wg_flatten(WgWorkspace *workspace);
 
+// Lets a library's function act in its cage, on copies of the observation and the command.
+void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot);
+
 // Lets a WgFlatAct act on copies of the observation and the command.
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory);
 
@@ -383,6 +386,8 @@ static inline bool wg_call(const WgController *controller, WgWorkspace *workspac
     WgCommand *command = &workspace->command;
     if (controller->act != NULL) {
         controller->act(&workspace->observation, robot->body->memory, command);
+    } else if (controller->cage != NULL) {
+        wg_act_caged(controller->cage, workspace, robot);
     } else {
         wg_act_flat(controller, workspace, robot->body->memory);
     }

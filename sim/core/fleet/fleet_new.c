@@ -17,35 +17,48 @@ uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot)
     return (uint64_t *)fleet->members[robot]->robot.body + words_of(fleet, robot) - 1;
 }
 
-// Returns a new array of zeros; NULL if memory runs out, and then for all later calls too.
-static void *array(bool *is_made, int64_t count, size_t size)
+// Returns memory from the block, or from the heap if there is no block; NULL if there is none left.
+static void *take(WgBlock *block, size_t size, bool clears)
 {
-    void *made = *is_made ? calloc((size_t)wg_most(count, 1), size) : NULL;
+    // Everything in the block begins at a multiple of 16 bytes.
+    int64_t rounded = ((int64_t)size + 15) / 16 * 16;
+    int64_t begin = block->used;
+    block->used += rounded;
+    if (block->bytes == NULL) {
+        return clears ? calloc(1, size) : malloc(size);
+    }
+    return block->used <= block->size ? (char *)block->bytes + begin : NULL;
+}
+
+// Returns a new array of zeros; NULL if memory runs out, and then for all later calls too.
+static void *array(WgBlock *block, bool *is_made, int64_t count, size_t size)
+{
+    void *made = *is_made ? take(block, (size_t)wg_most(count, 1) * size, true) : NULL;
     *is_made = made != NULL;
     return made;
 }
 
-static bool make_search(WgFleet *fleet, int64_t words)
+static bool make_search(WgFleet *fleet, WgBlock *block, int64_t words)
 {
     bool is_made = true;
     WgSearch *search = &fleet->search;
     search->words = words;
-    search->prints = array(&is_made, wg_blocks(words) + 1, sizeof(uint64_t));
-    search->known = array(&is_made, words, sizeof(uint64_t));
+    search->prints = array(block, &is_made, wg_blocks(words) + 1, sizeof(uint64_t));
+    search->known = array(block, &is_made, words, sizeof(uint64_t));
     if (fleet->settings->log_steps > 0) {
         // Not cleared, so a long log takes memory only as the run progresses.
         search->log_size = fleet->settings->log_steps + 1;
-        search->log = malloc((size_t)search->log_size * sizeof(uint64_t));
+        search->log = take(block, (size_t)search->log_size * sizeof(uint64_t), false);
         is_made = is_made && search->log != NULL;
     }
     return is_made;
 }
 
-static bool make_near(WgFleet *fleet)
+static bool make_near(WgFleet *fleet, WgBlock *block)
 {
     bool is_made = true;
     int64_t count = fleet->count;
-    WgNear *near = array(&is_made, 1, sizeof *near);
+    WgNear *near = array(block, &is_made, 1, sizeof *near);
     fleet->near = near;
     if (!is_made) {
         return false;
@@ -54,20 +67,20 @@ static bool make_near(WgFleet *fleet)
     while (near->buckets < 2 * count) {
         near->buckets *= 2;
     }
-    near->pairs = array(&is_made, count * (count - 1) / 2, sizeof *near->pairs);
-    near->first = array(&is_made, count, sizeof *near->first);
-    near->first_pair = array(&is_made, count, sizeof *near->first_pair);
-    near->heads = array(&is_made, near->buckets, sizeof *near->heads);
-    near->chain = array(&is_made, count, sizeof *near->chain);
+    near->pairs = array(block, &is_made, count * (count - 1) / 2, sizeof *near->pairs);
+    near->first = array(block, &is_made, count, sizeof *near->first);
+    near->first_pair = array(block, &is_made, count, sizeof *near->first_pair);
+    near->heads = array(block, &is_made, near->buckets, sizeof *near->heads);
+    near->chain = array(block, &is_made, count, sizeof *near->chain);
     // The grid has at most as many cells as there are robots.
-    near->grid.first = array(&is_made, count + 1, sizeof *near->grid.first);
-    near->grid.spots = array(&is_made, count, sizeof *near->grid.spots);
-    near->grid.found = array(&is_made, count + 1, sizeof *near->grid.found);
+    near->grid.first = array(block, &is_made, count + 1, sizeof *near->grid.first);
+    near->grid.spots = array(block, &is_made, count, sizeof *near->grid.spots);
+    near->grid.found = array(block, &is_made, count + 1, sizeof *near->grid.found);
     return is_made;
 }
 
 // Allocates what robots need to sense each other, if they do.
-static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
+static bool make_senses(WgFleet *fleet, WgBlock *block, const WgArena *const *arenas)
 {
     bool is_made = true;
     int64_t room = 0;
@@ -88,10 +101,10 @@ static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
     }
     // A beam may hit the rim of a robot whose centre is farther away.
     fleet->furthest += radius;
-    fleet->around = array(&is_made, fleet->count, sizeof *fleet->around);
-    fleet->arenas = array(&is_made, fleet->count, sizeof *fleet->arenas);
-    fleet->seen = array(&is_made, room, sizeof *fleet->seen);
-    fleet->flat = array(&is_made, flat, sizeof *fleet->flat);
+    fleet->around = array(block, &is_made, fleet->count, sizeof *fleet->around);
+    fleet->arenas = array(block, &is_made, fleet->count, sizeof *fleet->arenas);
+    fleet->seen = array(block, &is_made, room, sizeof *fleet->seen);
+    fleet->flat = array(block, &is_made, flat, sizeof *fleet->flat);
     if (!is_made) {
         return false;
     }
@@ -114,22 +127,38 @@ static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
     return true;
 }
 
+static WgStatus make_member(WgFleet *fleet, int64_t robot, WgBlock *block, const WgArena *arena,
+                            const WgSettings *settings, const WgController *controller)
+{
+    int64_t sizes[2];
+    WgStatus status = wg_episode_sizes(arena, settings, controller, 0, sizes);
+    if (status != WG_OK) {
+        return status;
+    }
+    void *bytes = take(block, (size_t)sizes[0], true);
+    if (bytes == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    fleet->members[robot] = wg_episode_place(bytes, NULL, arena, settings, controller, 0);
+    return WG_OK;
+}
+
 // Makes the members, and puts their states next to each other.
-static WgStatus make_members(WgFleet *fleet, const WgArena *const *arenas, const WgSettings *const *robots,
-                             const WgController *const *controllers)
+static WgStatus make_members(WgFleet *fleet, WgBlock *block, const WgArena *const *arenas,
+                             const WgSettings *const *robots, const WgController *const *controllers)
 {
     int64_t words = 0;
     for (int64_t k = 0; k < fleet->count; k++) {
-        WgStatus status = wg_episode_new(arenas[k], robots[k], controllers[k], 0, &fleet->members[k]);
+        WgStatus status = make_member(fleet, k, block, arenas[k], robots[k], controllers[k]);
         if (status != WG_OK) {
             return status;
         }
         words += words_of(fleet, k);
     }
     int64_t corners = WG_FLEET_CORNERS * (wg_most_events_of_a_step(arenas[0]) + 1);
-    bool is_made = make_search(fleet, words) && make_near(fleet);
-    fleet->state = array(&is_made, words, sizeof *fleet->state);
-    fleet->chains = array(&is_made, fleet->count * corners, sizeof *fleet->chains);
+    bool is_made = make_search(fleet, block, words) && make_near(fleet, block);
+    fleet->state = array(block, &is_made, words, sizeof *fleet->state);
+    fleet->chains = array(block, &is_made, fleet->count * corners, sizeof *fleet->chains);
     if (!is_made) {
         return WG_OUT_OF_MEMORY;
     }
@@ -141,7 +170,7 @@ static WgStatus make_members(WgFleet *fleet, const WgArena *const *arenas, const
         member->search.words = words_of(fleet, k) - 1;
         body += words_of(fleet, k);
     }
-    if (!make_senses(fleet, arenas)) {
+    if (!make_senses(fleet, block, arenas)) {
         return WG_OUT_OF_MEMORY;
     }
     return WG_OK;
@@ -166,28 +195,30 @@ static bool is_in_range(const WgFleetSettings *settings, const WgArena *const *a
 }
 
 WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
-                      const WgController *const *controllers, int64_t count, WgFleet **made)
+                      const WgController *const *controllers, int64_t count, WgBlock *block, WgFleet **made)
 {
     *made = NULL;
+    block->used = 0;
     if (!is_in_range(settings, arenas, robots, count)) {
         return WG_BAD_VALUE;
     }
-    WgFleet *fleet = calloc(1, sizeof *fleet);
+    bool is_made = true;
+    WgFleet *fleet = array(block, &is_made, 1, sizeof *fleet);
     if (fleet == NULL) {
         return WG_OUT_OF_MEMORY;
     }
-    bool is_made = true;
+    fleet->is_in_block = block->bytes != NULL;
     fleet->settings = settings;
     fleet->count = count;
-    fleet->members = (WgEpisode **)array(&is_made, count, sizeof *fleet->members);
-    fleet->moved = array(&is_made, count, sizeof *fleet->moved);
-    fleet->blocked = array(&is_made, count * count, sizeof *fleet->blocked);
-    fleet->movers = array(&is_made, count, sizeof *fleet->movers);
-    fleet->by = array(&is_made, count, sizeof *fleet->by);
-    fleet->before = array(&is_made, count, sizeof *fleet->before);
-    fleet->is_inside = array(&is_made, count, sizeof *fleet->is_inside);
-    fleet->acts = array(&is_made, count, sizeof *fleet->acts);
-    WgStatus status = is_made ? make_members(fleet, arenas, robots, controllers) : WG_OUT_OF_MEMORY;
+    fleet->members = (WgEpisode **)array(block, &is_made, count, sizeof *fleet->members);
+    fleet->moved = array(block, &is_made, count, sizeof *fleet->moved);
+    fleet->blocked = array(block, &is_made, count * count, sizeof *fleet->blocked);
+    fleet->movers = array(block, &is_made, count, sizeof *fleet->movers);
+    fleet->by = array(block, &is_made, count, sizeof *fleet->by);
+    fleet->before = array(block, &is_made, count, sizeof *fleet->before);
+    fleet->is_inside = array(block, &is_made, count, sizeof *fleet->is_inside);
+    fleet->acts = array(block, &is_made, count, sizeof *fleet->acts);
+    WgStatus status = is_made ? make_members(fleet, block, arenas, robots, controllers) : WG_OUT_OF_MEMORY;
     if (status != WG_OK) {
         wg_fleet_free(fleet);
         return status;
@@ -198,7 +229,7 @@ WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *are
 
 void wg_fleet_free(WgFleet *fleet)
 {
-    if (fleet == NULL) {
+    if (fleet == NULL || fleet->is_in_block != 0) {
         return;
     }
     for (int64_t k = 0; fleet->members != NULL && k < fleet->count; k++) {

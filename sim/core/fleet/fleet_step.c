@@ -3,6 +3,9 @@
 #include <string.h>
 
 #include "fleet.h"
+#include "stopwatch.h"
+
+enum { LONGEST_PORTION = 1 << 8 };  // steps between two looks at the clock
 
 static bool has_parked(const WgEpisode *member)
 {
@@ -11,7 +14,8 @@ static bool has_parked(const WgEpisode *member)
 
 static bool is_outside_the_core(const WgEpisode *member)
 {
-    return member->controller.act == NULL && member->controller.flat == NULL;
+    const WgController *controller = &member->controller;
+    return controller->act == NULL && controller->flat == NULL && controller->cage == NULL;
 }
 
 // Moves all robots at the speed of their wheels.
@@ -243,7 +247,15 @@ int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps)
         fleet->over = finish_step(fleet);
     }
     int64_t last = wg_least(fleet->settings->steps, fleet->step + most_steps);
+    WgStopwatch watch = wg_stopwatch();
+    int64_t next_look = fleet->step + 1;
     while (fleet->over == 0 && fleet->step < last) {
+        if (fleet->step == next_look) {
+            if (wg_is_late(&watch)) {
+                break;
+            }
+            next_look += wg_least(watch.portion, LONGEST_PORTION);
+        }
         fleet->step++;
         move_robots(fleet, fleet->step);
         sense(fleet);

@@ -75,19 +75,27 @@ typedef struct WgFleet {
     // 1 while controllers outside the core have to act: those of members whose `waits` is 1
     int64_t waits;
     int64_t over;           // 1 when the run has ended
+    int64_t is_in_block;    // 1 if its memory is the caller's
 } WgFleet;
 
+// Memory for a fleet.
+typedef struct WgBlock {
+    void *bytes;   // all zeros; NULL for the heap
+    int64_t size;  // bytes
+    int64_t used;  // filled: bytes that the fleet takes
+} WgBlock;
+
 // Makes a fleet, whose settings, arenas and members' settings stay the caller's. All arenas have
-// the same cells, masks and events. wg_fleet_free frees it.
+// the same cells, masks and events. wg_fleet_free frees it, unless it is in a block of the caller.
 WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
-                      const WgController *const *controllers, int64_t count, WgFleet **made);
+                      const WgController *const *controllers, int64_t count, WgBlock *block, WgFleet **made);
 
 void wg_fleet_free(WgFleet *fleet);
 
 // Puts all robots at their starts. The arenas must be as they are before the first event.
 WgStatus wg_fleet_begin(WgFleet *fleet);
 
-// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core
+// Runs at most this many steps, for about a tenth of a second: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core
 // must act. For those members `waits` is 1; each finds what it observes in `flat`, and leaves its
 // command and memory as in WgWorkspace before the next call.
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);

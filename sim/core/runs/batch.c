@@ -3,7 +3,7 @@
 #include "step.h"
 #include "wg_runs.h"
 
-enum { PORTION = 1 << 20 };  // steps between two checks for a stop: a tenth of a second
+enum { PORTION = 1 << 20 };  // most steps between two checks for a stop
 
 // Sets an arena back to its state before the first event, with the robot's cell visited.
 static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)

@@ -39,7 +39,46 @@ int64_t wg_call_outcomes(const WgCall *call)
     return wg_outcomes(objects[0], objects[1], objects[2], call->number, objects[3], objects[4], objects[5]);
 }
 
+int64_t wg_call_fleet(const WgCall *call)
+{
+    return wg_fleet_run(call->objects[0], call->number);
+}
+
+int64_t wg_call_reset(const WgCall *call)
+{
+    const WgReset *reset = call->objects[1];
+    return wg_cage_reset(call->objects[0], *reset);
+}
+
+int64_t wg_call_offer(const WgCall *call)
+{
+    const WgOffer *offer = call->objects[0];
+    void *library = offer->open(offer->file, (int)offer->flags);
+    void *found = library != NULL ? offer->find(library, offer->function) : NULL;
+    if (found == NULL) {
+        return 0;
+    }
+    // ISO C does not convert an object's address into a function's.
+    const WgControllerInfo *(*describe)(void);
+    memcpy(&describe, &found, sizeof describe);
+    const WgControllerInfo *info = describe();
+    return info != NULL && info->abi == WG_CONTROLLER_ABI;  // reads it, which may be a fault too
+}
+
 #if defined(_WIN32)
+
+int64_t wg_page_size(void)
+{
+    return 4096;
+}
+
+void *wg_map_fenced(int64_t fence, int64_t first_size, int64_t second_size)
+{
+    (void)fence;
+    (void)first_size;
+    (void)second_size;
+    return NULL;
+}
 
 int64_t wg_guard_start(WgCall *call, int asked, int answered)
 {
@@ -60,6 +99,8 @@ double wg_guard_seconds(int64_t process)
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <time.h>
@@ -111,14 +152,38 @@ static void close_off(void)
     setrlimit(RLIMIT_CORE, &no_file);
 }
 
-// Copies the last run's controller message, which may be in memory that only this process has.
-static void note_error(WgCall *call)
+static WgCall *served;  // the call of this process; set only there
+
+// Notes the address that could not be used, and lets the signal end the process.
+static void note_fault(int number, siginfo_t *info, void *context)
 {
-    call->has_error = call->report != NULL && call->report->ending == WG_CRASH && call->report->error != NULL;
-    if (call->has_error != 0) {
-        strncpy(call->error, call->report->error, WG_LONGEST_ERROR - 1);
-        call->error[WG_LONGEST_ERROR - 1] = '\0';
+    (void)context;
+    (void)signal(number, SIG_DFL);
+    if (info->si_code > 0) {
+        served->fault = (uint64_t)(uintptr_t)info->si_addr;
+    } else {
+        (void)raise(number);  // sent by a program: returning would not end this one
     }
+}
+
+// Notes faults, on a stack of their own, because the stack itself may be what ran out.
+static void note_faults(WgCall *call)
+{
+    served = call;
+    call->fault = 0;
+    stack_t stack;
+    memset(&stack, 0, sizeof stack);
+    stack.ss_size = 1 << 16;
+    stack.ss_sp = malloc(stack.ss_size);
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_sigaction = note_fault;
+    action.sa_flags = SA_SIGINFO;
+    if (stack.ss_sp != NULL && sigaltstack(&stack, NULL) == 0) {
+        action.sa_flags |= SA_ONSTACK;
+    }
+    sigaction(SIGSEGV, &action, NULL);
+    sigaction(SIGBUS, &action, NULL);
 }
 
 static _Noreturn void serve(WgCall *call, int asked, int answered)
@@ -133,12 +198,12 @@ static _Noreturn void serve(WgCall *call, int asked, int answered)
             _exit(0);  // the owner has closed its end
         }
         call->result = call->work(call);
-        note_error(call);
+        call->done = 1;
         do {
             count = write(answered, &byte, 1);
         } while (count < 0 && errno == EINTR);
         if (count != 1) {
-            _exit(0);
+            _exit(0);  // or a controller has closed this end
         }
     }
 }
@@ -156,10 +221,35 @@ int64_t wg_guard_start(WgCall *call, int asked, int answered)
         owner = (sig_atomic_t)parent;
         close_off();
         set_signals();
+        note_faults(call);
         serve(call, asked, answered);
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return process;
+}
+
+int64_t wg_page_size(void)
+{
+    return sysconf(_SC_PAGESIZE);
+}
+
+void *wg_map_fenced(int64_t fence, int64_t first_size, int64_t second_size)
+{
+    // Reserve addresses for all of it, and put the shared pages there.
+    size_t size = (size_t)(3 * fence + first_size + second_size);
+    char *base = mmap(NULL, size, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (base == MAP_FAILED) {
+        return NULL;
+    }
+    char *first = base + fence;
+    char *second = first + first_size + fence;
+    int flags = MAP_SHARED | MAP_ANONYMOUS | MAP_FIXED;
+    if (mmap(first, (size_t)first_size, PROT_READ | PROT_WRITE, flags, -1, 0) == MAP_FAILED
+        || mmap(second, (size_t)second_size, PROT_READ | PROT_WRITE, flags, -1, 0) == MAP_FAILED) {
+        munmap(base, size);
+        return NULL;
+    }
+    return first;
 }
 
 double wg_guard_seconds(int64_t process)

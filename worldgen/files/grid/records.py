@@ -5,7 +5,7 @@ Robots, provenance, certificate and failure are each checked, with lines in erro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -21,8 +21,11 @@ from worldgen.files.grid.schema import (
     OPTIONAL_KEYS,
     ROBOT_KEYS,
     TABLE_KEYS,
+    WORD,
+    WORD_KEYS,
 )
 from worldgen.files.grid.values import finite, integer_at, kind_of, numbers_at, text_at, values_at
+from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.support.known_names import unknown_name
 from worldgen.support.plain_text import quote
 from worldgen.world import DEFAULT_ROBOT_SPEED, FailureRecord, Pose, Provenance, Robot, Target
@@ -259,6 +262,7 @@ def read_provenance(header: Header) -> Provenance | None:
     table = _table(header, "provenance")
     if table is None:
         return None
+    note_names(table, header.source)
     return Provenance(
         family=text_at(header, table, "provenance", "family"),
         version=integer_at(header, table, "provenance", "version"),
@@ -341,8 +345,10 @@ def read_failure(header: Header) -> FailureRecord | None:
     table = _table(header, "failure")
     if table is None:
         return None
-    return FailureRecord(
-        controller=text_at(header, table, "failure", "controller"),
+    # It may name code, and anybody may have written the file.
+    note_names(table, header.source)
+    record = FailureRecord(
+        controller=NameInFile(text_at(header, table, "failure", "controller")),
         motion=text_at(header, table, "failure", "motion"),
         seed=integer_at(header, table, "failure", "seed"),
         verdict=text_at(header, table, "failure", "verdict"),
@@ -351,6 +357,28 @@ def read_failure(header: Header) -> FailureRecord | None:
         evidence=values_at(header, table, "failure", "evidence"),
         details=values_at(header, table, "failure", "details"),
     )
+    for key, fault in word_faults(record):
+        raise FormatError.of(fault, **header.at("failure", key))
+    return record
+
+
+def word_faults(record: FailureRecord) -> Iterator[tuple[str, Message]]:
+    """Yield each key of a failure whose value must be a word and is not, and the fault."""
+    for key, example in WORD_KEYS.items():
+        value = getattr(record, key)
+        if not WORD.match(value):
+            yield (
+                key,
+                Message(
+                    "not-a-word",
+                    "failure.{key} is {value!q}",
+                    "write a word of at most 64 lower-case letters, digits and dashes, like "
+                    "{example}",
+                    key=key,
+                    value=value,
+                    example=example,
+                ),
+            )
 
 
 def _table(header: Header, name: str) -> Mapping[str, object] | None:

@@ -75,6 +75,11 @@ MAX_WORD: Final = 2000
 # Digits of a decimal in a section, on either side of its point; float64 needs 309.
 MAX_DIGITS: Final = 400
 
+# Words of [failure] that commands print, count and look up. An unknown one is fine, since a newer
+# version may know it, but it must be a word, without blanks, line ends or control characters.
+WORD_KEYS: Final = {"motion": "swept", "verdict": "loop"}
+WORD: Final = re.compile(r"[a-z][a-z0-9-]{0,63}\Z")
+
 BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
 
 _NUMBER = rb"[0-9]{1,%d}(?:\.[0-9]{1,%d})?(?:[eE][+-]?[0-9]{1,4})?" % (MAX_DIGITS, MAX_DIGITS)

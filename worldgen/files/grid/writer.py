@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from worldgen.errors import InvalidWorld
+from worldgen.files.grid.records import word_faults
 from worldgen.files.grid.schema import END, FLEET_MAGIC, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
 from worldgen.files.grid.toml_text import number_text, value_text
 from worldgen.support.rows import flip_rows
@@ -148,6 +149,8 @@ def _provenance_lines(made: Provenance) -> Iterator[str]:
 
 
 def _failure_lines(failure: FailureRecord) -> Iterator[str]:
+    for _, fault in word_faults(failure):
+        raise InvalidWorld.of(fault)
     yield from ("", "[failure]")
     for key in ("controller", "motion", "seed", "verdict", "trace_digest"):
         yield f"{key} = {value_text(getattr(failure, key), f'failure.{key}')}"

@@ -9,10 +9,8 @@ instead.
 
 from __future__ import annotations
 
-import contextlib
 import inspect
 import itertools
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -50,16 +48,6 @@ def _accept(name: str, thing: Any) -> Callable[..., Any]:
 GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "generator", _accept)
 
 
-@contextlib.contextmanager
-def _aside(doing: str) -> Iterator[None]:
-    """Run a generator's code, which may raise any exception.
-
-    Its prints go to stderr because stdout carries data.
-    """
-    with user_code(doing), contextlib.redirect_stdout(sys.stderr):
-        yield
-
-
 @dataclass(frozen=True)
 class GeneratedMaps:
     """Maps that the generator makes as the caller iterates.
@@ -84,12 +72,12 @@ class GeneratedMaps:
         return self.count
 
     def __iter__(self) -> Iterator[CensusMap | Refused]:
-        with _aside(f"generator {self.name!r}"):
+        with user_code(f"generator {self.name!r}"):
             maps = iter(self.function(seed=self.seed, **self.options))
         for index in itertools.count():
             if index == self.count:
                 return
-            with _aside(f"generator {self.name!r}, map {index + 1}"):
+            with user_code(f"generator {self.name!r}, map {index + 1}"):
                 item = next(maps, _END)
             if item is _END:
                 return
@@ -156,8 +144,7 @@ def generated_maps(
         InvalidParameter: If the function does not exist, takes no ``seed``, or lacks one of the
             options.
     """
-    with contextlib.redirect_stdout(sys.stderr):
-        function = GENERATORS.get(name)
+    function = GENERATORS.get(name)
     try:
         known = inspect.signature(function).parameters
     except (TypeError, ValueError) as error:

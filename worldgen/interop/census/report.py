@@ -16,7 +16,7 @@ from worldgen.interop.census.case import Radius
 from worldgen.interop.census.take import Census, CensusCase
 from worldgen.reach import BLOCKED, REACHABLE
 from worldgen.support.intervals import interval_95
-from worldgen.support.plain_text import GAP, aligned, counted
+from worldgen.support.plain_text import GAP, Styled, aligned, counted, stacked
 
 ROWS = {
     "reachable": "reachable for the disc",
@@ -108,7 +108,7 @@ def _counted(question: CensusCase) -> list[str]:
     return [BLOCKED, *(name for name, holds in holding.items() if holds)]
 
 
-def as_text(census: Census) -> str:
+def as_text(census: Census) -> Styled:
     """Return a line about the maps, a table with a column per radius, and the refusals."""
     tallies = tally(census)
     rows = [["", *(str(one.asked) for one in tallies)], ["", *map(_in_the_other_unit, tallies)]]
@@ -124,7 +124,7 @@ def as_text(census: Census) -> str:
         lines.append(f"refused: {refused.name}: {refused.reason}")
     if len(census.refused) > _MOST_REFUSALS:
         lines.append(f"refused: {len(census.refused) - _MOST_REFUSALS} more; --json lists them")
-    return "\n".join(lines) + "\n"
+    return stacked([*lines, ""])
 
 
 def _headline(census: Census) -> str:

@@ -150,6 +150,21 @@ def _model(
     yield "    </model>"
 
 
+# What has no collision does not stop a robot; a frame matters only to poses that name it, which
+# are refused.
+_HARMLESS = frozenset({
+    "sdf/version", "name", "collision/surface", "collision/laser_retro", "collision/max_contacts",
+    "collision/density", "link/audio_sink", "link/audio_source", "link/battery", "link/enable_wind", "link/gravity",
+    "link/inertial", "link/kinematic", "link/light", "link/must_be_base_link", "link/particle_emitter",
+    "link/projector", "link/self_collide", "link/sensor", "link/velocity_decay", "link/visual",
+    "model/allow_auto_disable", "model/canonical_link", "model/enable_wind", "model/frame", "model/self_collide",
+    "model/static", "model/velocity_decay", "model/gripper", "state/iterations", "state/light", "state/real_time",
+    "state/sim_time", "state/wall_time", "state/world_name", "state/model/link", "state/model/static",
+    "world/atmosphere", "world/audio", "world/frame", "world/gravity", "world/gui", "world/light",
+    "world/magnetic_field", "world/physics", "world/scene", "world/spherical_coordinates", "world/wind",
+    f"world/{OURS}robot_radius",
+})  # fmt: skip
+
 barn = Format(
     "barn",
     "BARN world of posts, and other Gazebo worlds, .world",
@@ -163,5 +178,6 @@ barn = Format(
     holds=frozenset(HELD),
     client="Gazebo",
     most_bytes=MAX_BYTES,
+    harmless=_HARMLESS,
     usual_robot=FLOOR_ROBOT,
 )

@@ -223,4 +223,5 @@ dbcbs = Format(
     client="db-CBS, dynobench",
     usual_robot=FLOOR_ROBOT,
     most_bytes=_MAX_YAML_BYTES,
+    harmless=frozenset({"name", "robots"}),
 )

@@ -15,6 +15,7 @@ from typing import Any, SupportsFloat, TypeAlias
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
+from worldgen.interop.readers.gltf_tree import GLTF_HARMLESS
 from worldgen.interop.readers.mesh_slice import metric_reader
 from worldgen.render import palette
 from worldgen.world import Value, World
@@ -88,6 +89,7 @@ glb = Format(
     holds=frozenset(HELD),
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
+    harmless=GLTF_HARMLESS,
 )
 
 # The text form is only read, because the binary form is one file.
@@ -98,6 +100,7 @@ gltf = Format(
     read=metric_reader("gltf"),
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
+    harmless=GLTF_HARMLESS,
 )
 
 

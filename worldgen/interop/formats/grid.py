@@ -21,7 +21,9 @@ def _read(path: Path) -> ForeignMap:
         params["made_by"] = {
             "family": made.family, "version": made.version, "seed": made.seed, "params": dict(made.params),
         }  # fmt: skip
-    return ForeignMap(world.walls, world.cell_size, params, world=world, origin=origin_of(world))
+    return ForeignMap(
+        world.walls, world.cell_size, params, world=world, origin=origin_of(world), unread=world.unread
+    )  # fmt: skip
 
 
 grid = Format(

@@ -161,6 +161,16 @@ def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]
         yield f"IR-SIM looks for {picture} in the folder where it runs, not next to the YAML file"
 
 
+# How things look and what a robot does; other robots are not part of the map.
+_HARMLESS = frozenset({
+    "gui", "plot", "keyboard", "mouse", "robot", "color", "name", "id", "world/step_time", "world/sample_time",
+    "world/control_mode", "world/collision_mode", "world/plot", "world/status", "obstacle/goal", "obstacle/sensors",
+    "obstacle/fov", "obstacle/fov_radius", "obstacle/description", "obstacle/static", "obstacle/goal_threshold",
+    "obstacle/vel_min", "obstacle/vel_max", "obstacle/acce", "obstacle/velocity", "obstacle/behavior",
+    "obstacle/group_behavior", "obstacle/arrive_mode", "obstacle/role", "distribution/range_low",
+    "distribution/range_high", "shape/random_shape",
+})  # fmt: skip
+
 irsim = Format(
     "irsim",
     "IR-SIM world, .yaml",
@@ -172,5 +182,6 @@ irsim = Format(
     robots=True,
     client="IR-SIM",
     most_bytes=MAX_YAML_BYTES,
+    harmless=_HARMLESS,
     usual_robot=FLOOR_ROBOT,
 )

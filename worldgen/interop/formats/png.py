@@ -56,12 +56,19 @@ def read_picture(
     data = read_bounded(path)
     image = read_grey_image(data)
     walls, greys = _solid(image, threshold, background)
+    clear = 0 if image.opaque is None else int(np.count_nonzero(~image.opaque))
     try:
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
         raise FormatError.of(error.message.behind("its text: ")) from error
     # Explain what the picture leaves open.
     notes = []
+    if clear:
+        notes.append(
+            f"{clear:,} of {walls.size:,} pixels are transparent; they are laid on "
+            f"{'white, which is free' if background == 'free' else 'black, which is solid'}; change "
+            f"this with +background={'solid' if background == 'free' else 'free'}"
+        )
     if greys:
         notes.append(
             f"{greys} of {walls.size} pixels are neither black nor white; those darker than "
@@ -85,7 +92,8 @@ def read_picture(
             )
     params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
-        flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
+        flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes),
+        origin=origin, is_picture=True,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
     )  # fmt: skip
 

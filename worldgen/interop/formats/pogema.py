@@ -297,6 +297,13 @@ def _configuration(
     return Exported({destination.name: ("\n".join(lines) + "\n").encode()}, altered, notes)
 
 
+# What agents see, do and score.
+_HARMLESS = frozenset({
+    "possible_agents_xy", "possible_targets_xy", "num_agents", "seed", "size", "width", "height", "density",
+    "obs_radius", "on_target", "collision_system", "observation_type", "max_episode_steps", "integration",
+    "persistent", "auto_reset", "map_name",
+})  # fmt: skip
+
 pogema = Format(
     "pogema",
     "map or configuration of POGEMA, .pogema",
@@ -317,5 +324,6 @@ pogema = Format(
     holds=frozenset({"start", "target"}),
     robots=True,
     client="POGEMA",
+    harmless=_HARMLESS,
     usual_robot=GRID_AGENT,
 )

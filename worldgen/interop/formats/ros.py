@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_choice
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
@@ -42,6 +42,8 @@ UNKNOWN = -1
 MODES = ("trinary", "scale", "raw")
 # Grey that map savers write for unknown cells.
 _UNKNOWN_GREY = 205
+# Occupancy: five greys of 255.
+_CLOSE = 0.02
 _MAX_YAML_BYTES = 64 << 10
 # Key under which our own maps store start, target and robot.
 _OURS = "worldgen"
@@ -95,7 +97,21 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     # Decide which cells are solid, and turn the map upright.
     cells = occupancy(image, metadata)
     solid, unsure = solid_cells(cells, metadata)
-    notes = []
+    notes: list[str] = []
+    clear = 0 if image.opaque is None or metadata.mode == "raw" else np.count_nonzero(~image.opaque)
+    if clear:
+        notes.append(
+            Note(
+                "transparent",
+                "{clear:,} of {cells:,} cells are transparent, hence unknown, as in Nav2; they count as "
+                "{unknown}",
+                "save the picture without transparency, or use --unknown free",
+                at_terminal=True,
+                clear=clear,
+                cells=cells.size,
+                unknown=unknown,
+            )
+        )
     if unsure.any():
         notes.append(
             f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
@@ -123,7 +139,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     warnings = tuple(_warnings(image, metadata))
     places = metadata.places or Places()
     return ForeignMap(
-        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y),
+        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y), is_picture=True,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
     )  # fmt: skip
 
@@ -213,11 +229,37 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
                 f"because free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells "
                 "are unknown"
             )
+    found += _near_thresholds(image, metadata)
     if image.maximum == 1:
         found.append(
             "the picture's maximum is 1: ROS itself misreads such PGM files, and black becomes free"
         )
     return found
+
+
+def _near_thresholds(image: GreyImage, metadata: RosMetadata) -> list[str]:
+    """Return a warning if one grey covers most of the map and is almost another kind of cell."""
+    if metadata.mode == "raw":
+        return []
+    counts = np.bincount(image.values.ravel())
+    value = int(np.argmax(counts))
+    share = int(counts[value]) / image.values.size
+    filled = (value if metadata.negate else image.maximum - value) / image.maximum
+    level = _level(value, image.maximum, metadata)
+    # Map savers' grey for unknown cells is meant to be just above their threshold.
+    is_usual = value == _UNKNOWN_GREY and image.maximum == 255 and not metadata.negate
+    if share <= 0.5 or (is_usual and level != OCCUPIED):
+        return []
+    kind = {FREE: "free", OCCUPIED: "occupied"}.get(level, "unknown")
+    return [
+        f"grey {value} covers {100 * share:.0f} % of the map and counts as {kind}, but its occupancy, "
+        f"{filled:.3f}, is close to {name} {threshold:g}; check that these cells are {kind}"
+        for name, threshold in (
+            ("occupied_thresh", metadata.occupied_thresh),
+            ("free_thresh", metadata.free_thresh),
+        )
+        if abs(filled - threshold) <= _CLOSE
+    ]
 
 
 def read_metadata(text: bytes, path: Path) -> RosMetadata:
@@ -399,6 +441,10 @@ def _yaml_text(name: str) -> str:
     return json.dumps(name, ensure_ascii=False)
 
 
+_HARMLESS = frozenset({
+    "author", "comment", "date", "description", "frame_id", "license", "map_name", "name", "stamp", "timestamp",
+})  # fmt: skip
+
 ros = Format(
     "ros",
     "ROS map_server, .yaml with .pgm or .png",
@@ -409,4 +455,5 @@ ros = Format(
     holds=frozenset(HELD),
     client="ROS map_server, Nav2",
     usual_robot=FLOOR_ROBOT,
+    harmless=_HARMLESS,
 )

@@ -101,6 +101,13 @@ def read_3mf(
     return read_slice(path, "3mf", Plane(slice_height, cell_size, up, 1.0, floor))
 
 
+_HARMLESS = frozenset({
+    "metadata", "metadatagroup", "basematerials", "colorgroup", "texture2d", "texture2dgroup", "m:colorgroup",
+    "object/name", "object/partnumber", "object/pid", "object/pindex", "object/thumbnail", "object/UUID",
+    "item/partnumber", "item/printable", "item/UUID", "component/UUID", "build/UUID", "p:UUID", *(f"triangle/{name}"
+    for name in ("pid", "p1", "p2", "p3")),
+})  # fmt: skip
+
 threemf = Format(
     "3mf",
     "walls as boxes in an archive; meshes, cut at a height, .3mf",
@@ -110,4 +117,5 @@ threemf = Format(
     holds=frozenset(HELD),
     client="slicers, CAD programs",
     usual_robot=FLOOR_ROBOT,
+    harmless=_HARMLESS,
 )

@@ -28,8 +28,12 @@ from worldgen.interop.readers.tiled_parts import (
     all_layers,
     checked_number,
     first_object,
+    name_of,
     numbers_of,
     parse_tiled,
+    pass_over_marks,
+    report_large_tiles,
+    report_other_tiles,
     tile_layer,
     tile_numbers,
 )
@@ -72,11 +76,14 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     layers = all_layers(parsed)
     walls_layer = tile_layer(layers, layer)
     walls = flip_rows(tile_numbers(walls_layer, width, height) != 0)
+    report_other_tiles(layers, walls_layer, width, height)
+    report_large_tiles(parsed)
+    pass_over_marks(layers)
     # The map may have its own scale.
     said = numbers_of(parsed)
     size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
     check_between("cell_size", size, *CELL_SIZES, "m")
-    notes = [f"solid is where layer {walls_layer['name']!r} has a tile"]
+    notes = [f"solid is where layer {name_of(walls_layer)!r} has a tile"]
     if not cell_size and "cell_size" not in said:
         notes.append(
             Note(
@@ -91,7 +98,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
-    params: dict[str, Value] = {"layer": str(walls_layer["name"])}
+    params: dict[str, Value] = {"layer": name_of(walls_layer)}
     return ForeignMap(
         walls, size, params, tuple(notes), _warnings(walls),
         start=None if start is None else _start(start, scale, height * exact(size)),
@@ -224,6 +231,14 @@ def _properties(**values: float) -> list[dict[str, object]]:
     return [{"name": name, "type": "float", "value": value} for name, value in values.items()]
 
 
+# Offsets of layers are not here, because they move walls.
+_HARMLESS = frozenset({
+    "backgroundcolor", "class", "color", "compressionlevel", "draworder", "editorsettings", "export", "id",
+    "locked", "name", "nextlayerid", "nextobjectid", "opacity", "properties", "renderorder", "tiledversion",
+    "tintcolor", "type", "version", "visible", "layers/height", "layers/width", "layers/parallaxx",
+    "layers/parallaxy", "parallaxoriginx", "parallaxoriginy",
+})  # fmt: skip
+
 tiled = Format(
     "tiled",
     "map of the editor Tiled, .tmj",
@@ -236,5 +251,6 @@ tiled = Format(
     holds=frozenset(HELD),
     client="Tiled",
     most_bytes=_MOST_BYTES,
+    harmless=_HARMLESS,
     usual_robot=GRID_AGENT,
 )

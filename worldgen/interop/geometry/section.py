@@ -34,7 +34,9 @@ class Bodies(NamedTuple):
     Args:
         vertices: (n, 3) float64.
         closed: (m, 3) int64: triangles of closed bodies, counter-clockwise seen from outside.
-        sheets: (k, 3) int64: triangles of all others.
+        sheets: (k, 3) int64: triangles of all others; the first are those of open bodies, the last
+            those that occur in both orientations, which are walls without thickness.
+        open_faces: Number of triangles of open bodies.
         closed_count: Number of closed bodies.
         open_count: Number of open bodies.
     """
@@ -42,6 +44,7 @@ class Bodies(NamedTuple):
     vertices: Floats
     closed: Ints
     sheets: Ints
+    open_faces: int
     closed_count: int
     open_count: int
 
@@ -90,6 +93,7 @@ def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
         vertices,
         closed,
         sheets,
+        int(np.count_nonzero(is_open)),
         len(np.unique(body[closed[:, 0]])),
         len(np.unique(sheet_bodies[sheets[:, 0]])) if sheet_count else 0,
     )
@@ -142,6 +146,24 @@ def _lone_edges(count: int, faces: Ints) -> Ints:
     )
     lone: Ints = edges[net != 0] // max(count, 1)
     return lone
+
+
+def open_count(bodies: Bodies, height: float) -> int:
+    """Return the number of open bodies of which a missing triangle might be at a height.
+
+    A hole is somewhere between the lowest and the highest corner of its body.
+    """
+    faces = bodies.sheets[: bodies.open_faces]
+    if not len(faces):
+        return 0
+    labels, count = _components(len(bodies.vertices), faces)
+    body = np.repeat(labels[faces[:, 0]], 3)
+    levels = bodies.vertices[faces.reshape(-1), 2]
+    low = np.full(count, np.inf)
+    high = np.full(count, -np.inf)
+    np.minimum.at(low, body, levels)
+    np.maximum.at(high, body, levels)
+    return int(np.count_nonzero((low <= height) & (high > height)))
 
 
 def cut(bodies: Bodies, height: float) -> Section:

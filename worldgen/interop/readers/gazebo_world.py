@@ -38,6 +38,12 @@ _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
 # Tolerance, rad; a body that rolls or pitches more is not upright.
 _FLAT = 1e-6
+# Tolerance, m and rad, of a pose that Gazebo saved: bodies settle.
+_MOVED = 1e-2
+# Plugins that are parts of Gazebo, or connect it to ROS; none of them adds a body.
+_SYSTEM = re.compile(
+    r"(gz|ignition)[-_:]+(sim|gazebo)[-_:\d]*|(gz|ignition)::(sim|gazebo)::|libgazebo_ros_|gazebo_ros_"
+)
 # BARN's posts, and the distance between them, m.
 _POST = Fraction("0.075")
 _LATTICE = Fraction("0.15")
@@ -147,6 +153,7 @@ def read_gazebo_world(
     scene = _GazeboScene()
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
+    _count_plugins(scene, world)
     # Turn them into cells.
     barn = _is_barn(scene)
     frame = _frame(scene, own, cell_size, barn=barn)
@@ -176,7 +183,7 @@ def _unread(scene: _GazeboScene) -> tuple[str, ...]:
     """Return what in the world was not read, counted."""
     return tuple(
         f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}"
-        for what, count in sorted(scene.unread.items())
+        for what, count in sorted((+scene.unread).items())
     )
 
 
@@ -244,25 +251,59 @@ def _pose(element: XmlElement) -> _BodyPose:
 
 def _add_models(scene: _GazeboScene, world: XmlElement, *, passed_over: str) -> None:
     states = {
-        model.attributes.get("name", ""): _pose(model)
+        model.attributes.get("name", ""): model
         for model in world.all("state", "model") if model.first("pose") is not None
     }  # fmt: skip
     for model in world.all("model"):
         name = model.attributes.get("name", "")
-        pose = states.get(name) or _pose(model)
+        own = _pose(model)
+        state = states.pop(name, None)
+        pose = own if state is None else _pose(state)
         scene.models[name] = pose
-        if not passed_over or name != passed_over:
+        if state is not None:
+            _check_state(scene, state, model, pose)
+        if passed_over and name == passed_over:
+            model.pass_over()
+        else:
             _add_model(scene, model, pose)
+    # A state of something else, such as an included model, is not that of a shape read here.
+    for state in states.values():
+        state.pass_over()
     _count_includes(scene, world)
-    scene.unread["populations of models"] += sum(1 for _ in world.all("population"))
-    scene.unread["models inserted by <state>"] += sum(
-        1 for _ in world.all("state", "insertions", "model")
-    )
-    scene.unread = +scene.unread
+    for what, found in (
+        ("populations of models", world.all("population")),
+        ("models inserted by <state>", world.all("state", "insertions", "model")),
+    ):
+        for element in found:
+            scene.unread[what] += 1
+            element.pass_over()
+
+
+def _check_state(
+    scene: _GazeboScene, state: XmlElement, model: XmlElement, pose: _BodyPose
+) -> None:
+    """Report what a state changes besides the model's pose: its scale, and its links' places."""
+    scale = state.first("scale")
+    if scale is not None and any(value != 1 for value in _numbers(scale, 3)):
+        scene.unread["models scaled by <state>"] += 1
+    links = {link.attributes.get("name", ""): link for link in model.all("link")}
+    for moved in state.all("link"):
+        link = links.get(moved.attributes.get("name", ""))
+        # Poses of links are in the world's frame here, and rounded.
+        if link is None or moved.first("pose") is None:
+            continue
+        there, here = (
+            [float(value) for value in one] for one in (_pose(moved), pose.then(_pose(link)))
+        )
+        off = [a - b for a, b in zip(there, here, strict=True)]
+        off[3:] = [math.remainder(angle, 2 * math.pi) for angle in off[3:]]
+        if max(map(abs, off)) > _MOVED:
+            scene.unread["links moved by <state>"] += 1
 
 
 def _count_includes(scene: _GazeboScene, parent: XmlElement) -> None:
     for include in parent.all("include"):
+        include.pass_over()
         name = include.word("uri").rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
         if name not in ("sun", "ground_plane"):
             scene.unread["models from other files"] += 1
@@ -280,9 +321,22 @@ def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
                         here.then(_pose(collision)),
                         upright=pose.upright and here.upright,
                     )
+    for joint in model.all("joint"):
+        if joint.attributes.get("type", "") != "fixed":
+            scene.unread["joints with motion"] += 1
+        joint.pass_over()
+    _count_plugins(scene, model)
     _count_includes(scene, model)
     for inner in model.all("model"):
         _add_model(scene, inner, pose.then(_pose(inner)))
+
+
+def _count_plugins(scene: _GazeboScene, parent: XmlElement) -> None:
+    """Count the plugins that are not parts of Gazebo, because they can do anything."""
+    for plugin in parent.all("plugin"):
+        names = (plugin.attributes.get("filename", ""), plugin.attributes.get("name", ""))
+        scene.unread["plugins of others"] += not any(map(_SYSTEM.match, names))
+        plugin.pass_over()
 
 
 def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
@@ -300,12 +354,15 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
         tall = _numbers(size, 3)[2]
     else:
         scene.unread[f"shapes of <{shape.name}>"] += 1
+        shape.pass_over()
         return
     # Tilted shapes cannot be cut; shapes above or below the robot do not matter.
     if shape.name != "sphere" and not (upright and pose.upright):
         scene.unread[f"tilted shapes of <{shape.name}>"] += 1
+        shape.pass_over()
     elif pose.z + tall / 2 <= _FLOOR or pose.z - tall / 2 >= _ABOVE:
         scene.low_or_high += 1
+        shape.pass_over()
     elif shape.name == "box" and size is not None:
         x, y, _ = (side / 2 for side in _numbers(size, 3))
         scene.shapes.outline([(-x, -y), (x, -y), (x, y), (-x, y)], (pose.x, pose.y), pose.yaw)
@@ -315,6 +372,7 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
 
 def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
     """Treat a plane as the floor; a plane on edge is a wall, and is reported as unread."""
+    plane.word("size")  # a floor has no edge for us
     normal = plane.first("normal")
     x, y, _ = _numbers(normal, 3) if normal is not None else (Fraction(0), Fraction(0), Fraction(1))
     if x != 0 or y != 0 or not upright:

@@ -8,11 +8,11 @@ Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 
 from __future__ import annotations
 
-import json
 import struct
 from typing import Any
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import NamedParts, parse_json, report_unread
 
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
@@ -24,6 +24,27 @@ _COMPRESSED = (
     "EXT_mesh_gpu_instancing",
 )  # fmt: skip
 _TRIANGLES = (4, 5, 6)
+# The modes that trimesh skips: loops and strips of lines, and fans of triangles.
+_SKIPPED = (2, 3, 6)
+# Extensions about materials, pictures, lights and texts.
+_HARMLESS = (
+    "KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp",
+    "EXT_mesh_manifold", "KHR_animation_pointer",
+)  # fmt: skip
+# What trimesh reads, by the name of the list, and of what an item of it has.
+_READ = {
+    "nodes": ("mesh", "children", "matrix", "translation", "rotation", "scale"),
+    "accessors": ("bufferView", "byteOffset", "componentType", "count", "type"),
+    "bufferViews": ("buffer", "byteOffset", "byteLength", "byteStride"),
+    "buffers": ("uri", "byteLength"),
+}
+GLTF_HARMLESS = frozenset({
+    "asset", "name", "extras", "cameras", "camera", "images", "materials", "material", "samplers", "textures",
+    "accessors/max", "accessors/min", "accessors/normalized", "bufferViews/target",
+    "attributes/NORMAL", "attributes/TANGENT",
+    *(f"attributes/{kind}_{n}" for kind in ("TEXCOORD", "COLOR") for n in range(8)),
+})  # fmt: skip
+"""Names of what a glTF file has besides surfaces."""
 _PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
@@ -44,13 +65,90 @@ def gltf_json(data: bytes) -> dict[str, Any]:
                 "wrong-header", "is not binary glTF 2.0 of the length it claims", "export it again"
             )
         text = data[20 : 20 + size]
+        _account_for_chunks(data, 20 + size)
     try:
-        document = json.loads(text)
+        document = parse_json(text)
+    except FormatError:
+        raise
     except (ValueError, RecursionError) as error:
         raise FormatError("not-json", "has no readable JSON in it", "export it again") from error
     if not isinstance(document, dict):
         raise FormatError("not-json", "is not a glTF document", "export it again")
     return document
+
+
+def _account_for_chunks(data: bytes, at: int) -> None:
+    """Report the chunks of a binary file after its JSON, except one of numbers for its buffer."""
+    known = [b"BIN\0"]
+    while at + 8 <= len(data):
+        size, kind = struct.unpack_from("<I4s", data, at)
+        if kind in known:
+            known.remove(kind)
+        else:
+            report_unread("chunks of unknown content")
+        at += 8 + size
+    report_unread("bytes after the last chunk", max(len(data) - at, 0))
+
+
+def take_surfaces(document: dict[str, Any]) -> None:
+    """Take what trimesh reads of a document that :func:`check_gltf` accepts.
+
+    The rest is unread unless it is harmless: sparse accessors, morph targets, skins, animations,
+    nodes outside the scene, extensions.
+    """
+    for name, parts in _READ.items():
+        for item in document.get(name, []):
+            for part in parts:
+                item.get(part)
+    for mesh in document.get("meshes", []):
+        for primitive in mesh.get("primitives", []):
+            mode = primitive.get("mode", 4)
+            primitive.get("indices")
+            primitive.get("attributes").get("POSITION")
+            report_unread("parts of lines, or of fans of triangles", mode in _SKIPPED)
+            # Data of the user's own.
+            for name in [name for name in primitive["attributes"] if name.startswith("_")]:
+                primitive["attributes"].get(name)
+    _take_scene(document)
+    _take_extensions(document)
+
+
+def _take_scene(document: dict[str, Any]) -> None:
+    """Take the one scene that is shown, and report meshes that are not in it."""
+    nodes = document.get("nodes", [])
+    scenes = document.get("scenes")
+    if not scenes:
+        report_unread("nodes outside any scene", sum("mesh" in node for node in nodes))
+        return
+    waiting = list(scenes[document.get("scene", 0)].get("nodes", []))
+    shown = set(waiting)
+    while waiting:
+        inner = nodes[waiting.pop()].get("children", [])
+        shown.update(inner)
+        waiting += inner
+    hidden = [node for number, node in enumerate(nodes) if number not in shown and "mesh" in node]
+    report_unread("nodes outside the scene", len(hidden))
+    for other in scenes:
+        other.pass_over()
+
+
+def _take_extensions(part: Any) -> None:
+    """Take all lists and tables of extensions, and report those that might be obstacles."""
+    waiting = [part]
+    strange: set[str] = set()
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, list):
+            waiting += [item for item in part if isinstance(item, NamedParts | list)]
+        elif isinstance(part, NamedParts):
+            waiting += [part.peek(name) for name in part if name not in ("extensions", "extras")]
+            for key in ("extensions", "extensionsUsed", "extensionsRequired"):
+                if key in part:
+                    strange.update(name for name in part.get(key) if not name.startswith(_HARMLESS))
+            if isinstance(part.peek("extensions"), NamedParts):
+                part["extensions"].pass_over()
+    for name in sorted(strange):
+        report_unread(f"extensions {name}")
 
 
 def check_gltf(document: dict[str, Any]) -> None:
@@ -64,6 +162,7 @@ def check_gltf(document: dict[str, Any]) -> None:
         _check_extensions(document)
         _check_sizes(document)
         _check_nodes(document)
+        take_surfaces(document)
     except (TypeError, KeyError, IndexError, AttributeError, ValueError, OverflowError) as error:
         if isinstance(error, FormatError):
             raise
@@ -76,7 +175,8 @@ def check_gltf(document: dict[str, Any]) -> None:
 
 
 def _check_extensions(document: dict[str, Any]) -> None:
-    used = [name for name in document.get("extensionsUsed", []) if name in _COMPRESSED]
+    named = [*document.get("extensionsUsed", []), *document.get("extensionsRequired", [])]
+    used = sorted({name for name in named if name in _COMPRESSED})
     if used:
         raise FormatError(
             "compressed",

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,12 +19,20 @@ import numpy.typing as npt
 from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import report_unread
 from worldgen.interop.foreign_map import check_sides, digest, naming, read_bounded
 from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 
 _PILLOW_FORMATS = ("PNG", "BMP")
+_PNG = b"\x89PNG\r\n\x1a\n"
+# Chunks of a PNG: those that make its pixels, and those about colours, texts, sizes and times.
+# Others belong to single programs, and may hold whole layers.
+_CHUNKS = frozenset(
+    b"IHDR PLTE IDAT IEND tRNS bKGD cHRM cICP cLLI mDCV gAMA hIST iCCP iTXt tEXt zTXt oFFs pCAL pHYs sBIT sCAL sPLT "
+    b"sRGB sTER tIME eXIf dSIG vpAg caNv orNT iDOT".split()
+)
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
 _FIELD = re.compile(rb"(?:\s|#[^\r\n]*+[\r\n])++([0-9]{1,9})")
 _COMMENT = re.compile(rb"#[^\r\n]*+")
@@ -46,6 +55,11 @@ class GreyImage:
     maximum: int = 255
     alpha: Bytes | None = None
     text: Mapping[str, str] = field(default_factory=dict)
+
+    def report_transparent(self) -> None:
+        """Report pixels that are not opaque as unread, for programs that have no rule for them."""
+        if self.opaque is not None:
+            report_unread("pixels with transparency", int(np.count_nonzero(~self.opaque)))
 
     @property
     def opaque(self) -> Bools | None:
@@ -235,7 +249,11 @@ def _read_with_pillow(data: bytes) -> GreyImage:
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
                 check_sides(*image.size)
-                return _to_grey(image)
+                grey = _to_grey(image)
+                report_unread("frames after the first", getattr(image, "n_frames", 1) - 1)
+        if data.startswith(_PNG):
+            _account_for_chunks(data)
+        return grey
     except (FormatError, MemoryError):
         raise
     except Image.DecompressionBombError as error:
@@ -254,6 +272,19 @@ def _read_with_pillow(data: bytes) -> GreyImage:
             "save it again",
             reason=error or type(error).__name__,
         ) from error
+
+
+def _account_for_chunks(data: bytes) -> None:
+    """Report what a PNG holds besides its picture; Pillow has already checked its structure."""
+    at = len(_PNG)
+    kind = b""
+    strange: Counter[bytes] = Counter()
+    while kind != b"IEND" and at + 12 <= len(data):
+        kind = data[at + 4 : at + 8]
+        strange[kind] += kind not in _CHUNKS
+        at += 12 + int.from_bytes(data[at : at + 4], "big")
+    report_unread("chunks of the picture that only other programs know", strange.total())
+    report_unread("bytes after the picture's end", len(data[at:].strip(b"\0\r\n")))
 
 
 def _to_grey(image: Image.Image) -> GreyImage:

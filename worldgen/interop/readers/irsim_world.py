@@ -126,6 +126,7 @@ def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[Bools, str
     line = world.line_of("obstacle_map")
     image = sibling_file(path, "obstacle_map", _picture_name(world), line=line)
     grey, image_digest = read_picture_file(image)
+    grey.report_transparent()
     dark = (grey.maximum - grey.values.astype(np.float64)) / grey.maximum
     step = int(_fraction(world, "mdownsample", Fraction(1)))
     if not 1 <= step <= min(dark.shape):
@@ -180,12 +181,15 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
         scene.unread.append(f"{count} that can move; our worlds have no moving bodies")
+        table.pass_over()
         return
     if _word(table, "unobstructed", "false").lower() == "true":
         scene.notes.append(f"{count} do not stop a robot in IR-SIM, so they are ignored")
+        table.pass_over()
         return
     if _placing(table) != "manual":
         scene.unread.append(f"{count} placed at random; write their positions into the file")
+        table.pass_over()
         return
     # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]
@@ -215,6 +219,7 @@ def _add_shape(
     name = _word(shape, "name", "circle")
     if _word(shape, "random_shape", "false").lower() == "true":
         scene.unread.append(f"the obstacle at line {shape.line}, with a random shape")
+        shape.pass_over()
     elif name == "circle":
         usual = Fraction(1, 5) if _tables(owner, "shape") else Fraction(1)
         radius = _length(shape, "radius", usual)

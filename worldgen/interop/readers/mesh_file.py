@@ -12,6 +12,7 @@ import re
 import struct
 import tomllib
 import warnings
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,13 +22,24 @@ import numpy as np
 import trimesh
 
 from worldgen.errors import FormatError, WorldgenError
+from worldgen.interop.account import report_unread
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.interop.readers.threemf_file import read_threemf
 from worldgen.support.arrays import Floats, Ints
+from worldgen.support.plain_text import quote
 
 _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
+_ELEMENT = re.compile(rb"^element[ \t]+(\w+)[ \t]+(\d+)", re.MULTILINE)
+# Words of an OBJ file: corners and faces, and those that only name or paint them.
+_OBJ = frozenset(
+    b"v vn vt f o g s mtllib usemtl usemap maplib d_interp c_interp lod shadow_obj".split()
+)
+_STL_TEXT = re.compile(
+    rb"(?im)^[ \t]*(?:end)?solid\b[^\r\n]*|\bfacet\s+normal(?:\s+\S+){3}\s+outer\s+loop(?:\s+vertex(?:\s+\S+){3}){3}"
+    rb"\s+endloop\s+endfacet\b"
+)
 _STL_FRAME = re.compile(
     rb"worldgen: m, z up; size (\d+) (\d+); "
     rb"(?:cell (\S+); origin (\S+) (\S+)|bits ([A-Za-z0-9+/]{32})) *"
@@ -46,7 +58,6 @@ class RawMesh(NamedTuple):
         held: Facts about the world in a file from worldgen, by the names of
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
         unit: Metres per unit, if the file gives it.
-        left_out: Parts that are not surfaces, such as points and lines.
     """
 
     up: str
@@ -54,7 +65,6 @@ class RawMesh(NamedTuple):
     faces: Ints
     held: dict[str, Any]
     unit: float | None
-    left_out: int
 
 
 def load_mesh(path: Path, kind: str) -> RawMesh:
@@ -85,8 +95,10 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
             _check_counts(data, kind)
             held = _held(data, kind)
         vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
+        _report_other_words(data, kind, len(faces))
+    report_unread("parts other than surfaces, such as points and lines", left_out)
     _check_arrays(vertices, faces)
-    return RawMesh(up, vertices, faces, held, unit, left_out)
+    return RawMesh(up, vertices, faces, held, unit)
 
 
 def _check_counts(data: bytes, kind: str) -> None:
@@ -97,6 +109,29 @@ def _check_counts(data: bytes, kind: str) -> None:
         raise FormatError("ends-early", "claims more parts than it has bytes", "export it again")
     if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
         raise FormatError("empty", "holds no mesh", "use a file with triangles")
+
+
+def _report_other_words(data: bytes, kind: str, faces: int) -> None:
+    """Report what trimesh skips in silence: curves, lines and points, and what it does not know."""
+    if kind == "obj":
+        lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
+        words = Counter(line.split(None, 1)[0] for line in lines if line.strip())
+        for word in sorted(
+            word for word in words if word not in _OBJ and not word.startswith(b"#")
+        ):
+            report_unread(f"lines {quote(word, 20)}", words[word])
+    elif kind == "ply":
+        head = data.partition(b"end_header")[0]
+        for name, count in _ELEMENT.findall(head):
+            if name not in (b"vertex", b"face"):
+                report_unread(f"elements {quote(name, 20)}", int(count))
+    elif kind == "stl":
+        own = len(data) - 84 - 50 * faces
+        if own != 0:
+            # A text; what is left without its facets and names is of no known kind.
+            rest = _STL_TEXT.sub(b"", data)
+            report_unread("words besides facets", len(rest.split()))
+            report_unread("facets", data.lower().count(b"endfacet") - faces)
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:

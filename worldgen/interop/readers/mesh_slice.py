@@ -20,9 +20,10 @@ import numpy as np
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.account import report_unread
 from worldgen.interop.foreign_map import ForeignMap, check_sides
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
-from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
+from worldgen.interop.geometry.section import Bodies, Section, cut, open_count, paint, sort_bodies
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.bounds import check_between
@@ -172,6 +173,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         )
     level = floors[plane.floor]
     section = cut(bodies, level + plane.height)
+    report_unread("bodies with holes", open_count(bodies, level + plane.height))
     if not len(section.closed) and not len(section.sheets):
         raise FormatError(
             "nothing-there",
@@ -193,7 +195,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     params: dict[str, Value] = {"slice_height": plane.height, "floor": plane.floor, "up": plane.up}
     found = ForeignMap(solid, cell_size, params, origin=origin)
     if not held:
-        notes = _notes(plane, floors, bodies, mesh.left_out)
+        notes = _notes(plane, floors, bodies)
         return replace(found, notes=notes, warnings=_warnings(vertices))
 
     # A file from worldgen may have start, target and robot too.
@@ -309,7 +311,7 @@ def _cells(
     return paint(in_cells, width, height, _slack(furthest))
 
 
-def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> tuple[str, ...]:
+def _notes(plane: Plane, floors: list[float], bodies: Bodies) -> tuple[str, ...]:
     level = floors[plane.floor]
     notes = [
         f"cut {plane.height:g} m above the floor at {level:g} m; parts that end below it or begin "
@@ -324,10 +326,6 @@ def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> 
         notes.append(
             f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not "
             "closed; their surfaces are walls, and their insides stay free"
-        )
-    if left_out:
-        notes.append(
-            f"{left_out} parts that are not surfaces, such as points and lines, are ignored"
         )
     return (*notes, "everything beyond these cells is solid")
 

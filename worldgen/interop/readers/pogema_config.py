@@ -114,6 +114,7 @@ def _named_map(top: YamlTable, map_name: str) -> PogemaTask:
             line=1,
         )
     name = map_name or names[0]
+    top.pass_over()  # the other maps are not part of this one
     return PogemaTask(_rows(top, name), map_name=name)
 
 

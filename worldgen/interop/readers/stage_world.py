@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import report_unread
 from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded, sibling_file
 from worldgen.interop.format import radians
 from worldgen.interop.geometry.raster import painted
@@ -61,6 +62,7 @@ class _Includes:
             file = sibling_file(self.path, "include", name)
         except FormatError as error:
             self.notes.append(f"{error}; its definitions are unknown")
+            report_unread("files that cannot be included")
             return None
         return _text(file), str(file)
 
@@ -100,6 +102,8 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
         image = sibling_file(path, "bitmap", floor.text("bitmap"), line=place.line)
     # Black pixels are walls.
     grey, image_digest = read_picture_file(image)
+    grey.report_transparent()
+    report_unread("parts of the floor plan", len(floor.parts))
     solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
     if not solid.any():
         raise FormatError(

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import report_unread
 from worldgen.interop.readers.gltf_tree import MOST_FACES
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.support.arrays import Floats, Ints
@@ -93,6 +94,8 @@ def _unpacked(data: bytes) -> bytes:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, archive.open(_MODEL) as stream:
             text = stream.read(_MOST_XML + 1)
+            others = [name for name in archive.namelist() if name.endswith(".model")]
+            report_unread("models in the archive besides the first", len(others) - 1)
     except (
         zipfile.BadZipFile,
         zlib.error,
@@ -121,7 +124,8 @@ def _plain(name: str) -> str:
 
 def _children(element: XmlElement, *names: str) -> list[XmlElement]:
     """Return the elements at the end of a path of names, whatever their prefixes."""
-    found = [child for child in element.children if _plain(child.name) == names[0]]
+    known = dict.fromkeys(child.name for child in element.inside if _plain(child.name) == names[0])
+    found = [child for name in known for child in element.all(name)]
     return (
         [deeper for child in found for deeper in _children(child, *names[1:])]
         if names[1:]

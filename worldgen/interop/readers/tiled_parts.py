@@ -18,15 +18,17 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import NamedParts, parse_json, report_unread
 from worldgen.support.arrays import Ints
 from worldgen.support.plain_text import quote
 
-TiledPart: TypeAlias = dict[str, Any]
+TiledPart: TypeAlias = NamedParts
 # The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
 # zlib and gzip are recognised by their headers.
 _WINDOW = 47
+_FLOORS = ("floor", "floors", "ground", "background", "terrain", "grass")
 _COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
 
 
@@ -38,7 +40,9 @@ def parse_tiled(data: bytes) -> TiledPart:
             and columns.
     """
     try:
-        parsed = json.loads(data)
+        parsed = parse_json(data)
+    except FormatError:
+        raise
     except UnicodeDecodeError as error:
         raise FormatError("not-utf8", "is not UTF-8 text", "save it from Tiled as JSON") from error
     except json.JSONDecodeError as error:
@@ -54,7 +58,7 @@ def parse_tiled(data: bytes) -> TiledPart:
         raise FormatError(
             "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
         ) from error
-    if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
+    if not isinstance(parsed, NamedParts) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
             "unknown-format",
             "is JSON without layers; the only JSON maps that can be read are Tiled's",
@@ -103,7 +107,7 @@ def checked_number(part: TiledPart, key: str) -> int:
 
 
 def all_layers(parsed: TiledPart) -> list[TiledPart]:
-    """Return layers in drawing order, those in groups too.
+    """Return layers in drawing order, those in groups too; only groups are taken.
 
     Raises:
         FormatError: If there are too many, or one isn't a layer.
@@ -112,7 +116,7 @@ def all_layers(parsed: TiledPart) -> list[TiledPart]:
     found: list[TiledPart] = []
     while waiting:
         layer = waiting.pop()
-        if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
+        if not isinstance(layer, NamedParts) or len(found) >= _MOST_LAYERS:
             raise FormatError(
                 "too-many-layers",
                 "a layer is not an object, or there are more than {most}",
@@ -120,9 +124,8 @@ def all_layers(parsed: TiledPart) -> list[TiledPart]:
                 most=_MOST_LAYERS,
             )
         found.append(layer)
-        inner = layer.get("layers")
-        if isinstance(inner, list):
-            waiting.extend(reversed(inner))
+        if isinstance(layer.peek("layers"), list):
+            waiting.extend(reversed(layer["layers"]))
     return found
 
 
@@ -132,13 +135,11 @@ def tile_layer(layers: list[TiledPart], name: str) -> TiledPart:
     Raises:
         FormatError: If there is none, or the choice is ambiguous.
     """
-    tiles = [layer for layer in layers if layer.get("type") == "tilelayer"]
-    for layer in tiles:
-        layer["name"] = str(layer.get("name", ""))
+    tiles = [layer for layer in layers if layer.peek("type") == "tilelayer"]
     if name:
-        found = [layer for layer in tiles if layer["name"] == name]
+        found = [layer for layer in tiles if name_of(layer) == name]
     else:
-        found = [layer for layer in tiles if layer["name"].lower() in _COMMON_NAMES][:1] or tiles
+        found = [layer for layer in tiles if name_of(layer).lower() in _COMMON_NAMES][:1] or tiles
     if len(found) != 1:
         raise FormatError(
             "layer-missing" if name else "ambiguous-layer",
@@ -148,9 +149,45 @@ def tile_layer(layers: list[TiledPart], name: str) -> TiledPart:
             "name it with --from tiled+layer=NAME",
             at_terminal=True,
             name=name,
-            known=[quote(layer["name"]) for layer in tiles[:20]],
+            known=[quote(name_of(layer)) for layer in tiles[:20]],
         )
     return found[0]
+
+
+def name_of(layer: TiledPart) -> str:
+    """Return a layer's name, without taking it."""
+    return str(layer.peek("name", ""))
+
+
+def report_other_tiles(layers: list[TiledPart], walls: TiledPart, width: int, height: int) -> None:
+    """Report the other layers of tiles, unless they are empty, or floors by their name."""
+    for layer in layers:
+        if layer.peek("type") != "tilelayer" or layer is walls:
+            continue
+        has_tiles = name_of(layer).lower() not in _FLOORS
+        with contextlib.suppress(FormatError):
+            has_tiles = has_tiles and bool(tile_numbers(layer, width, height).any())
+        report_unread(f"layers of tiles besides {quote(name_of(walls))}", has_tiles)
+        layer.pass_over()
+
+
+def report_large_tiles(parsed: TiledPart) -> None:
+    """Report sets of tiles that are drawn beyond their cells.
+
+    A tile in the layer of walls makes its whole cell solid, whatever is drawn or collides in it, so
+    nothing else in a set matters.
+    """
+    sets = parsed.get("tilesets")
+    side = checked_number(parsed, "tilewidth")
+    for one in sets if isinstance(sets, list) else ():
+        if isinstance(one, NamedParts):
+            sides = (one.get("tilewidth", side), one.get("tileheight", side))
+            is_larger = any(isinstance(value, int) and value > side for value in sides)
+            report_unread(
+                "tilesets whose tiles reach beyond their cells",
+                is_larger or bool(one.get("tileoffset")),
+            )
+            one.pass_over()
 
 
 def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.uint32]:
@@ -162,7 +199,7 @@ def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.ui
         FormatError: If the layer has another size, or its data does not unpack to that many
             numbers.
     """
-    name = f"layer {quote(layer['name'])}"
+    name = f"layer {quote(name_of(layer))}"
     size = layer.get("width", width), layer.get("height", height)
     if size != (width, height):
         raise FormatError(
@@ -257,18 +294,34 @@ def _unpacked(layer: TiledPart, text: str, size: int, name: str) -> bytes:
 
 
 def first_object(layers: list[TiledPart], names: Collection[str]) -> TiledPart | None:
-    """Return the first object with one of these names, classes or types, ignoring case."""
+    """Return the first object with one of these names, classes or types, ignoring case.
+
+    Further ones are other places for a robot.
+    """
+    found = [
+        part for part in _objects(layers)
+        if any(str(part.peek(key, "")).lower() in names for key in ("name", "class", "type"))
+    ]  # fmt: skip
+    for part in found:
+        part.pass_over()
+    return found[0] if found else None
+
+
+def pass_over_marks(layers: list[TiledPart]) -> None:
+    """Take the layers of objects, and pass over objects without an area: points and texts."""
+    for layer in layers:
+        if layer.peek("type") == "objectgroup":
+            layer.get("objects")
     for part in _objects(layers):
-        if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
-            return part
-    return None
+        if part.peek("point") is True or part.peek("text"):
+            part.pass_over()
 
 
 def _objects(layers: list[TiledPart]) -> Iterator[TiledPart]:
     for layer in layers:
-        objects = layer.get("objects")
-        if layer.get("type") == "objectgroup" and isinstance(objects, list):
-            yield from (part for part in objects if isinstance(part, dict))
+        objects = layer.peek("objects")
+        if layer.peek("type") == "objectgroup" and isinstance(objects, list):
+            yield from (part for part in objects if isinstance(part, NamedParts))
 
 
 def numbers_of(part: TiledPart, *keys: str) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Read XML as a tree of names and words.
+"""Read XML as a tree of names and words, which remembers what a reader takes.
 
 Document types, entities and excessive depth are refused, and every error has its line.
 """
@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import IsHarmless, NamedParts, Names, account_for
 
 _MOST_DEPTH = 64
 _MOST_ELEMENTS = 2_000_000
@@ -18,27 +19,69 @@ _CHUNK = 1 << 16
 
 @dataclass
 class XmlElement:
-    """An element.
+    """An element, and what a reader took of it.
 
     Args:
         name: Its name, with the prefix used in the file.
         line: Line where it begins.
         attributes: Values by name.
-        children: The elements inside it.
-        text: The text inside it, without its children's text.
+        inside: The elements inside it, for the parser; readers use the methods.
+        words: The text inside it, without its children's text, for the parser.
     """
 
     name: str
     line: int
-    attributes: dict[str, str] = field(default_factory=dict)
-    children: list[XmlElement] = field(default_factory=list)
-    text: str = ""
+    attributes: NamedParts = field(default_factory=NamedParts)
+    inside: list[XmlElement] = field(default_factory=list)
+    words: str = ""
+    _is_taken: bool = False
+    _has_text_taken: bool = False
+
+    @property
+    def text(self) -> str:
+        """The text inside it, without its children's text."""
+        self._has_text_taken = True
+        return self.words
+
+    @property
+    def children(self) -> list[XmlElement]:
+        """The elements inside it, all of which are taken."""
+        for child in self.inside:
+            child._is_taken = True
+        return self.inside
 
     def all(self, *names: str) -> Iterator[XmlElement]:
         """Yield the elements at the end of a path of names."""
-        for child in self.children:
+        for child in self.inside:
             if child.name == names[0]:
+                child._is_taken = True
                 yield from child.all(*names[1:]) if names[1:] else (child,)
+
+    def pass_over(self) -> None:
+        """State that nothing in here can be an obstacle, or that it is reported otherwise."""
+        self.attributes.pass_over()
+        self._has_text_taken = True
+        for child in self.inside:
+            child._is_taken = True
+            child.pass_over()
+
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
+        """Yield a few words for each element and attribute that nobody took."""
+        path = path or (self.name,)
+        for name in self.attributes.untaken():
+            # Namespaces and languages belong to XML itself.
+            if not (name.startswith(("xmlns", "xml:")) or is_harmless((*path, name))):
+                yield f"attributes {name} of <{path[-1]}>"
+        if not self._has_text_taken and self.words.strip():
+            yield f"texts in <{path[-1]}>"
+        for child in self.inside:
+            inner = (*path, child.name)
+            if is_harmless(inner):
+                continue
+            if child._is_taken:
+                yield from child.left_over(inner, is_harmless)
+            else:
+                yield f"elements <{child.name}> in <{path[-1]}>"
 
     def first(self, *names: str) -> XmlElement | None:
         """Return the first of the elements that :meth:`all` yields."""
@@ -78,7 +121,7 @@ def read_xml(data: bytes) -> XmlElement:
         raise FormatError(
             "not-xml", "is not XML: {reason}", "save it as UTF-8", reason=str(error), line=1
         ) from error
-    return reader.open[0].children[0]
+    return account_for(reader.open[0].children[0])
 
 
 class _TreeBuilder:
@@ -125,13 +168,13 @@ class _TreeBuilder:
                 most_elements=_MOST_ELEMENTS,
                 line=self.parser.CurrentLineNumber,
             )
-        element = XmlElement(name, self.parser.CurrentLineNumber, attributes)
-        self.open[-1].children.append(element)
+        element = XmlElement(name, self.parser.CurrentLineNumber, NamedParts(attributes.items()))
+        self.open[-1].inside.append(element)
         self.open.append(element)
         self._texts.append([])
 
     def _end(self, _: str) -> None:
-        self.open.pop().text = "".join(self._texts.pop())
+        self.open.pop().words = "".join(self._texts.pop())
 
     def _characters(self, text: str) -> None:
         self._texts[-1].append(text)

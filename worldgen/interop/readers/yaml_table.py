@@ -1,4 +1,7 @@
-"""Read YAML as nodes with their lines; no values, tags or aliases are resolved."""
+"""Read YAML as nodes with their lines; no values, tags or aliases are resolved.
+
+Tables remember which keys a reader takes.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from typing import NamedTuple
 import yaml
 
 from worldgen.errors import FormatError
+from worldgen.interop.account import IsHarmless, Names, account_for
 
 # The C parser is several times as fast, and is in every wheel of PyYAML.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -53,6 +57,8 @@ class YamlTable:
     def __init__(self, node: yaml.MappingNode | None = None) -> None:
         self.line = 1 if node is None else node.start_mark.line + 1
         self._entries: dict[str, _Entry] = {}
+        self._taken: set[str] = set()
+        self._inner: dict[str, list[YamlTable]] = {}
         for key, value in () if node is None else node.value:
             line = key.start_mark.line + 1
             name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
@@ -65,6 +71,26 @@ class YamlTable:
     def __contains__(self, key: str) -> bool:
         return key in self._entries
 
+    def _take(self, key: str) -> _Entry:
+        self._taken.add(key)
+        return self._entries[key]
+
+    def pass_over(self) -> None:
+        """State that nothing in here can be an obstacle, or that it is reported otherwise."""
+        self._taken.update(self._entries)
+        self._inner.clear()
+
+    def left_over(self, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
+        """Yield a few words for each key that nobody took."""
+        for key in self._entries:
+            inner = (*path, key)
+            if is_harmless(inner):
+                continue
+            if key not in self._taken:
+                yield f"keys {key} in {path[-1]}" if path else f"keys {key}"
+            for table in self._inner.get(key, ()):
+                yield from table.left_over(inner, is_harmless)
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
 
@@ -74,7 +100,7 @@ class YamlTable:
 
     def lines(self, key: str) -> list[tuple[int, str]] | None:
         """Return the lines of a key's text with their numbers; None if it is a list or a table."""
-        entry = self._entries[key]
+        entry = self._take(key)
         if not isinstance(entry.node, yaml.ScalarNode):
             return None
         # The text of a block begins in the line after its key; a quoted one may be on one line.
@@ -88,7 +114,7 @@ class YamlTable:
         Raises:
             FormatError: If it is a list, a table, or empty.
         """
-        node = self._entries[key].node
+        node = self._take(key).node
         if not isinstance(node, yaml.ScalarNode) or not node.value:
             raise FormatError(
                 "wrong-type",
@@ -137,7 +163,7 @@ class YamlTable:
 
     def words(self, key: str) -> list[str] | None:
         """Return a key's list of single values as written; None if it is something else."""
-        node = self._entries[key].node
+        node = self._take(key).node
         items = node.value if isinstance(node, yaml.SequenceNode) else None
         if items is None or not all(isinstance(item, yaml.ScalarNode) for item in items):
             return None
@@ -151,7 +177,10 @@ class YamlTable:
     def is_null(self, key: str) -> bool:
         """Return True if a key has no value, or ``null``."""
         node = self._entries[key].node
-        return isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL
+        is_null = isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL
+        if is_null:
+            self._taken.add(key)
+        return is_null
 
     def fraction(self, key: str) -> Fraction:
         """Return the number of a key, exactly as written.
@@ -179,7 +208,7 @@ class YamlTable:
         Raises:
             FormatError: If it is something else.
         """
-        node = self._entries[key].node
+        node = self._take(key).node
         items = node.value if isinstance(node, yaml.SequenceNode) else [node]
         while len(items) == 1 and isinstance(items[0], yaml.SequenceNode):
             items = items[0].value
@@ -204,7 +233,7 @@ class YamlTable:
         Raises:
             FormatError: If it is something else.
         """
-        node = self._entries[key].node
+        node = self._take(key).node
         items = node.value if isinstance(node, yaml.SequenceNode) else [node]
         tables = [item for item in items if isinstance(item, yaml.MappingNode)]
         if len(tables) < len(items):
@@ -214,7 +243,10 @@ class YamlTable:
                 key=key,
                 line=self.line_of(key),
             )
-        return [YamlTable(item) for item in tables]
+        # A key may be read again; what is taken from its tables counts together.
+        if key not in self._inner:
+            self._inner[key] = [YamlTable(item) for item in tables]
+        return self._inner[key]
 
 
 def read_yaml(text: bytes, example: str) -> YamlTable:
@@ -231,7 +263,7 @@ def read_yaml(text: bytes, example: str) -> YamlTable:
     root = _compose(text)
     if not isinstance(root, yaml.MappingNode):
         raise FormatError("empty", "holds no keys; {example}", example=example, line=1)
-    return YamlTable(root)
+    return account_for(YamlTable(root))
 
 
 def _is_exact(word: str) -> bool:

@@ -11,7 +11,7 @@ from worldgen.reach.joint.apart import stay_apart
 from worldgen.reach.joint.plan import taken_nodes
 from worldgen.reach.joint.question import Ground, RobotEnds, joint_question
 from worldgen.reach.joint.witness import make_joint_witness
-from worldgen.support.ccall import check, pointer
+from worldgen.support.ccall import check, kept, pointer
 from worldgen.world import JointWitness, Robot, World
 
 _MOST_STATES = 50_000  # states of one robot: enough for a path through a hall of 1000 robots
@@ -37,17 +37,16 @@ class Crowd:
             return
         self._ground = Ground(self._question.rasters, 0, self._question.radii[0])
         self._ends: list[RobotEnds] = []
-        described, held = self._question.described()
+        described = self._question.described()
         # The order knows only how many robots there are; each brings its own start and target.
         zeros = np.zeros(count + 1, np.int64)
         described.robots = count
         described.class_of = described.starts = described.crossed_from = pointer(
             ffi, zeros, np.int64
         )
-        self._held = (described, held, zeros)
         made = ffi.new("WgJointOrder **")
         check(lib.wg_joint_order_new(described, made))
-        self._order = ffi.gc(made[0], lib.wg_joint_order_free)
+        self._order = kept(ffi, made[0], described, zeros, free=lib.wg_joint_order_free)
         self.add(world.robots[0])
 
     def add(self, robot: Robot) -> bool:

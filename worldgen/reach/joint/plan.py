@@ -48,18 +48,15 @@ def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
         question: Robots, nodes and ticks.
         thorough: True to search for long; a generator has other places to try instead.
     """
-    described, held = question.described()
+    described = question.described()
     nodes = _one_after_the_other(question, described, thorough=thorough)
     if nodes is not None:
         return PlanResult(nodes)
     if len(question.ends) <= _FEW:
         most = _MOST_EXHAUST if thorough else _QUICK_EXHAUST
-        found = _joint(lib.wg_joint_exhaust, described, most)
-    else:
-        most = _MOST_LACAM if thorough else _QUICK_LACAM
-        found = _joint(lib.wg_joint_lacam, described, most)
-    del held  # C has only their addresses
-    return found
+        return _joint(lib.wg_joint_exhaust, described, most)
+    most = _MOST_LACAM if thorough else _QUICK_LACAM
+    return _joint(lib.wg_joint_lacam, described, most)
 
 
 def _one_after_the_other(question: JointQuestion, described: Any, *, thorough: bool) -> Ints | None:

@@ -22,7 +22,7 @@ from worldgen.reach.still.prove import links
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import Spans
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 from worldgen.world import Robot, World
 
 _MOST_NODES = 60_000_000  # limit on nodes times robots: each has a distance of four bytes
@@ -98,8 +98,8 @@ class JointQuestion:
         """Return the square of the distance that two robots must keep, lu."""
         return ((self.radii[one] + self.radii[other]) * UNIT) ** 2
 
-    def described(self) -> tuple[Any, list[Any]]:
-        """Return the question in the form that C reads, and the arrays that must outlive it."""
+    def described(self) -> Any:
+        """Return the question in the form that C reads."""
         # Group the robots by radius.
         classes = sorted(set(self.radii))
         class_of = np.array([classes.index(radius) for radius in self.radii], np.int64)
@@ -110,18 +110,17 @@ class JointQuestion:
         starts = np.array([end.node for end in self.ends], np.int64)
         crossings = [end.crossings for end in self.ends]
         rows, columns = self.rasters.clear.shape[-2:]
-        # Keep the arrays alive as long as the question.
-        held = [
-            pointer(ffi, np.ascontiguousarray(self.rasters.clear), np.bool_),
-            pointer(ffi, np.ascontiguousarray(self.rasters.middle), np.bool_),
-            pointer(ffi, raster_of, np.int64),
-            pointer(ffi, class_of, np.int64),
-            pointer(ffi, limits, np.int64),
-            pointer(ffi, starts, np.int64),
-            pointer(ffi, self.distances, np.int32),
-            pointer(ffi, np.cumsum([0, *map(len, crossings)]), np.int64),
-            pointer(ffi, np.concatenate(crossings), np.int64),
-        ]
+        arrays: dict[str, tuple[Ints | Bools | npt.NDArray[np.int32], type[np.generic]]] = {
+            "clear": (np.ascontiguousarray(self.rasters.clear), np.bool_),
+            "middle": (np.ascontiguousarray(self.rasters.middle), np.bool_),
+            "raster_of": (raster_of, np.int64),
+            "class_of": (class_of, np.int64),
+            "limits": (limits, np.int64),
+            "starts": (starts, np.int64),
+            "distances": (self.distances, np.int32),
+            "crossed_from": (np.cumsum([0, *map(len, crossings)]), np.int64),
+            "crossings": (np.concatenate(crossings), np.int64),
+        }
         # Fill in the struct.
         made = ffi.new("WgJoint *")
         made.robots = len(self.radii)
@@ -129,18 +128,11 @@ class JointQuestion:
         made.nodes = rows * columns
         made.stride = columns
         made.rasters = len(self.rasters.clear)
-        made.clear = held[0]
-        made.middle = held[1]
-        made.raster_of = held[2]
         made.ticks = len(raster_of)
-        made.class_of = held[3]
-        made.limits = held[4]
         made.reach = math.ceil(2 * self.rasters.k * classes[-1])
-        made.starts = held[5]
-        made.distances = held[6]
-        made.crossed_from = held[7]
-        made.crossings = held[8]
-        return made, held
+        for name, (array, kind) in arrays.items():
+            setattr(made, name, pointer(ffi, array, kind))
+        return kept(ffi, made, arrays)
 
 
 def fits_graph(world: World, k: int, robots: int) -> bool:

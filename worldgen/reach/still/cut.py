@@ -25,9 +25,9 @@ import numpy as np
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT
-from worldgen.reach.still.walls import ExactPoint
+from worldgen.reach.still.walls import ExactPoint, described_walls
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, writable
 
 MOST_TARGETS = 6
 """Limit on the poses that one search handles."""
@@ -55,8 +55,7 @@ def find_chain(
         (n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for cells just outside.
     """
     whole, limbs, rest = _digits(radius, (start, *targets))
-    held = np.ascontiguousarray(solid)
-    walls = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), *held.shape))
+    walls = described_walls(solid)
     made = ffi.new("WgCutSearch **")
     progress = ffi.new("WgProgress *")
     check(lib.wg_cut_search_new(walls, link_limit(radius), len(targets), whole, limbs, rest, made))

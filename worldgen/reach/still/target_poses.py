@@ -25,7 +25,7 @@ from worldgen.reach.still.cut import rim_cells
 from worldgen.reach.still.disc import Disc, winds_around
 from worldgen.reach.still.walls import Cell, ExactPoint, Walls
 from worldgen.support.arrays import Bools, Floats, Ints
-from worldgen.support.ccall import check, pointer
+from worldgen.support.ccall import check, kept, pointer
 
 # Margin, cells; floats, whose error is far smaller, only select candidates for the exact test.
 _SLACK = 1e-6
@@ -127,7 +127,7 @@ class _PosesOfC:
     """Poses held by C."""
 
     def __init__(self, poses: Any, scale: int, radius: Fraction, disc: Disc) -> None:
-        self._poses = ffi.gc(poses, lib.wg_poses_free)
+        self._poses = kept(ffi, poses, free=lib.wg_poses_free)
         self._scale = scale
         self._radius = radius
         self._disc = disc

@@ -17,7 +17,7 @@ import numpy as np
 from worldgen._core import ffi
 from worldgen.lattice import UNIT
 from worldgen.support.arrays import Bools, Bytes
-from worldgen.support.ccall import pointer
+from worldgen.support.ccall import kept, pointer
 
 # Grids up to this many cells are also kept as bytes, in which the next solid cell is found fastest.
 _MOST_BYTES = 4_000_000
@@ -38,6 +38,12 @@ def described_disc(radius: Fraction) -> Any:
     """Return a disc of ``radius`` cells in the form that C uses for comparisons."""
     square = _in_units_sq(radius)
     return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
+
+
+def described_walls(solid: Bools) -> Any:
+    """Return solid cells, (height, width) bool, in the form that C reads."""
+    cells = np.ascontiguousarray(solid)
+    return kept(ffi, ffi.new("WgWalls *", (pointer(ffi, cells, np.bool_), *cells.shape)), cells)
 
 
 class Walls:
@@ -62,11 +68,7 @@ class Walls:
     @functools.cached_property
     def described(self) -> Any:
         """The cells in the form that C reads."""
-        held = np.ascontiguousarray(self.solid)
-        made = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), self.height, self.width))
-        # C has only its address.
-        self._held = held
-        return made
+        return described_walls(self.solid)
 
     @functools.cached_property
     def disc(self) -> Any:

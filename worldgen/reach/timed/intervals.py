@@ -16,7 +16,7 @@ from worldgen._core import ffi, lib
 from worldgen.reach.still.lattice_graph import touching_cells
 from worldgen.reach.still.walls import Cell
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, kept, pointer, writable
 
 # Points between two checks for Ctrl-C.
 _PORTION = 2_000_000
@@ -82,7 +82,7 @@ def safe_intervals(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell
         classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points
             of one cell.
     """
-    asked, _held = _described(clear, spans, classes)
+    asked = _described(clear, spans, classes)
     first = np.zeros(clear.size + 1, np.int64)
     made = writable(ffi, first, np.int64)
     for begin in range(0, clear.size, _PORTION):
@@ -98,15 +98,15 @@ def safe_intervals(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell
     return Intervals(first, begins, ends)
 
 
-def _described(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) -> tuple[Any, Any]:
-    """Return points and spans in the form that C reads, and the arrays that must outlive them."""
+def _described(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Any:
+    """Return points and spans in the form that C reads."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
     number = np.zeros(cells.size, np.int64)
     number[cells.ravel()] = np.diff(spans.first)[spans.changing.ravel()]
     stride = cells.shape[1]
     most = int(number.max(initial=0)) * max(len(found) for found in classes)
-    held = (
+    arrays = (
         np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64),
         np.array([dy * stride + dx for found in classes for dx, dy in found], np.int64),
         np.concatenate([[0], np.cumsum(number)]),
@@ -114,7 +114,7 @@ def _described(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) 
         np.ascontiguousarray(spans.end),
     )
     class_first, steps, span_first, span_begin, span_end = (
-        pointer(ffi, array, np.int64) for array in held
+        pointer(ffi, array, np.int64) for array in arrays
     )
     rows, columns = clear.shape
     points = np.ascontiguousarray(clear)
@@ -133,4 +133,4 @@ def _described(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) 
         "span_end": span_end,
         "most": most,
     }
-    return ffi.new("WgBlocked *", fields), (points, *held)
+    return kept(ffi, ffi.new("WgBlocked *", fields), points, arrays)

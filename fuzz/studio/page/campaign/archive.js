@@ -1,5 +1,6 @@
 // The behaviours that a campaign has found, as a map and as a table.
 
+import { askToOpen } from "#studio/shared/asking.js";
 import { archivePlot, rangeOf, rounded } from "#player/archive.js";
 import { el, grouped, plural } from "#player/dom.js";
 
@@ -36,7 +37,7 @@ export function makeArchive(campaign) {
 function openCell(campaign, i, j) {
   const { studio, folder } = campaign;
   return campaign.trying(async () => {
-    const answer = await studio.connection.ask("elite", { folder, i, j });
+    const answer = await askToOpen(studio.connection, "elite", { folder, i, j });
     studio.show({ ...answer, failure: answer.runs }, "", `kind ${i}, ${j} of ${folder}`);
     studio.go("draw");
   });

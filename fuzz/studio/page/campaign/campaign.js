@@ -1,5 +1,6 @@
 // The campaign page: the chosen folder, the state of its campaign, and the failures in it.
 
+import { askAbout } from "#studio/shared/asking.js";
 import { byId, el, plural, say } from "#player/dom.js";
 import { makeArchive } from "#studio/campaign/archive.js";
 import { makeFailurePanel } from "#studio/campaign/failure.js";
@@ -234,9 +235,8 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
     return;
   }
   try {
-    const reading = ({ read, of }) => folder === campaign.folder && campaign.wall.reading(read, of);
-    const answer = await campaign.studio.connection.ask("failures", { folder }, reading);
-    if (folder !== campaign.folder) return;
+    const reading = ({ read, of }) => campaign.wall.reading(read, of);
+    const answer = await askAbout(campaign.studio.connection, () => `${campaign.folder} ${campaign.stamp}`, "failures", { folder }, reading);
     campaign.read = stamp;
     campaign.wall.show(answer);
     const wanted = answer.failures.find(({ name }) => name === campaign.wanted);

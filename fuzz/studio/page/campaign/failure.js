@@ -1,6 +1,6 @@
 // The chosen failure: what happened, and the actions for it.
 
-import { el, plural, verdictDot } from "#player/dom.js";
+import { el, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
 import { framesPart } from "#player/robots.js";
@@ -46,7 +46,7 @@ function show(panel, failure) {
   const changed = el("p", { class: "notice", hidden: true }, OTHER_RUN);
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
-    ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}${failure.shrunk ? "" : "; as found, not shrunk"}`],
+    ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}${unfinished(failure.shrinking) && `; ${unfinished(failure.shrinking)}`}`],
     ["First seen", failure.seen ? new Date(failure.seen * 1000).toLocaleString("sv") : "unknown"],
     ["File", failure.name],
   ];

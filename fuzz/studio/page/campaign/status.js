@@ -159,7 +159,8 @@ function line(status, classes) {
 }
 
 // Shows what a campaign is doing, or how it ended. Shrinking also runs during the search.
-function activityWords({ activity, shrinking }) {
+function activityWords({ activity, shrinking, running, answer }) {
+  if (!running && activity === "done" && answer === "none") return "Done without an answer";
   return activity === "shrinking" && shrinking > 0 ? `Shrinking ${plural(shrinking, "failure")}` : ACTIVITIES[activity];
 }
 

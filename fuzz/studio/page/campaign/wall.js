@@ -1,6 +1,8 @@
 // Failures as a gallery of small pictures: filtered, sorted, each drawn when it becomes visible.
 
-import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
+import { askAbout } from "#studio/shared/asking.js";
+import { codeText } from "#studio/shared/edits.js";
+import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Recent } from "#studio/shared/recent.js";
@@ -166,6 +168,7 @@ function emptyWords({ folder, states, folders }) {
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
+  if (state?.answer === "none") return `There is no answer yet: ${state.answer_reason}. Continue the campaign for longer.`;
   if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or start another on the right.`;
   return "This folder has no failures. Choose another folder above, or start a campaign on the right.";
 }
@@ -195,7 +198,7 @@ function cardOf(wall, failure) {
   card.querySelector(".text").replaceChildren(
     el("span", { class: "kind" }, verdictDot(failure.verdict), failure.cause ? causeWords(failure.cause) : failure.class),
     failure.cause ? el("span", { class: "quiet class" }, failure.class) : "",
-    failure.shrunk ? "" : el("span", { class: "quiet unshrunk" }, "as found, not shrunk"),
+    unfinished(failure.shrinking) ? el("span", { class: "quiet unshrunk" }, unfinished(failure.shrinking)) : "",
     el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
   );
   return [key, card];
@@ -243,8 +246,8 @@ function pump(wall) {
   while (wall.busy < AT_ONCE && wall.queue.length > 0) {
     const { failure, done, fail } = wall.queue.shift();
     wall.busy += 1;
-    wall.campaign.studio.connection
-      .ask("look", { name: failure.name })
+    const { studio } = wall.campaign;
+    askAbout(studio.connection, () => codeText(studio, [failure.controller]), "look", { name: failure.name })
       .then(done, fail)
       .finally(() => {
         wall.busy -= 1;

@@ -1,11 +1,12 @@
 // The page that compares several controllers over several worlds, as `worldgen compare` does.
 
+import { askToOpen } from "#studio/shared/asking.js";
 import { breakable, el, grouped, plural, say, shortName } from "#player/dom.js";
 import { makeTable } from "#studio/compare/table.js";
 import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
 import { messageOf } from "#studio/draw/model.js";
 import { Ended } from "#studio/shared/connection.js";
-import { fileWords, runsOneOf } from "#studio/shared/edits.js";
+import { fileWords, isSame, noteCode, runsOneOf, stampOf } from "#studio/shared/edits.js";
 import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { isOfferedAs, joinNames, splitNames } from "#studio/shared/links.js";
@@ -24,7 +25,7 @@ const EMPTY = "Choose robots and worlds, then press Compare.";
  */
 export function makeCompare(section, studio) {
   /** @type {any} */
-  const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null, isFault: false };
+  const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, shown: null, wanted: null, isFault: false };
   const parts = {
     said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, EMPTY),
     form: el("form", { id: "compare-form", class: "panel", novalidate: true, onsubmit: (event) => (event.preventDefault(), run(compare)) }, el("p", { class: "quiet" }, "Loading the choices …")),
@@ -41,6 +42,7 @@ export function makeCompare(section, studio) {
     begin: () => begin(compare),
     refresh: () => refresh(compare),
     edited: (files) => edited(compare, files),
+    changed: () => studio.page() === "compare" && showStale(compare),
     link: () => linkOf(compare.state),
     follow: (shows) => follow(compare, shows),
   };
@@ -69,6 +71,33 @@ async function begin(compare) {
   showRobots(compare); // with those added on Play in the meantime
   await list(compare);
   showWorlds(compare);
+  showStale(compare);
+}
+
+// Returns the worlds that are chosen, and how many of them can be compared.
+function chosenWorlds({ studio, state, files }, open) {
+  const sources = sourcesOf(files).map(([key]) => key).filter((key) => state.sources.includes(key));
+  const all = worldsOf(sources, files, open);
+  return { all, worlds: all.slice(0, studio.limits?.compared_worlds) };
+}
+
+// Returns the settings of a comparison: Play's, so that a click on a cell plays this very run.
+function setupOf({ studio, state }) {
+  const { time_step, seed, steps, options, motion } = studio.play.setup();
+  return { motion: state.motion, time_step, seed, steps, options: motion === state.motion ? options : {} };
+}
+
+// Returns what a table that is asked for now depends on.
+function now(compare) {
+  const { studio, state } = compare;
+  const { worlds } = chosenWorlds(compare, { name: "", world: /** @type {any} */ (studio.model.digest) });
+  return stampOf(studio, { ...setupOf(compare), controllers: state.chosen, seeds: state.seeds, worlds }, "");
+}
+
+// Greys the table unless it is about the worlds, the settings and the code on the screen.
+function showStale(compare) {
+  const { table, shown } = compare;
+  table.element.classList.toggle("stale", shown !== null && !isSame(shown, now(compare)));
 }
 
 async function list(compare) {
@@ -103,11 +132,12 @@ function build(compare) {
   parts.motion = motionField(compare.offered.motions, state.motion, (name) => {
     state.motion = name;
     showRobots(compare);
+    showStale(compare);
   });
   parts.motion.show(state.motion);
   parts.robots = el("div", { class: "robots", role: "group", "aria-label": "Controllers to compare" });
   parts.worlds = el("div", { class: "sources", role: "group", "aria-label": "Worlds to compare in" });
-  parts.seeds = number(state.seeds, (value) => (state.seeds = Math.round(value)), { low: 1, high: studio.limits?.compared_seeds, step: 1 });
+  parts.seeds = number(state.seeds, (value) => ((state.seeds = Math.round(value)), showStale(compare)), { low: 1, high: studio.limits?.compared_seeds, step: 1 });
   parts.form.replaceChildren(
     el("div", { class: "line" }, el("h2", {}, "Compare"), parts.run),
     parts.motion.element,
@@ -159,6 +189,7 @@ function toggle(compare, what, name, on) {
   const { state } = compare;
   state[what] = state[what].filter((one) => one !== name);
   if (on) state[what].push(name);
+  showStale(compare);
   if (compare.isFault) tell(compare, EMPTY); // the message no longer applies
 }
 
@@ -177,27 +208,27 @@ async function run(compare) {
     return;
   }
   const { compared, compared_worlds: most } = studio.limits;
-  const sources = sourcesOf(compare.files).map(([key]) => key).filter((key) => state.sources.includes(key));
-  const all = worldsOf(sources, compare.files, { name: studio.model.world.name, world: messageOf(studio.model.world) });
-  const worlds = all.slice(0, most);
+  const { all, worlds } = chosenWorlds(compare, { name: studio.model.world.name, world: messageOf(studio.model.world) });
   if (state.chosen.length === 0 || state.chosen.length > compared || worlds.length === 0) {
     tell(compare, worlds.length === 0 ? "No world is chosen: tick some under Worlds." : `Choose 1 to ${compared} controllers.`, true);
     return;
   }
-  // With Play's settings, so that a click on a cell plays this very run.
-  const { time_step, seed, steps, options, motion } = studio.play.setup();
-  const setup = { motion: state.motion, time_step, seed, steps, options: motion === state.motion ? options : {} };
+  const setup = setupOf(compare);
   const asked = { ...setup, controllers: [...state.chosen], worlds, seeds: state.seeds };
-  Object.assign(compare, { asked, setup, version: studio.model.version });
+  Object.assign(compare, { asked, setup, world: studio.model.digest, shown: now(compare) });
+  const stamp = compare.shown;
   keep(studio.folder, KEPT, state);
   studio.showLink();
   table.begin(asked.controllers, worlds);
+  showStale(compare);
   parts.stop.hidden = false;
   const count = asked.controllers.length * worlds.length;
   let done = 0;
   const take = (part) => {
     if (compare.asked !== asked) return;
+    noteCode(stamp, part.code);
     table.take(part);
+    showStale(compare);
     done += part.column !== undefined ? 1 : part.error ? asked.controllers.length : 0;
     tell(compare, `${grouped(done)} of ${plural(count, "cell")} …`);
   };
@@ -220,13 +251,13 @@ async function run(compare) {
 
 // Plays the run of a cell: its world on the board, its controller on Play.
 async function open(compare, row, column) {
-  const { studio, asked, setup, version } = compare;
+  const { studio, asked, setup, world: drawn } = compare;
   const world = asked.worlds[row];
   try {
     if (world.file) {
-      if (studio.model.world.name !== world.file || studio.model.unsaved) studio.show(await studio.connection.ask("open", { name: world.file }), world.file, world.file);
+      if (studio.model.world.name !== world.file || studio.model.unsaved) studio.show(await askToOpen(studio.connection, "open", { name: world.file }), world.file, world.file);
     } else if (world.family) await studio.generate({ family: world.family, seed: world.seed ?? "1", parameters: {} }, `the example ${world.family}`);
-    else if (studio.model.version !== version) studio.show({ world: world.world }, "", "the world that was compared");
+    else if (studio.model.digest !== drawn) studio.show({ world: world.world }, "", "the world that was compared");
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     tell(compare, error.message, error instanceof Refused);
@@ -240,5 +271,6 @@ async function open(compare, row, column) {
 // Reports that results come from the code before an edit.
 function edited(compare, files) {
   const own = files.filter(({ controllers }) => (compare.asked?.controllers ?? []).some((robot) => runsOneOf(robot, controllers)));
+  showStale(compare);
   if (own.length > 0) tell(compare, `${fileWords(own)} changed: press Compare again.`);
 }

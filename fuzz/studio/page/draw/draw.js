@@ -227,9 +227,10 @@ async function senseSignal(draw) {
   await new Promise((done) => setTimeout(done, SOON));
   if (asked !== draw.asked) return;
   const { model } = draw.studio,
-    version = model.version;
-  const signal = await askSignal(draw.studio, draw.show.noise);
-  if (version !== model.version) return;
+    about = () => `${model.version} ${draw.asked}`,
+    then = about();
+  const signal = await askSignal(draw.studio, draw.show.noise, about);
+  if (then !== about()) return;
   draw.board.signal = signal;
   draw.board.draw();
 }

@@ -1,5 +1,6 @@
 // The files of the opened folder: open, save, import, export.
 
+import { askToOpen } from "#studio/shared/asking.js";
 import { el, grouped, plural } from "#player/dom.js";
 import { exampleButtons } from "#studio/draw/examples.js";
 import { Ended } from "#studio/shared/connection.js";
@@ -194,7 +195,7 @@ function fileButton(studio, { parts }, file) {
  * @returns {Promise<any>}
  */
 export async function openFile(studio, file, wanted = () => true) {
-  const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
+  const answer = await askToOpen(studio.connection, file.world ? "open" : "bring", { name: file.name });
   if (!wanted()) return "";
   // archives cannot be written
   studio.show(answer, file.world && answer.file ? file.name : "", file.name);

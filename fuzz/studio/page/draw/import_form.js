@@ -1,6 +1,7 @@
 // Imports maps from other programs: files on this computer or in the folder, and the options for
 // reading them.
 
+import { askToOpen } from "#studio/shared/asking.js";
 import { choice, el } from "#player/dom.js";
 import { checkOptions, isField, isGood, labelled, number, optionFields } from "#studio/shared/fields.js";
 import { Refused } from "#studio/shared/refusals.js";
@@ -141,7 +142,7 @@ async function ask(form, parts) {
   const message = { ...form.brought, ...asked(form, parts) };
   let answer;
   try {
-    answer = await form.studio.connection.ask("bring", message);
+    answer = await askToOpen(form.studio.connection, "bring", message);
   } catch (error) {
     if (error instanceof Refused && error.opens === "import") parts.more.open = true;
     throw error;

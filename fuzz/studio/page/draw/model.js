@@ -111,6 +111,9 @@ export class Model {
     this.future = [];
     this.version = 0; // version of the visible world; increases with each change
     this.counted = { version: -1, solid: 0 };
+    this.hashed = { version: -1, digest: "" };
+    /** @type {{entry: HistoryEntry | null, shows: Record<string, string>} | null} */
+    this.made = null; // the last generated world: its place in the history, and what a link to it contains
     /** @type {HistoryEntry | null} */
     this.saved = null; // the last entry of the past at the time of saving
     /** @type {Uint8Array | null} */
@@ -132,6 +135,22 @@ export class Model {
       this.counted = { version: this.version, solid };
     }
     return this.counted.solid;
+  }
+
+  /** A digest of the visible world, without its file; computed only once for each version. */
+  get digest() {
+    if (this.hashed.version !== this.version) this.hashed = { version: this.version, digest: digestOf(this.world) };
+    return this.hashed.digest;
+  }
+
+  /** Records that the visible world has just been generated. */
+  markMade(shows) {
+    this.made = { entry: this.mark(), shows };
+  }
+
+  /** What a link to the visible world contains, if it is as it was generated; else null. */
+  get link() {
+    return this.made && this.made.entry === (this.past.at(-1) || null) && !this.stroke ? this.made.shows : null;
   }
 
   /** Sets boxes of cells in the current stroke, ignoring anything outside. */
@@ -274,6 +293,27 @@ export class Model {
     this.saved = mark;
     this.changed();
   }
+}
+
+/**
+ * Returns a digest of 53 bits of everything about a world that a run depends on.
+ * @param {EditedWorld} world
+ * @returns {string}
+ */
+export function digestOf({ cells, name, file, sheet, source, ...rest }) {
+  // Only the file's text has everything about the other robots.
+  const text = JSON.stringify([rest, rest.others.length > 0 ? source : null]);
+  let low = 0x9e3779b9,
+    high = 0x41c6ce57;
+  const take = (value) => {
+    low = Math.imul(low ^ value, 2654435761);
+    high = Math.imul(high ^ value, 1597334677);
+    low ^= low >>> 15;
+    high ^= high >>> 13;
+  };
+  for (let k = 0; k < text.length; k += 1) take(text.charCodeAt(k));
+  for (let k = 0; k < cells.length; k += 1) take(cells[k]);
+  return (4294967296 * (2097151 & high) + (low >>> 0)).toString(36);
 }
 
 /**

@@ -1,6 +1,7 @@
 // Asks the server, while the user draws, whether the target can be reached; only the newest world
 // counts.
 
+import { askAbout } from "#studio/shared/asking.js";
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "#studio/shared/connection.js";
 import { messageOf, robotsIn } from "#studio/draw/model.js";
@@ -52,12 +53,13 @@ export function proofWords(proof) {
  * and returns null.
  * @param {Studio} studio
  * @param {boolean} noise
+ * @param {() => unknown} about - Identifies what the request is about
  * @returns {Promise<Board["signal"]>}
  */
-export async function askSignal(studio, noise) {
+export async function askSignal(studio, noise, about) {
   const world = { ...messageOf(studio.model.world), source: null };
   try {
-    const values = numbersOf((await studio.connection.ask("signal", { world, noise })).signal);
+    const values = numbersOf((await askAbout(studio.connection, about, "signal", { world, noise })).signal);
     return { values, most: values.reduce((most, value) => Math.max(most, value), 1) };
   } catch (error) {
     if (error instanceof Refused) studio.say(error.message);
@@ -104,10 +106,9 @@ async function decide(studio, proved) {
     const sent = messageOf(studio.model.world);
     // The server reads the other robots from the file's text; one robot does not need it.
     const world = robotsIn(studio.model.world) > 1 ? sent : { ...sent, source: null };
-    const proof = await studio.connection.ask("decide", { world });
-    current(proof);
+    proved(await askAbout(studio.connection, () => studio.model.version, "decide", { world }));
   } catch (error) {
-    if (error instanceof Refused) current({ error: error.message });
+    if (error instanceof Refused) proved(/** @type {any} */ ({ error: error.message }));
     else if (!(error instanceof Ended)) throw error;
   } finally {
     clearTimeout(waiting);
@@ -115,12 +116,13 @@ async function decide(studio, proved) {
 }
 
 async function measure(studio, widest) {
-  const version = studio.model.version;
+  const about = () => studio.model.version,
+    then = about();
   try {
-    const answer = await studio.connection.ask("widest", { world: { ...messageOf(studio.model.world), source: null } });
-    if (version === studio.model.version) widest(answer.widest);
+    const answer = await askAbout(studio.connection, about, "widest", { world: { ...messageOf(studio.model.world), source: null } });
+    widest(answer.widest);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
-    if (version === studio.model.version) widest(null);
+    if (then === about()) widest(null);
   }
 }

@@ -1,5 +1,6 @@
 // The world panel: size, robot, start and target, and the widest robot that passes.
 
+import { askAbout } from "#studio/shared/asking.js";
 import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isGood, labelled, number, words } from "#studio/shared/fields.js";
@@ -179,7 +180,7 @@ function hardPart(studio) {
     measured = studio.model.version;
     found.replaceChildren(el("p", { class: "quiet" }, "Measuring …"));
     try {
-      const { metrics } = await studio.connection.ask("measure", { world: messageOf(studio.model.world) });
+      const { metrics } = await askAbout(studio.connection, () => studio.model.version, "measure", { world: messageOf(studio.model.world) });
       const row = ({ name, value, unit, meaning }) =>
         el(
           "tr",
@@ -187,7 +188,6 @@ function hardPart(studio) {
           el("th", { scope: "row" }, words(name)),
           el("td", {}, `${Number(value.toPrecision(4))} ${unit}`),
         );
-      if (measured !== studio.model.version) throw new Ended("The world has changed since then; measure again.");
       found.replaceChildren(el("table", { class: "numbers" }, el("tbody", {}, metrics.map(row))));
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;

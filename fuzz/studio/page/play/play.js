@@ -1,5 +1,6 @@
 // The page on which robots run: their settings, and the same player as in reports.
 
+import { askAbout } from "#studio/shared/asking.js";
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { bytesOf } from "#player/decode.js";
 import { el, say } from "#player/dom.js";
@@ -15,7 +16,7 @@ import { makeCodeNote } from "#studio/play/code_note.js";
 import { makeDriving } from "#studio/play/driving.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
-import { runsOneOf } from "#studio/shared/edits.js";
+import { isSame, noteCode, runsOneOf, stampOf } from "#studio/shared/edits.js";
 
 const SLOW = 1500; // ms after which a run can be stopped
 const PREPARING = "Preparing: the studio starts a process, loads the controllers and proves the world.";
@@ -41,7 +42,7 @@ export function makePlay(section, studio) {
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
-  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, isWrong: false, wantedStep: null, cut: false, way: false, runs: [], world: null, impossible: "", message: null, looked: 0, version: -1, under: null, asked: 0 };
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isWrong: false, wantedStep: null, cut: false, way: false, runs: [], world: null, impossible: "", message: null, looked: 0, shown: null, under: null, asked: 0 };
   play.code = makeCodeNote(studio, () => run(play, true));
   play.driving = makeDriving({
     begin: () => beginDriving(play),
@@ -63,6 +64,7 @@ export function makePlay(section, studio) {
     player: () => play.player,
     run: () => run(play, true),
     begin: () => begin(play),
+    changed: () => play.studio.page() === "play" && showStale(play),
     pause: () => {
       play.driving.end();
       play.player?.play(false);
@@ -105,11 +107,14 @@ function played({ message, runs, looked }) {
 // Opens the page, and runs the robots immediately if anything has changed since the last run.
 function begin(play) {
   play.robots.refresh();
-  const { version } = play.studio.model;
-  if (play.under === version && !play.isEdited) return; // it is running
-  if (play.version !== version || play.isEdited) run(play);
-  else if (play.player) play.player.draw();
+  showStale(play);
+  const isDone = isSame(play.under ?? play.shown, now(play), true);
+  if (!isDone) run(play);
+  else if (!play.under && play.player) play.player.draw();
 }
+
+// Returns what a run that is asked for now depends on.
+const now = ({ studio, robots }) => stampOf(studio, robots.message());
 
 // Returns what a link to the set-up contains; nothing before the first run.
 function linkOf({ message, robots }) {
@@ -130,8 +135,7 @@ function edited(play, files) {
   const robots = [...play.robots.message().controllers, ...play.runs.map(({ name }) => name)];
   const own = files.filter(({ controllers }) => robots.some((robot) => runsOneOf(robot, controllers)));
   if (own.length === 0) return;
-  play.isEdited = true;
-  showStale(play, play.runs.length > 0);
+  showStale(play);
   if (play.code.edited(own)) run(play);
 }
 
@@ -140,29 +144,28 @@ async function run(play, pressed = false) {
   const { studio, parts } = play;
   if (!studio.offered) return;
   play.driving.end();
-  const { version } = studio.model;
+  const stamp = now(play);
   if (!play.robots.good(pressed)) {
-    showWrong(play, version);
+    showWrong(play, stamp);
     return;
   }
   play.asked += 1;
-  play.under = version;
+  play.under = stamp;
   const { asked } = play;
   play.both = false;
   parts.beside.hidden = true;
   tell(play, PREPARING);
-  showStale(play, play.version !== version || play.isEdited);
+  showStale(play);
   if (!play.player) showBare(play, drawnOf(studio.model.world), PREPARING);
-  play.isEdited = false;
   const slow = setTimeout(() => asked === play.asked && (parts.stop.hidden = false), SLOW);
   const asks = play.robots.message();
   play.robots.running(asks);
   const message = { ...asks, world: messageOf(studio.model.world) };
   try {
-    play.running = studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part, message));
+    play.running = studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part, message, stamp));
     await play.running;
-    play.version = version;
-    if (asked === play.asked) finish(play);
+    if (asked !== play.asked) return;
+    finish(play);
     showBeside(play);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -183,8 +186,8 @@ function tell(play, words, isBad = false) {
 // Runs the chosen robots if needed, and returns the settings of their run for the robot that the
 // user drives.
 async function beginDriving(play) {
-  if (play.version !== play.studio.model.version || play.isEdited || !play.message) await run(play, true);
-  if (play.version !== play.studio.model.version || play.studio.page() !== "play") return null;
+  if (!isSame(play.shown, now(play))) await run(play, true);
+  if (!isSame(play.shown, now(play)) || play.studio.page() !== "play") return null;
   play.player?.play(false);
   play.runs = play.runs.filter((one) => !one.isDriven);
   play.looked = Math.max(0, Math.min(play.looked, play.runs.length - 1));
@@ -203,7 +206,7 @@ function showDriven(play, robot) {
 function finish(play) {
   const { parts, runs, player } = play;
   tell(play, "");
-  play.code.ran();
+  if (isSame(play.shown, now(play))) play.code.ran();
   play.studio.showLink();
   if (Number.isFinite(play.wantedStep) && player) player.go(play.wantedStep);
   play.wantedStep = null;
@@ -217,17 +220,20 @@ function finish(play) {
 }
 
 // Marks results of another world, shown or in progress, as outdated; runs nothing.
-function showWrong(play, version) {
-  if (play.under !== version) {
+function showWrong(play, stamp) {
+  if (!isSame(play.under, stamp)) {
     play.asked += 1;
     endRun(play);
-    showStale(play, play.version !== version);
+    showStale(play);
   }
   tell(play, WRONG, true);
   play.isWrong = true;
 }
 
-function showStale({ parts }, stale) {
+// Greys the results unless they are about the world, the settings and the code on the screen.
+function showStale(play) {
+  const { parts, shown } = play;
+  const stale = shown !== null && !isSame(shown, now(play));
   for (const part of [parts.stage, parts.list]) part.classList.toggle("stale", stale);
 }
 
@@ -248,17 +254,20 @@ function hideStop(button) {
 }
 
 // Handles a part of the answer: the world, which replaces earlier results, or a robot's run.
-function take(play, part, message) {
+function take(play, part, message, stamp) {
+  noteCode(stamp, part.code);
   if (part.world !== undefined) {
     Object.assign(play, { world: part.world, impossible: part.impossible, message, runs: [], looked: 0 });
     tell(play, runningWords(message.controllers, 0));
     if (!play.player) showBare(play, part.world, "The robots are running.");
+    showStale(play);
     return;
   }
   if (part.error) Object.assign(part, { error: refusalWords(part.error), frames: part.error.frames });
   play.runs.push(part);
+  play.shown = stamp;
   tell(play, runningWords(message.controllers, play.runs.length));
-  showStale(play, false);
+  showStale(play);
   say(play.runs.map((one) => `${one.name}: ${endingOf(one)}`).join(". "));
   showTable(play);
   if (!part.error)
@@ -271,7 +280,6 @@ const runningWords = (robots, done) => (done < robots.length ? `Running ${robots
 function showBare(play, world, why) {
   const drawn = { world, run: null, why };
   play.bare = buildPlayer(play.parts.canvas, play.parts.under, drawn, null);
-  play.parts.stage.classList.remove("stale");
   play.parts.canvas.style.height = "";
   play.bare.draw();
 }
@@ -337,11 +345,11 @@ function noteOf({ world, impossible }) {
 // since.
 async function askBefore(play) {
   const { model, connection } = play.studio;
-  const version = model.version;
+  const world = model.digest;
   play.before = null;
   try {
-    const { before } = await connection.ask("before", { name: model.world.name });
-    if (before && before.run && before.world && version === model.version) play.before = { ...before, version };
+    const { before } = await askAbout(connection, () => model.digest, "before", { name: model.world.name });
+    if (before && before.run && before.world) play.before = { ...before, of: world };
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
   }
@@ -349,7 +357,7 @@ async function askBefore(play) {
 }
 
 function showBeside(play) {
-  const there = play.before && play.before.version === play.version && play.runs.length === 1 && play.player;
+  const there = play.before && play.before.of === play.shown?.world && play.runs.length === 1 && play.player;
   play.parts.beside.hidden = !there;
   play.parts.beside.setAttribute("aria-pressed", String(play.both));
 }

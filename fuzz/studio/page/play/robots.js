@@ -1,10 +1,11 @@
 // The panel for choosing robots and their settings.
 
+import { askAbout } from "#studio/shared/asking.js";
 import { breakable, el, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { messageOf, robotsIn } from "#studio/draw/model.js";
-import { keep, keptOf } from "#studio/shared/kept.js";
+import { keep, keepInTab, keptInTab, keptOf } from "#studio/shared/kept.js";
 import { isOfferedAs } from "#studio/shared/links.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
@@ -38,7 +39,7 @@ export function makeRobots(studio, run, drive, more) {
   parts.others = el("p", { class: "quiet others", id: "other-controllers" });
   parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" }, el("span", { class: "quiet" }, "Loading …"));
   parts.another = anotherForm(
-    (label) => studio.connection.ask("check", { ...messageFor(robots), controller: label }),
+    (label) => askAbout(studio.connection, () => JSON.stringify(messageFor(robots)), "check", { ...messageFor(robots), controller: label }),
     (label) => addOwn(robots, label),
   );
   parts.motion = el("div", { class: "motion" });
@@ -115,20 +116,16 @@ async function letChange(robots) {
   const on = parts.changes.box.checked;
   state.still = model.world.events !== null && !on;
   if (!on || model.world.events) return;
-  const version = model.version;
+  const about = () => `${model.version} ${parts.changes.box.checked}`;
   try {
-    const { world } = await studio.connection.ask("shift", { world: messageOf(model.world), seed: String(state.seed) });
-    if (version !== model.version || !parts.changes.box.checked) {
-      showChanges(robots);
-      return;
-    }
+    const { world } = await askAbout(studio.connection, about, "shift", { world: messageOf(model.world), seed: String(state.seed) });
     model.change("walls that change places", { events: world.events });
     showChanges(robots);
     robots.run();
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     showChanges(robots);
-    parts.changes.fault.textContent = error.message;
+    if (error instanceof Refused) parts.changes.fault.textContent = error.message;
   }
 }
 
@@ -182,6 +179,7 @@ function addOwn(robots, label) {
 function showDue(robots) {
   if (!robots.lent && robots.offered) keepSetup(robots);
   robots.studio.showLink();
+  robots.studio.play?.changed();
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
   robots.parts.due.textContent = due ? "Not run yet." : "";
 }
@@ -244,12 +242,13 @@ const namedIn = ({ controllers }) => controllers.filter(({ named }) => named).ma
 
 function keepSetup({ studio, state }) {
   keep(studio.folder, SETUP, { ...state, named: namedIn(studio.offered) });
+  keepInTab(studio.folder, SETUP, { ...state, named: namedIn(studio.offered) });
 }
 
 // Returns the set-up of the last run in this folder; without one, or if other controllers were
 // named at the start, the first of those.
 function setupIn(folder, offered) {
-  const { named, ...kept } = keptOf(folder, SETUP) ?? {};
+  const { named, ...kept } = keptInTab(folder, SETUP) ?? keptOf(folder, SETUP) ?? {};
   if (String(named ?? "-") === String(namedIn(offered)) && offered.motions.some(({ name }) => name === kept.motion)) return kept;
   const first = offered.controllers.find(({ named }) => named);
   return first ? { chosen: [first.name], motion: first.motion } : {};

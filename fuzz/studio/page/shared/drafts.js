@@ -15,12 +15,13 @@ const WAIT = 60; // ms
      left     { key, at } of drafts whose tabs no longer existed when this one began, the newest first
      taken    the key of the one that this tab continues
      letGo    releases the lock on this tab's draft; null without a lock
-     kept     the version of the model in the draft */
+     kept     the version of the model in the draft
+     link     what a link to the draft that was found contains, if it was generated; else null */
 /**
  * @type {{key: string, left: {key: string, at: number}[], taken: string, letGo: (() => void) |
- *   null, kept: number | null}}
+ *   null, kept: number | null, link: Record<string, string> | null}}
  */
-const state = { key: "", left: [], taken: "", letGo: null, kept: null };
+const state = { key: "", left: [], taken: "", letGo: null, kept: null, link: null };
 
 /**
  * Finds the drawing that this tab had before it was reloaded, or else one left by a closed tab.
@@ -41,6 +42,12 @@ export async function findDraft() {
     return null; // the browser stores nothing
   }
 }
+
+/**
+ * Returns what a link to the draft that was found contains, if that is a generated world; else null.
+ * @returns {Record<string, string> | null}
+ */
+export const linkOfDraft = () => state.link;
 
 // Returns the key of this tab's draft, with its lock.
 async function claim() {
@@ -113,9 +120,11 @@ async function held() {
 
 function read(key) {
   try {
-    const { name, file, world } = JSON.parse(localStorage.getItem(key) ?? "null");
+    const { name, file, world, link } = JSON.parse(localStorage.getItem(key) ?? "null");
     const kept = worldOf(world, String(name || ""), file || null);
-    return isWhole(kept) ? kept : null;
+    if (!isWhole(kept)) return null;
+    state.link = link ?? null;
+    return kept;
   } catch {
     return null;
   }
@@ -148,7 +157,7 @@ export function keepDraft(model) {
     if (!model.unsaved) localStorage.removeItem(state.key);
     else if (state.key === "") return false;
     else if (!isTaken(model)) {
-      const draft = { name, file, at: Date.now(), world: messageOf(model.world) };
+      const draft = { name, file, at: Date.now(), world: messageOf(model.world), link: model.link };
       let text = JSON.stringify(draft);
       if (text.length > LARGEST) text = JSON.stringify({ ...draft, world: { ...draft.world, others: [], source: null } });
       store(text);

@@ -5,6 +5,68 @@ import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**
+ * What a result depends on: the world, the settings, and the code of its robots.
+ * @typedef {object} Stamp
+ * @property {string} world - A digest
+ * @property {string} settings - As JSON
+ * @property {Map<string, string>} code - Digest of each file of the robots' code
+ */
+
+/**
+ * Returns what a result depends on that is asked for now.
+ * @param {Studio} studio
+ * @param {{controllers: string[]} & Record<string, unknown>} settings - Of a run or a comparison
+ * @param {string} [world] - A digest; that of the drawn world if omitted
+ * @returns {Stamp}
+ */
+export function stampOf(studio, settings, world = studio.model.digest) {
+  return { world, settings: JSON.stringify(settings), code: codeOf(studio, settings.controllers) };
+}
+
+/**
+ * Returns the digest of each file that robots run, as far as the server has reported it.
+ * @param {Studio} studio
+ * @param {string[]} robots
+ * @returns {Map<string, string>}
+ */
+function codeOf({ code }, robots) {
+  const own = (code ?? []).filter(({ controllers }) => robots.some((robot) => runsOneOf(robot, controllers)));
+  return new Map(own.map(({ file, digest }) => [file, digest]));
+}
+
+/**
+ * Notes which code has in fact been run; the server reports it with each result.
+ * @param {Stamp} stamp
+ * @param {Record<string, string> | undefined} code - Digest of each file; "?" if it is not known
+ */
+export function noteCode(stamp, code) {
+  for (const [file, digest] of Object.entries(code ?? {})) if (digest !== "?") stamp.code.set(file, digest);
+}
+
+/**
+ * Returns whether a result is about what is on the screen now.
+ * @param {Stamp | null} then - Of the result; a file that is reported for the first time is added
+ * @param {Stamp} now
+ * @param {boolean} [anySettings] - Whether the settings do not matter
+ * @returns {boolean}
+ */
+export function isSame(then, now, anySettings = false) {
+  if (!then || then.world !== now.world || (!anySettings && then.settings !== now.settings)) return false;
+  for (const [file, digest] of now.code) if (!then.code.has(file)) then.code.set(file, digest);
+  return [...now.code].every(([file, digest]) => then.code.get(file) === digest);
+}
+
+/**
+ * Returns a text that changes whenever the code of robots does.
+ * @param {Studio} studio
+ * @param {string[]} robots
+ * @returns {string}
+ */
+export function codeText(studio, robots) {
+  return [...codeOf(studio, robots)].flat().join(" ");
+}
+
+/**
  * Returns the files that have changed since the last report, and remembers their new state.
  * @param {Map<string, string>} known - Digest of each file; updated
  * @param {CodeFile[]} files
@@ -57,10 +119,12 @@ export function stillOffered(before, now) {
  * @param {Connection} connection
  * @param {Map<string, string>} known - What an earlier connection has learned; updated
  * @param {(files: CodeFile[]) => void} edited
+ * @param {(files: CodeFile[]) => void} [reported] - Called with all files, before that
  */
-export async function listenToEdits(connection, known, edited) {
+export async function listenToEdits(connection, known, edited, reported = () => {}) {
   try {
     await connection.ask("edits", {}, ({ files }) => {
+      reported(files);
       const changed = editedIn(known, files);
       if (changed.length > 0) edited(changed);
     });

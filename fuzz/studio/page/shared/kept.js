@@ -30,3 +30,31 @@ export function keep(folder, name, value) {
     // the page uses the default when it is reloaded
   }
 }
+
+/**
+ * Returns what this tab stored for a folder under a name, for its own reloads; null if nothing was.
+ * @param {string} folder
+ * @param {string} name
+ * @returns {any}
+ */
+export function keptInTab(folder, name) {
+  try {
+    return JSON.parse(sessionStorage.getItem(`${KEPT}${name}-${folder}`) ?? "null");
+  } catch {
+    return null;
+  }
+}
+
+/**
+ * Stores a value for reloads of this tab, where another tab does not replace it.
+ * @param {string} folder
+ * @param {string} name
+ * @param {any} value
+ */
+export function keepInTab(folder, name, value) {
+  try {
+    sessionStorage.setItem(`${KEPT}${name}-${folder}`, JSON.stringify(value));
+  } catch {
+    // a reload then uses what the browser stores for all tabs
+  }
+}

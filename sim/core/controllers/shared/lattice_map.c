@@ -151,14 +151,21 @@ static void forget_line(WgMapperMemory *map, int64_t place, bool column)
 static void move_along(WgMapperMemory *map, double *low, int64_t place, bool columns)
 {
     int64_t side = side_of(map);
-    while (place < (int64_t)*low + side / 4) {
-        *low -= 1.0;
-        forget_line(map, (int64_t)*low, columns);
-        map->plan_length = 0.0;
+    int64_t before = (int64_t)*low;
+    int64_t after = before;
+    if (place < before + side / 4) {
+        after = place - side / 4;
+    } else if (place > before + side - 1 - side / 4) {
+        after = place - side + 1 + side / 4;
     }
-    while (place > (int64_t)*low + side - 1 - side / 4) {
-        forget_line(map, (int64_t)*low, columns);
-        *low += 1.0;
+    if (after != before) {
+        int64_t first = wg_least(before, after);
+        // A window that moves further than its own side forgets every line once.
+        int64_t last = first + wg_least(wg_abs(after - before), side);
+        for (int64_t line = first; line < last; line++) {
+            forget_line(map, line, columns);
+        }
+        *low = (double)after;
         map->plan_length = 0.0;
     }
 }

@@ -1,0 +1,43 @@
+// Requests whose answer is only right as long as what they are about stays on the screen.
+
+import { Ended } from "#studio/shared/connection.js";
+import { Refused } from "#studio/shared/refusals.js";
+
+const OUTDATED = "This has changed in the meantime.";
+let opening = 0; // number of the last request for a world to be shown
+
+/**
+ * Sends a request. If what it is about has changed when the answer or a part of it arrives, that is
+ * dropped, and the request fails with Ended.
+ * @param {Connection} connection
+ * @param {() => unknown} about - Returns a value that identifies what the request is about
+ * @param {string} kind
+ * @param {object} message
+ * @param {(part: any) => void} [part]
+ * @returns {Promise<any>}
+ */
+export async function askAbout(connection, about, kind, message, part = () => {}) {
+  const then = about();
+  const isCurrent = () => Object.is(about(), then);
+  try {
+    const answer = await connection.ask(kind, message, (one) => isCurrent() && part(one));
+    if (isCurrent()) return answer;
+  } catch (error) {
+    if (isCurrent() || !(error instanceof Refused || error instanceof Ended)) throw error;
+  }
+  throw new Ended(OUTDATED);
+}
+
+/**
+ * Asks for a world to be shown. Only the last such request is answered, in whatever order the
+ * answers arrive.
+ * @param {Connection} connection
+ * @param {string} kind
+ * @param {object} message
+ * @param {(part: any) => void} [progress]
+ * @returns {Promise<any>}
+ */
+export function askToOpen(connection, kind, message, progress) {
+  opening += 1;
+  return askAbout(connection, () => opening, kind, message, progress);
+}

@@ -1,0 +1,74 @@
+"""Each extra alone brings what its feature needs, in an environment that has nothing else."""
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+BUILD_THE_SITE = re.search(
+    r"python (-m sphinx [^`]+)`", (ROOT / "README.md").read_text(encoding="utf-8")
+)[1]
+
+# What uses the extra: shell commands in the fresh clone; the environment is first on the path.
+# Free ports and temporary files, and every server ends with its shell.
+USES = {
+    "parquet": "worldgen corpus export corpora/failures --out build/failures.parquet",
+    "dask": "trap 'kill $(jobs -p)' EXIT; dask scheduler --port 0 --no-dashboard "
+    "--scheduler-file build/scheduler.json & dask worker --scheduler-file build/scheduler.json & "
+    "until test -s build/scheduler.json; do sleep 0.2; done; "
+    "worldgen fuzz --controller turn-right --units 1 --examples 5 --out build/found "
+    '--scheduler $(grep -o "tcp://[^\\"]*" build/scheduler.json) || test $? = 1',
+    "numba": "cd build && worldgen new-controller mine --kind compiled && "
+    "worldgen maze --size 12 --seed 1 --out w.grid && "
+    "worldgen run w.grid --controller ./mine.py:mine || test $? = 1",
+    "pettingzoo": "python -c 'from worldgen_plugins.for_pettingzoo import FleetEnv; "
+    "from worldgen.families import doorway; FleetEnv(world=doorway(1)).reset(seed=1)'",
+    "gym": "python -c 'import gymnasium, worldgen.gym; "
+    'gymnasium.make("worldgen/Navigate-v0").reset(seed=1)\'',
+    "studio": "trap 'kill $(jobs -p)' EXIT; "
+    "worldgen studio build --port 0 --no-browser >build/said 2>&1 & "
+    "until grep -o 'http://[^ ]*' build/said; do kill -0 $! && sleep 0.2; done; "
+    "python -c 'import sys, urllib.request; urllib.request.urlopen(sys.argv[1]).read()' "
+    "$(grep -o 'http://[^ ]*' build/said)",
+    "docs": f"python {BUILD_THE_SITE}",
+    "test": "python -m pytest -q tests/worldgen/test_grid_file.py tests/plugins",
+    "dev": "ruff check . && lint-imports && python -m pytest -q tests/repo/test_readme.py",
+}
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """A fresh clone, and the wheel that is built from it."""
+    folder = tmp_path_factory.mktemp("extras") / "worldgen"
+    subprocess.run(["git", "clone", "--quiet", ROOT, folder], check=True)
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", "build", "."]
+    subprocess.run(build, cwd=folder, check=True)
+    return folder
+
+
+def test_every_extra_is_used():
+    assert set(USES) == set(EXTRAS)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_what_an_extra_is_for_works_with_that_extra_alone(extra, clone, tmp_path):
+    [wheel] = (clone / "build").glob("*.whl")
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "alone"], check=True)
+    programs = tmp_path / "alone" / "bin"
+    install = [programs / "python", "-m", "pip", "install", "--quiet"]
+    subprocess.run([*install, f"worldgen[{extra}] @ {wheel.as_uri()}"], check=True)
+    use = subprocess.run(
+        ["sh", "-ec", f"export PATH={programs}:$PATH; {USES[extra]}"],
+        cwd=clone,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert use.returncode == 0, use.stdout

@@ -1,0 +1,89 @@
+"""Use every part of the product whose C keeps addresses, for a build with sanitizers.
+
+``python -m tests.sanitized`` generates a world of every family, proves and drives fleets of more
+robots than are planned together, and runs short campaigns of controllers in C. ``.ci/sanitized``
+runs it with the C under AddressSanitizer, which ends the process at the first fault.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import sys
+import tempfile
+from pathlib import Path
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
+from sim import RunOptions, simulate, simulate_many
+from sim.scenario import Scenario
+from worldgen import check_certificate, decide, generate, read_world, write_world
+from worldgen.family import FAMILIES
+
+_CONTROLLERS = ("turn-right", "turn-random", "bug2", "vfh", "gestalt", "mapper", "q-learner")
+_FLEETS = (("rooms", 12), ("fire", 12), ("corridor", 11))
+
+
+def main() -> None:
+    """Run everything, and say what comes next."""
+    parser = argparse.ArgumentParser(prog="python -m tests.sanitized", description=__doc__)
+    parser.add_argument("--thorough", action="store_true", help="more seeds, controllers, units")
+    thorough = parser.parse_args().thorough
+    _generate(range(5) if thorough else range(1))
+    _fleets(range(5) if thorough else range(1))
+    _controllers(_CONTROLLERS)
+    _campaigns(_CONTROLLERS if thorough else _CONTROLLERS[:2], 10 if thorough else 2)
+    print("no fault found")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _generate(seeds: range) -> None:
+    """Generate, prove, write and read worlds of every family."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in FAMILIES.names():
+            _say(f"family {name}")
+            for seed in seeds:
+                world = generate(name, seed)
+                file = Path(folder) / f"{name}-{seed}.grid"
+                write_world(world, file)
+                decide(read_world(file))
+                check_certificate(world)
+            gc.collect()
+
+
+def _fleets(seeds: range) -> None:
+    """Place more robots than are planned together, and drive them."""
+    for name, robots in _FLEETS:
+        _say(f"fleet {name} of {robots}")
+        for seed in seeds:
+            world = generate(name, seed, robots=robots)
+            gc.collect()
+            check_certificate(world)
+            simulate(world, "orca", steps=300)
+            simulate(world, "turn-right", steps=2_000)
+
+
+def _controllers(names: tuple[str, ...]) -> None:
+    """Run controllers alone, recorded, and many at once."""
+    world = generate("maze", 3, size=20)
+    for name in names:
+        _say(f"controller {name}")
+        simulate(world, name, steps=3_000, record=True)
+        simulate_many([world], [name], seeds=range(4), options=RunOptions(steps=1_000))
+        gc.collect()
+
+
+def _campaigns(names: tuple[str, ...], examples: int) -> None:
+    """Run a unit of every search strategy for one robot, and one for a fleet."""
+    for name in names:
+        _say(f"campaign of {name}")
+        run_unit(CampaignConfig(scenario=Scenario(name), examples=examples), 0)
+    _say("campaign of a fleet")
+    run_unit(CampaignConfig(scenario=Scenario("turn-right"), examples=examples, robots=2), 0)
+
+
+if __name__ == "__main__":
+    main()

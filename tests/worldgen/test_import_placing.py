@@ -1,0 +1,159 @@
+"""Where ``import`` places start and target on pictures, and what a refusal says."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.helpers.command_line import worldgen
+from tests.helpers.foreign_samples import picture
+from tests.helpers.raising import raises
+from worldgen.errors import InvalidWorld
+from worldgen.interop import ImportedRobot, import_world
+from worldgen.interop.readers.grey_image import pgm_bytes
+
+SIDE = 90
+CELL = 0.1
+# The radii, cells, of a race track's walls around the picture's centre.
+INNER, OUTER = 20, 32
+RING = (INNER + OUTER) / 2
+
+
+def track(*, framed=False):
+    """A race track: two circles of black pixels on white; a frame of black pixels around it."""
+    y, x = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2
+    away = np.hypot(x, y)
+    walls = (np.abs(away - INNER) < 1) | (np.abs(away - OUTER) < 1)
+    if framed:
+        walls[[0, -1]] = walls[:, [0, -1]] = True
+    return np.where(walls, 0, 255).astype(np.uint8)
+
+
+def ros_map(folder, greys, origin=(0.0, 0.0), **keys):
+    """A ROS map of a picture."""
+    keys = {"occupied_thresh": 0.65, "free_thresh": 0.196, "negate": 0, "resolution": CELL} | keys
+    data = picture(greys) if isinstance(greys, Image.Image) else pgm_bytes(greys)
+    (folder / "m.pgm").write_bytes(data)
+    lines = [f"{key}: {value}" for key, value in keys.items()]
+    path = folder / "m.yaml"
+    path.write_text("\n".join(["image: m.pgm", f"origin: [{origin[0]}, {origin[1]}, 0]", *lines]))
+    return path
+
+
+def away(world):
+    """Distances of start and target from the centre, cells."""
+    return [
+        np.hypot(place.x / CELL - SIDE / 2, place.y / CELL - SIDE / 2)
+        for place in (world.start, world.target)
+    ]
+
+
+def is_on_track(imported):
+    return all(INNER < distance < OUTER for distance in away(imported.world))
+
+
+@pytest.mark.parametrize("framed", [False, True])
+def test_start_and_target_are_in_the_region_of_the_maps_origin(framed, tmp_path):
+    # The origin of the coordinates is on the track, right of the centre.
+    corner = (-CELL * (SIDE / 2 + RING), -CELL * SIDE / 2)
+    imported = import_world(ros_map(tmp_path, track(framed=framed), corner))
+    assert is_on_track(imported)
+    assert "start and target are in the region with the map's origin" in imported.notes
+    assert not any("border" in sentence for sentence in imported.warnings)
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".pgm"])
+def test_without_an_origin_a_region_that_reaches_the_border_is_avoided(suffix, tmp_path):
+    path = ros_map(tmp_path, track()).with_suffix(suffix)
+    imported = import_world(path, ImportedRobot(radius=0.22))
+    assert all(distance < OUTER for distance in away(imported.world))
+    assert any("does not reach the picture's border" in sentence for sentence in imported.notes)
+
+
+def test_a_region_that_reaches_the_border_is_warned_about(tmp_path):
+    open_room = np.full((30, 40), 255, np.uint8)
+    open_room[10:12, 5:30] = 0
+    imported = import_world(ros_map(tmp_path, open_room))
+    assert any("reaches the picture's border" in sentence for sentence in imported.warnings)
+
+
+def test_a_frame_around_the_picture_does_not_hide_the_surroundings(tmp_path):
+    imported = import_world(ros_map(tmp_path, track(framed=True)))
+    assert is_on_track(imported) or any(
+        "picture's border, along its frame" in one for one in imported.warnings
+    )
+
+
+def test_a_robot_that_does_not_fit_at_the_maps_origin_is_warned_about(tmp_path):
+    corner = (-CELL * (SIDE / 2 + RING), -CELL * SIDE / 2)
+    narrow = track()
+    y, x = np.indices((SIDE, SIDE))
+    # Bars across the track leave a pocket at the origin.
+    narrow[(np.abs(y - SIDE // 2) == 6) & (x > SIDE // 2)] = 0
+    imported = import_world(ros_map(tmp_path, narrow, corner), ImportedRobot(radius=0.5))
+    assert any("the map's origin" in sentence for sentence in imported.warnings)
+
+
+@pytest.mark.parametrize("kind", ["room", "room without a frame of its own"])
+def test_a_plain_room_is_neither_warned_about_nor_explained(kind, tmp_path):
+    room = np.full((30, 40), 255, np.uint8)
+    thick = 1 if kind == "room" else 4
+    room[:thick] = room[-thick:] = room[:, :thick] = room[:, -thick:] = 0
+    imported = import_world(ros_map(tmp_path, room))
+    assert imported.warnings == () and not any("region" in one for one in imported.notes)
+
+
+@pytest.mark.parametrize(
+    ("grey", "keys", "expected"),
+    [
+        (206, {}, "grey 206 covers 80 % of the map and counts as free"),
+        (205, {}, None),
+        (205, {"free_thresh": 0.25}, "grey 205"),
+        (90, {}, "grey 90 covers 80 % of the map and counts as unknown"),
+        (254, {}, None),
+        (204, {"negate": 1, "occupied_thresh": 0.8}, "grey 204 covers 80 % of the map and counts as occupied"),
+    ],
+)  # fmt: skip
+def test_one_grey_near_a_threshold_that_covers_most_of_the_map_is_warned_about(
+    grey, keys, expected, tmp_path
+):
+    greys = np.full((50, 50), grey, np.uint8)
+    greys[20:30, :] = 0 if keys.get("negate") else 255
+    greys[0] = greys[-1] = greys[:, 0] = greys[:, -1] = 255 if keys.get("negate") else 0
+    greys[20:40, 1:20] = 0 if keys.get("negate") else 255
+    share = (greys == grey).mean()
+    warnings = import_world(ros_map(tmp_path, greys, **keys), ImportedRobot(radius=0.05)).warnings
+    found = [sentence for sentence in warnings if f"grey {grey}" in sentence]
+    wanted = None if expected is None else expected.replace("80 %", f"{100 * share:.0f} %")
+    assert share > 0.5 and (found[0].startswith(wanted) if wanted else not found)
+
+
+def transparent(folder):
+    """A room whose floor is transparent, as some editors save it."""
+    pixels = np.zeros((30, 40, 4), np.uint8)
+    pixels[[0, -1]] = pixels[:, [0, -1]] = pixels[8:22, 20] = 255
+    image = Image.fromarray(pixels)
+    return ros_map(folder, image, negate=1, occupied_thresh=0.8, free_thresh=0.2)
+
+
+def test_a_refusal_keeps_the_notes_that_explain_it(tmp_path):
+    done = worldgen("import", transparent(tmp_path), "--out", tmp_path / "w.grid")
+    assert (done.code, done.error_code) == (2, "no-room")
+    assert "1,050 of 1,200 cells are transparent, hence unknown" in done.err
+    assert "--unknown free" in done.err
+    assert not (tmp_path / "w.grid").exists()
+
+
+def test_an_error_of_the_library_has_the_notes_too(tmp_path):
+    with raises(InvalidWorld, "no-room") as caught:
+        import_world(transparent(tmp_path))
+    assert any("1,050 of 1,200 cells are transparent" in note for note in caught.value.notes)
+
+
+def test_transparent_pixels_of_a_picture_are_counted(tmp_path):
+    transparent(tmp_path)
+    (tmp_path / "m.pgm").rename(tmp_path / "m.png")
+    done = worldgen("import", tmp_path / "m.png", "--out", tmp_path / "w.grid", "--json")
+    notes = json.loads(done.out)["notes"] if done.code == 0 else done.err.splitlines()
+    assert any("1,050 of 1,200 pixels are transparent" in sentence for sentence in notes)
