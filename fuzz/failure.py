@@ -190,7 +190,7 @@ class Failure:
         """How far shrinking got, as recorded."""
         details = self.record.details
         recorded = details.get(SHRINKING)
-        if recorded in set(ShrinkState):
+        if isinstance(recorded, str) and recorded in set(ShrinkState):
             return ShrinkState(recorded)
         # Older files only have the outcome of the check, which is made at the end.
         minimal = details.get("one_minimal")

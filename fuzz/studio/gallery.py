@@ -108,7 +108,7 @@ class WallAnswers(Opened):
                 failure = Failure.found_in(read_world(entry.path))
             except (OSError, WorldgenError):  # replaced a moment ago
                 return "", ShrinkState.NONE
-            cause = "" if failure is None else failure.record.details.get(CAUSE, "")
+            cause = "" if failure is None else str(failure.record.details.get(CAUSE, ""))
             shrinking = ShrinkState.NONE if failure is None else failure.shrinking
             self._recorded[key] = (cause if cause in set(Cause) else "", shrinking)
         return self._recorded[key]

@@ -91,7 +91,7 @@ def cause_of(failure: Failure) -> Cause:
         The cause; :attr:`Cause.UNKNOWN` if its controller cannot be run here, or not in time.
     """
     recorded = failure.record.details.get(CAUSE)
-    if recorded in set(Cause):
+    if isinstance(recorded, str) and recorded in set(Cause):
         return Cause(recorded)
     # These need no run: the record is enough.
     if failure.oracle is not None:

@@ -181,17 +181,21 @@ def _totals_table(comparison: Comparison) -> str:
         count = len(comparison.common)
         of = len(comparison.worlds)
         if count:
-            text += (
+            text = joined(
+                text,
                 f"\nMean and median times are over the {count} of {of} worlds in which every "
-                "controller arrives."
+                "controller arrives.",
             )
         else:
-            text += (
+            text = joined(
+                text,
                 "\nNo mean or median times are given: in every world, some controller does not "
-                "arrive."
+                "arrive.",
             )
     if any(total.random for total in totals):
-        text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
+        text = joined(
+            text, "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
+        )
     return text
 
 

@@ -78,6 +78,7 @@ def test_a_failure_that_shrinking_cannot_prove_again_stays_as_found(found):
         ({"shrinking": "cut short", "one_minimal": True}, "cut short"),
         ({"shrinking": "of another version"}, "none"),
         ({"shrinking": 7}, "none"),
+        ({"shrinking": ["done"]}, "none"),
     ],
 )
 def test_a_record_of_another_version_is_read_by_its_check(found, details, state):
@@ -132,3 +133,12 @@ def test_a_failure_whose_shrinking_ran_out_of_time_says_cut_short(tmp_path, monk
     assert len({Failure.read(path).without("shrinking").id for path in out.glob("*.grid")}) == len(
         list(out.glob("*.grid"))
     )
+
+
+@pytest.mark.parametrize("key", ["cause", "class", "shrinking"])
+@pytest.mark.parametrize("value", [["x"], {"x": 1}])
+def test_a_forged_detail_of_another_type_is_no_fault_of_ours(found, key, value, tmp_path):
+    forged = found.noting(**{key: value})
+    forged.write(tmp_path / "forged.grid")
+    assert worldgen("replay", tmp_path / "forged.grid", "--show").code in (0, 1)
+    assert worldgen("corpus", "list", tmp_path).code == 0

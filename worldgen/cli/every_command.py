@@ -121,15 +121,15 @@ def _watch_files(command: click.Command) -> None:
     """End with code 2 a command that had to skip a file, whatever the other files show."""
     invoke = command.invoke
 
-    def watched(context: click.Context) -> Any:
+    def watched(ctx: click.Context) -> Any:
         try:
-            value = invoke(context)
+            value = invoke(ctx)
         except (SystemExit, click.exceptions.Exit) as stop:
             code = stop.code if isinstance(stop, SystemExit) else stop.exit_code
             if code in (0, 1):
-                _end_if_skipped(context)
+                _end_if_skipped(ctx)
             raise
-        _end_if_skipped(context)
+        _end_if_skipped(ctx)
         return value
 
     command.invoke = watched  # type: ignore[method-assign]

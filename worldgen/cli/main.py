@@ -298,8 +298,14 @@ class _SafeLog(logging.Formatter):
 _usual_warning = warnings.formatwarning
 
 
-def _safe_warning(*facts: Any) -> str:
-    return shown_lines(_usual_warning(*facts))
+def _safe_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
+    return shown_lines(_usual_warning(message, category, filename, lineno, line))
 
 
 def _print_safely_what_libraries_say() -> None:
