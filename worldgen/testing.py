@@ -396,7 +396,8 @@ def _names_for_processes(family: Family) -> list[str]:
         return []
     names = [name for name, thing in vars(module).items() if thing is family]
     # Python may not find a module by its name, such as a test's or one of a user's file.
-    return [f"{place}:{name}" for name in names for place in (module.__name__, module.__file__)]
+    places = filter(None, (module.__name__, getattr(module, "__file__", None)))
+    return [f"{place}:{name}" for place in places for name in names]
 
 
 def _first_that_loads(names: list[str]) -> str | None:
