@@ -115,7 +115,7 @@ class CiFinding:
         try:
             episode, words = run_to_draw(failure)
             trail = naming(trails_of(episode, world), why.cells if why else ())
-            frames = describe_frames(episode.evidence)
+            frames: str = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"
             trail = None
@@ -127,7 +127,7 @@ class CiFinding:
         # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
         cause = cause_of(failure)
         what = reason if state == FindingState.NOT_CONFIRMED else f"{record.verdict}{words}"
-        picture: str = draw_terminal(world, trail=trail, color=False).rstrip("\n")
+        picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = (
                 f"(a map of {world.width} x {world.height} cells is too large for a picture here)"
