@@ -25,7 +25,7 @@ from worldgen.files.json_file import plain
 
 
 @dataclass(frozen=True)
-class Answer:
+class ControllerSummary:
     """The facts known about one controller under one motion model.
 
     Args:
@@ -74,7 +74,7 @@ def _shown(cause: CauseRow) -> dict[str, Any]:
 
 def answers_for(
     entries: Sequence[CorpusEntry], campaigns: Sequence[ReportedCampaign]
-) -> list[Answer]:
+) -> list[ControllerSummary]:
     """Return an answer for each campaign, and for each controller without a campaign.
 
     Args:
@@ -92,7 +92,7 @@ def answers_for(
             continue
         summary = campaign.summary
         answers.append(
-            Answer(
+            ControllerSummary(
                 summary.controller,
                 summary.motion,
                 [_placed(cause, campaign.folder) for cause in overview.causes],
@@ -111,7 +111,7 @@ def answers_for(
     return sorted(answers, key=_worst)
 
 
-def _worst(answer: Answer) -> int:
+def _worst(answer: ControllerSummary) -> int:
     """Return the severity of the worst cause, so that the worst controller comes first."""
     words = [severity.word for severity in Severity]
     found = [words.index(cause.severity) for cause in answer.causes[:1]]
@@ -133,7 +133,7 @@ def _placed(cause: CauseRow, folder: Path) -> CauseRow:
     return msgspec.structs.replace(cause, file=file, smallest=smallest)
 
 
-def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:
+def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> ControllerSummary:
     """Return the answer for failures without a known campaign: their causes.
 
     The page shows the code of each failure's controller, so the causes need not.
@@ -148,4 +148,4 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
         lambda cause: [one for one in files if cause_of(one.failure) in cause.parts],
         with_code=False,
     )
-    return Answer(controller, motion, [one.table() for one in causes])
+    return ControllerSummary(controller, motion, [one.table() for one in causes])

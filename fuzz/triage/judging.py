@@ -49,7 +49,7 @@ class Replay:
     episode: Episode | None = None
 
 
-class Judgement(NamedTuple):
+class JudgedRun(NamedTuple):
     """What judging a run has shown.
 
     Args:
@@ -124,7 +124,7 @@ def judge(
     fewest_steps: int = 0,
     steps: int | None = None,
     **details: Value,
-) -> Judgement:
+) -> JudgedRun:
     """Judge a scenario: run it, and prove the failure that an oracle finds.
 
     Args:
@@ -153,9 +153,9 @@ def judge(
 
     found = oracle.check(trial)
     if found is None:
-        return Judgement(None, is_settled=True)
+        return JudgedRun(None, is_settled=True)
     if not _holds(trial, found) or not _comes_again(trial, found, oracle):
-        return Judgement(None, is_settled=False)
+        return JudgedRun(None, is_settled=False)
     if oracle.by_verdict:
         run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
         details = {**hazard_details(trial.world, run, scenario), **details}
@@ -174,7 +174,7 @@ def judge(
             **details,
         },
     )
-    return Judgement(Failure(replace(world, failure=None), record), is_settled=True)
+    return JudgedRun(Failure(replace(world, failure=None), record), is_settled=True)
 
 
 def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:

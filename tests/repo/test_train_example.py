@@ -23,7 +23,7 @@ def test_what_traps_the_policy_replays_as_the_guide_shows(project):
     shown = re.search(
         r"\$ worldgen replay failures/\n(.*?)```", (EXAMPLE / "README.md").read_text(), re.DOTALL
     )
-    result = worldgen("replay", "failures/")
+    result = worldgen("replay", "--trust", "failures/")
     assert (result.code, result.out) == (0, shown.group(1))
 
 

@@ -111,9 +111,12 @@ def test_count_gives_different_worlds_that_all_fit(tmp_path):
     assert all(world.provenance.metrics["detour"] > 1.5 for world in worlds)
 
 
-def test_a_constraint_with_a_fault_is_one_line_with_a_mark():
+def test_a_constraint_with_a_fault_is_marked_and_corrected():
     result = run("maze", "--where", "detuor > 3", "--seed", 1)
-    assert result.code == 2 and result.error_code == "unknown-name" and result.err.endswith("  ^\n")
+    assert result.code == 2 and result.error_code == "unknown-name"
+    _, came, mark, suggested = result.err.splitlines()
+    assert (came, mark) == ("  detuor > 3", "  ^")
+    assert suggested == "  worldgen maze --where 'detour > 3' --seed 1"
 
 
 def test_tries_without_a_constraint_are_refused():

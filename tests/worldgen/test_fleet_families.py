@@ -225,10 +225,11 @@ def test_a_set_of_fleets_is_made_again(tmp_path):
         (["--robots", "1001"], "1 to 1000"),
     ],
 )
-def test_a_wrong_number_of_robots_is_one_line_and_code_2(options, word):
+def test_a_wrong_number_of_robots_is_a_line_and_a_corrected_command(options, word):
     done = worldgen("maze", "--seed", "1", *options)
     assert done.code == 2
-    assert word in done.err and done.err.strip().count("\n") == 0
+    rule, *suggested = done.err.splitlines()
+    assert word in rule and all(line.startswith("  worldgen maze") for line in suggested)
 
 
 def test_verify_says_how_many_robots_it_decided(tmp_path):

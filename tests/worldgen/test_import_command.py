@@ -540,8 +540,8 @@ def test_a_run_in_a_world_read_in_part_does_not_say_that_its_target_is_reachable
 @pytest.mark.parametrize(
     "words",
     [
-        ["fuzz", "--controller", "bug2", "--units", "1", "--out", "f", "--world"],
-        ["find", "--outcome", "bug2=loop", "--out", "f.grid", "--from"],
+        ["fuzz", "--controller", "bug2", "--units", "1", "--seed", "1", "--out", "f", "--world"],
+        ["find", "--outcome", "bug2=loop", "--seed", "1", "--out", "f.grid", "--from"],
         ["boundary", "--controller", "bug2", "--axis", "heading"],
         ["export", "--to", "ros", "--out", "r.yaml"],
     ],

@@ -114,7 +114,7 @@ def test_the_terminal_picture_needs_no_pillow(grid):
 @pytest.mark.parametrize("flag", ["--out", "--png", "--svg"])
 def test_what_people_write_for_a_picture_is_answered_with_its_option(grid, tmp_path, flag):
     result = worldgen("show", grid, flag, tmp_path / "p.png")
-    assert result.code == 2 and "write --picture OUT" in result.err
+    assert result.code == 2 and "did you mean --picture?" in result.err
 
 
 def test_a_picture_of_an_unknown_kind_is_refused_before_the_work(tmp_path):

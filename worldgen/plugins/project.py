@@ -19,7 +19,7 @@ _IN_A_FILE = re.compile(
 )
 
 
-class Project(NamedTuple):
+class ProjectFile(NamedTuple):
     """The file that configures a project, and its table."""
 
     file: Path
@@ -79,7 +79,7 @@ def code_from_here(text: str, folder: Path) -> str:
     return found["kind"] + from_here(found["file"], folder) + found["rest"]
 
 
-def project_of(folder: Path, *, any_owner: bool = False) -> Project | None:
+def project_of(folder: Path, *, any_owner: bool = False) -> ProjectFile | None:
     """Return the nearest file at or above a folder that has our table.
 
     Args:
@@ -121,7 +121,7 @@ def project_of(folder: Path, *, any_owner: bool = False) -> Project | None:
                 ) from None
             continue
         if isinstance(table, dict):
-            return Project(file, table)
+            return ProjectFile(file, table)
     return None
 
 

@@ -363,6 +363,7 @@ def call(
         if server.ask():
             break
         server.end()  # it was ended while it waited
+    # Wait for the result; a server that did not give one is of no more use.
     try:
         server.wait(progress, cages)
     except ControllerDied:

@@ -300,7 +300,7 @@ export class Model {
  * @param {EditedWorld} world
  * @returns {string}
  */
-export function digestOf({ cells, name, file, sheet, source, ...rest }) {
+function digestOf({ cells, name, file, sheet, source, ...rest }) {
   // Only the file's text has everything about the other robots.
   const text = JSON.stringify([rest, rest.others.length > 0 ? source : null]);
   let low = 0x9e3779b9,
