@@ -89,7 +89,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
         advice = f"   {cause.sentence} {cause.cause.advice}"
-        lines += [f"{number}. {_title(cause, overview.natural)}", advice]
+        lines += [joined(f"{number}. ", _title(cause, overview.natural)), advice]
     lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))

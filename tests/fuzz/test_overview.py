@@ -40,6 +40,7 @@ from tests.helpers.faulty_robots import HERE, found_by, hall
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
+from worldgen.support.plain_text import Styled
 
 
 def test_causes_come_by_severity_and_frequency_in_natural_worlds():
@@ -470,9 +471,10 @@ def test_counts_never_contradict_each_other(tmp_path):
     hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
     natural = NaturalRuns(worlds=8, arrived=6)
     overview = Overview((own, shrunk_only, natural_only, hazard), natural)
-    lines = [
-        click.unstyle(line) for line in overview_lines(overview, Headline("mine", tmp_path, 9))
-    ]
+    styled = overview_lines(overview, Headline("mine", tmp_path, 9))
+    # Colours survive the way to the terminal only in a styled text.
+    assert [line for line in styled if "\x1b" in line and not isinstance(line, Styled)] == []
+    lines = list(map(click.unstyle, styled))
     assert "2 causes, 3 classes of failures" in lines[0]
     assert "1. pushes-a-wall: none of 8 natural worlds; examined: 1 loop" in lines
     assert "2. wanders: 2 of 8 natural worlds; not met by the search" in lines

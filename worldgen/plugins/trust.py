@@ -476,7 +476,14 @@ def _ask(key: str, name: str) -> None:
         _remember(key)
         return
 
-    # A command's error names the command that works.
+    # A command's first error names the command that works.
+    if _trust.is_command and key in _trust.refused:
+        raise CodeNotTrusted(
+            "code-not-allowed",
+            "{name!r} is not run: it is code that you have not run from the command line before",
+            "--trust runs it",
+            name=name[:_LONGEST],
+        )
     if not _trust.is_command:
         error = CodeNotTrusted(
             "code-not-allowed",
