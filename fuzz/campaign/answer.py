@@ -42,6 +42,8 @@ class AnswerNumbers(msgspec.Struct, frozen=True, kw_only=True):
         natural: Natural worlds that were finished; ``None`` if they are not defined for the
             campaign, as with a map of the user's or several robots.
         natural_unjudged: Those of them that are unjudged.
+        natural_hazards: Those of them in which a hazard that the robot cannot sense ended the run:
+            judged, but not in the robot's favour.
         searched: Runs that the search finished.
         searched_unjudged: Those of them that are unjudged.
         needed: Fewest natural worlds for an answer without failures; fewest runs of the search if
@@ -52,6 +54,7 @@ class AnswerNumbers(msgspec.Struct, frozen=True, kw_only=True):
     known: _Count = 0
     natural: _Count | None = None
     natural_unjudged: _Count = 0
+    natural_hazards: _Count = 0
     searched: _Count = 0
     searched_unjudged: _Count = 0
     needed: _Count = FEWEST
@@ -83,4 +86,7 @@ def answer_of(numbers: AnswerNumbers) -> tuple[Answer, str]:
                 f"it did not arrive in {unjudged} of {runs} {kind}, and none of these is proved to "
                 "be a failure"
             )
-    return Answer.CLEAN, f"no failure in {finished} {what}"
+    reason = f"no failure in {finished} {what}"
+    if numbers.natural_hazards:
+        reason += f"; a hazard that it cannot sense ended {numbers.natural_hazards} of them"
+    return Answer.CLEAN, reason

@@ -23,7 +23,7 @@ from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, 
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
-from fuzz.overview.natural import NATURAL, natural_families, natural_runs
+from fuzz.overview.natural import NATURAL, NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause, Severity
@@ -182,11 +182,12 @@ def answer_numbers(
     """
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
     shown = {one.failure.bucket for one in own if one.failure is not None}
-    finished = None if overview.natural is None else overview.natural.finished
+    natural = overview.natural or NaturalRuns()
     return AnswerNumbers(
         failures=len(failing),
         known=len((state.known.keys() | shown) - set(failing)),
-        natural=(finished or 0) if families_of(config) else None,
+        natural=natural.finished if families_of(config) else None,
+        natural_hazards=natural.unsensed,
         natural_unjudged=sum(one.natural or 0 for one in own if one.failure is None),
         searched=state.worlds,
         searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),

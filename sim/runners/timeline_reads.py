@@ -40,7 +40,11 @@ class _NotingTimeline(Timeline):
         """The class of what ``dataclasses.replace`` makes of it."""
         return Timeline
 
-    # Making a copy of the world, and comparing worlds, tell nobody what will happen.
+    # That something changes, that a copy is equal, and how large the world must be do not tell where
+    # and when it changes.
+    def __len__(self) -> int:
+        return len(_plain(self))
+
     def is_within(self, width: int, height: int) -> bool:
         return _plain(self).is_within(width, height)
 
@@ -89,7 +93,7 @@ def noting_reads() -> Iterator[Reads]:
 
 @contextmanager
 def ignoring_pickles() -> Iterator[None]:
-    """Do not take it for reading if a world is pickled, as when the simulator compares states."""
+    """Do not count pickling as reading, as when the simulator compares states."""
     token = _pickles_count.set(False)
     try:
         yield

@@ -94,6 +94,13 @@ def test_hazards_that_a_robot_cannot_sense_are_neither_failures_nor_unjudged():
     assert (numbers.failures, numbers.known, numbers.natural_unjudged) == (0, 0, 2)
 
 
+def test_an_all_clear_says_how_many_worlds_a_hazard_ended():
+    overview = Overview((), NaturalRuns(worlds=1, arrived=1, unsensed=8))
+    numbers = answer_numbers(CampaignConfig(Scenario("bug2")), CampaignState(), overview, ())
+    answer, reason = answer_of(numbers)
+    assert answer == "clean" and reason.endswith("cannot sense ended 8 of them")
+
+
 def test_a_few_examined_runs_stand_for_all_of_their_kind():
     triage = Triage(CampaignConfig(Scenario("bug2")), UnitResult("trap"))
     world = generate("trap", 1)

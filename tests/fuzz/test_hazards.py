@@ -44,6 +44,7 @@ class Ahead:
 class Walls(Ahead):
     def reset(self, world):
         self.free = ~world.walls
+        self.waits = world.is_dynamic
         return ()
 class Copies(Ahead):
     def reset(self, world):
@@ -56,7 +57,7 @@ class Copies(Ahead):
 class Looks(Ahead):
     def reset(self, world): return (float(world.timeline.last_time),)
 class LooksAtACopy(Ahead):
-    def reset(self, world): return (float(len(replace(world, robot_radius=0.05).bare.timeline)),)
+    def reset(self, world): return (float(replace(world, robot_radius=0.05).bare.timeline.times[0]),)
 class LooksLater(Ahead):
     def reset(self, world):
         self.world = world

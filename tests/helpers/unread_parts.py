@@ -176,6 +176,14 @@ _TILED = {
     "polygon": _tiled({**_OBJECTS, "objects": [{"x": 0, "y": 0, "polygon": [{"x": 0, "y": 0}]}]}),
     "template": _tiled({**_OBJECTS, "objects": [{"id": 3, "template": "wall.tx", "x": 1}]}),
     "second layer": _json(lambda d: d["layers"].append(_tiles(d))),
+    "a few tiles of terrain": _json(
+        lambda d: d["layers"].append(
+            {
+                **_tiles(d, "Terrain"),
+                "data": [int(k % d["width"] == 1) for k in range(d["width"] * d["height"])],
+            }
+        )
+    ),
     "second layer, packed": _json(
         lambda d: d["layers"].append(
             {**_tiles(d), "encoding": "base64", "compression": "zstd", "data": "AAAA"}

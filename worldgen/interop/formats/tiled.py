@@ -75,8 +75,9 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     check_sides(width, height)
     layers = all_layers(parsed)
     walls_layer = tile_layer(layers, layer)
-    walls = flip_rows(tile_numbers(walls_layer, width, height) != 0)
-    report_other_tiles(layers, walls_layer, width, height)
+    is_wall = tile_numbers(walls_layer, width, height) != 0
+    walls = flip_rows(is_wall)
+    report_other_tiles(layers, walls_layer, is_wall)
     report_large_tiles(parsed)
     pass_over_marks(layers)
     # The map may have its own scale.

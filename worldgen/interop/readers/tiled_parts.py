@@ -159,15 +159,24 @@ def name_of(layer: TiledPart) -> str:
     return str(layer.peek("name", ""))
 
 
-def report_other_tiles(layers: list[TiledPart], walls: TiledPart, width: int, height: int) -> None:
-    """Report the other layers of tiles, unless they are empty, or floors by their name."""
+def report_other_tiles(
+    layers: list[TiledPart], walls: TiledPart, is_wall: npt.NDArray[np.bool_]
+) -> None:
+    """Report the other layers of tiles, unless they are empty or floors.
+
+    A floor is called one, and has a tile in every cell without a wall: a few tiles of "terrain" may
+    be a cliff.
+    """
+    height, width = is_wall.shape
     for layer in layers:
         if layer.peek("type") != "tilelayer" or layer is walls:
             continue
-        has_tiles = name_of(layer).lower() not in _FLOORS
+        matters = True
         with contextlib.suppress(FormatError):
-            has_tiles = has_tiles and bool(tile_numbers(layer, width, height).any())
-        report_unread(f"layers of tiles besides {quote(name_of(walls))}", has_tiles)
+            has_tile = tile_numbers(layer, width, height) != 0
+            is_floor = name_of(layer).lower() in _FLOORS and bool(has_tile[~is_wall].all())
+            matters = bool(has_tile.any()) and not is_floor
+        report_unread(f"layers of tiles besides {quote(name_of(walls))}", matters)
         layer.pass_over()
 
 
