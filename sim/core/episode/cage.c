@@ -9,6 +9,7 @@
 // away, and are compared in ever fewer steps. What it observes is written again before each step,
 // so changing it has no effect.
 
+#include <stddef.h>
 #include <stdio.h>
 
 #include "rounding.h"
@@ -18,6 +19,7 @@ enum {
     BAND = 4,          // words
     RARELY = 1 << 8,   // steps between two comparisons of all unused words
     COMMAND_WORDS = sizeof(WgCommand) / sizeof(uint64_t),
+    COMMANDED_WORDS = offsetof(WgCommand, error) / sizeof(uint64_t),  // its speed, turn rate and used_random
     OBSERVATION_WORDS = sizeof(WgObservation) / sizeof(uint64_t),
     NEIGHBOUR_WORDS = sizeof(WgNeighbour) / sizeof(uint64_t),
 };
@@ -148,11 +150,13 @@ static bool is_kept(WgCage *cage, const uint64_t state[WG_STATE_WORDS], bool tho
 }
 
 // Copies words one by one. A vector of two words that were just written one by one would have to wait
-// until they have left the processor's store buffer: 40 ns a step.
-static void copy_words(uint64_t *to, const uint64_t *from, int64_t count)
+// until they have left the processor's store buffer: 40 ns a step. The number of words is known to the
+// compiler at each call, and a loop over them would take longer than the copying.
+static inline void copy_words(uint64_t *to, const uint64_t *from, int64_t count)
 {
     volatile uint64_t *into = to;
     const volatile uint64_t *out_of = from;
+#pragma GCC unroll 32
     for (int64_t k = 0; k < count; k++) {
         into[k] = out_of[k];
     }
@@ -190,7 +194,7 @@ void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot)
     show(workspace, cage);
     WgCommand *command = &workspace->command;
     WgCommand *own = cage->command;
-    *own = *command;
+    *own = (WgCommand){0};
     size_t message_size = command->message != NULL ? (size_t)workspace->observation.message_size * sizeof(double) : 0;
     if (message_size > 0) {
         own->message = cage->message;
@@ -201,9 +205,7 @@ void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot)
     cage->act(cage->observation, cage->memory, own);
     wg_round_again(cage->rounding);
 
-    command->speed = own->speed;
-    command->turn_rate = own->turn_rate;
-    command->used_random = own->used_random;
+    copy_words((uint64_t *)command, (const uint64_t *)own, COMMANDED_WORDS);
     if (!is_kept(cage, state, is_due(robot->report.steps))) {
         command->error = cage->error;
     } else if (own->error != NULL) {
