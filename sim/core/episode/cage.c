@@ -92,13 +92,15 @@ static int64_t changed_before(const uint64_t *first, const uint64_t *end)
     return 0;
 }
 
-static inline bool is_band(const uint64_t *first)
+// Returns 0 if a band of unused words is unchanged.
+static inline uint64_t difference(const uint64_t *first)
 {
     uint64_t differs = 0;
+#pragma GCC unroll 4
     for (int64_t k = 0; k < BAND; k++) {
         differs |= first[k] ^ UNUSED;
     }
-    return differs == 0;
+    return differs;
 }
 
 static uint64_t *state_of(const WgCage *cage)
@@ -121,27 +123,30 @@ static int64_t written_before(const WgCage *cage, const uint64_t state[WG_STATE_
     return away * (int64_t)sizeof(uint64_t);
 }
 
-// Returns true if the function has written only where it may; otherwise cage->error tells where.
-static bool is_kept(WgCage *cage, const uint64_t state[WG_STATE_WORDS], bool thoroughly)
+// Returns true if the function has left all words next to what it may write to.
+static inline bool is_near_kept(const WgCage *cage, const uint64_t state[WG_STATE_WORDS])
 {
     const uint64_t *own = state_of(cage);
     const uint64_t *command = (const uint64_t *)cage->command;
     const volatile uint64_t *now = own;  // word by word, as in copy_words
-    uint64_t differs = 0;
+    uint64_t differs = difference(own - BAND) | difference(command - BAND) | difference(command + COMMAND_WORDS);
+#pragma GCC unroll 8
     for (int64_t k = 0; k < WG_STATE_WORDS; k++) {
         differs |= now[k] ^ state[k];
     }
-    bool is_near_kept = differs == 0 && is_band(own - BAND) && is_band(command - BAND)
-                        && is_band(command + COMMAND_WORDS);
-    if (is_near_kept && !thoroughly) {
-        return true;
-    }
+    return differs == 0;
+}
+
+// Returns true if the function has written only where it may; otherwise cage->error tells where.
+static bool is_kept(WgCage *cage, const uint64_t state[WG_STATE_WORDS])
+{
+    const uint64_t *command = (const uint64_t *)cage->command;
     int64_t before = written_before(cage, state);
     if (before > 0) {
         snprintf(cage->error, sizeof cage->error, "it wrote %lld bytes before its memory", (long long)before);
     } else if (changed_before(cage->second, command) > 0) {
         snprintf(cage->error, sizeof cage->error, "it wrote before its command");
-    } else if (!is_band(command + COMMAND_WORDS)) {
+    } else if (difference(command + COMMAND_WORDS) != 0) {
         snprintf(cage->error, sizeof cage->error, "it wrote after its command");
     } else {
         return true;
@@ -206,7 +211,8 @@ void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot)
     wg_round_again(cage->rounding);
 
     copy_words((uint64_t *)command, (const uint64_t *)own, COMMANDED_WORDS);
-    if (!is_kept(cage, state, is_due(robot->report.steps))) {
+    bool is_to_be_searched = !is_near_kept(cage, state) || is_due(robot->report.steps);
+    if (is_to_be_searched && !is_kept(cage, state)) {
         command->error = cage->error;
     } else if (own->error != NULL) {
         // Its message may be anywhere, so it is copied while an invalid address is still its fault.
@@ -231,7 +237,7 @@ int64_t wg_cage_reset(WgCage *cage, WgReset reset)
     reset(cage->memory);
     cage->acts = 0;
     wg_round_again(cage->rounding);
-    return is_kept(cage, state, true);
+    return is_kept(cage, state);
 }
 
 void wg_failed_reset_act(const WgObservation *observation, double *memory, WgCommand *command)
