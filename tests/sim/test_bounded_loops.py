@@ -6,10 +6,12 @@ import pytest
 from sim import RunOptions, simulate
 from sim._core import lib
 from sim.controllers import CONTROLLERS
+from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window_robot
 from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.fleet.run import FleetRun
 from sim.runners.lattice import LatticeRun
-from worldgen import Pose, Target, World, generate
+from tests.helpers.raising import raises
+from worldgen import InvalidParameter, Pose, Target, World, generate
 
 # Far more than a call has time for: minutes, even of the fastest steps.
 ENDLESS = 10**10
@@ -68,3 +70,16 @@ def test_a_call_of_the_core_returns_before_a_long_run_of_a_fleet_ends():
     drivers = [driver_in_core(run) for run in fleet_run.runs]
     fleet = CoreFleet(fleet_run.runs, drivers, ENDLESS, lib.WG_NO_LOOP)
     assert fleet.run(ENDLESS) == lib.WG_GOES_ON and 0 < fleet.report.steps < ENDLESS
+
+
+# The first count that no addition of 1 reaches is 2^53.
+@pytest.mark.parametrize("count", [1, 10**9, 2**53, float("nan")])
+@pytest.mark.parametrize("option", ["speeds", "turns"])
+def test_a_window_tries_a_bounded_number_of_arcs(option, count):
+    with raises(InvalidParameter, "out-of-range", name=option):
+        dynamic_window_robot(DynamicWindow(**{option: count}))
+
+
+def test_a_window_with_the_most_arcs_answers():
+    robot = dynamic_window_robot(DynamicWindow(speeds=100, turns=100))
+    assert simulate(world_of(0.1, 0.3), robot, steps=20).steps == 20

@@ -21,6 +21,10 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
 from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
+from worldgen.support.bounds import check_between
+
+# A step tries all pairs of a speed and a turn rate.
+MOST_TRIED = 100
 
 _DEFAULT = default_of("wg_dynamic_window_default")
 
@@ -59,7 +63,13 @@ class DynamicWindow(NamedTuple):
 
 
 def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> CompiledController:
-    """Return a dynamic-window controller with these parameters."""
+    """Return a dynamic-window controller with these parameters.
+
+    Raises:
+        InvalidParameter: If there are fewer than 2 or more than 100 speeds or turn rates.
+    """
+    check_between("speeds", tuned.speeds, 2, MOST_TRIED)
+    check_between("turns", tuned.turns, 2, MOST_TRIED)
     return tuned_controller(dynamic_window, tuned, name)
 
 
