@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <time.h>
 
+enum { WG_MOST_PORTION = 1 << 20 };
+
 typedef struct WgStopwatch {
     int64_t began;     // ns
     int64_t last;      // ns, when it was last read
@@ -35,7 +37,7 @@ static inline bool wg_is_late(WgStopwatch *watch)
     int64_t now = wg_now();
     int64_t took = now - watch->last;
     watch->last = now;
-    if (took < 1000000) {
+    if (took < 1000000 && watch->portion < WG_MOST_PORTION) {
         watch->portion *= 2;
     } else if (took > 10000000 && watch->portion > 1) {
         watch->portion /= 2;
