@@ -199,9 +199,10 @@ def test_every_command_says_whether_it_runs_code_of_a_user():
 @pytest.mark.parametrize("command", [name for name, words in COMMANDS.items() if words])
 @pytest.mark.parametrize("more", [[], ["--json"]], ids=["text", "json"])
 def test_what_code_of_a_user_prints_goes_to_stderr(command, more, folder):
-    words = [*command.split(), *COMMANDS[command], *more]
+    # The folder is a copy, so its code has not run there before.
+    words = [*command.split(), "--trust", *COMMANDS[command], *more]
     done = worldgen(folder, *(str(next(folder.glob(one))) if "*" in one else one for one in words))
-    if "No such option '--json'" in done.stderr:
+    if "no option --json" in done.stderr:
         pytest.skip("it has no --json")
     assert done.returncode in (0, 1), done
     assert "NOISE" not in done.stdout
