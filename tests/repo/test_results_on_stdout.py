@@ -195,8 +195,19 @@ def test_every_command_says_whether_it_runs_code_of_a_user():
     assert named - set(FAMILIES.names()) == set(COMMANDS)
 
 
+# Whole products, with shrinking.
+LONG = ("demo", "init")
+
+
 @pytest.mark.gate
-@pytest.mark.parametrize("command", [name for name, words in COMMANDS.items() if words])
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(name, marks=pytest.mark.nightly if name in LONG else ())
+        for name, words in COMMANDS.items()
+        if words
+    ],
+)
 @pytest.mark.parametrize("more", [[], ["--json"]], ids=["text", "json"])
 def test_what_code_of_a_user_prints_goes_to_stderr(command, more, folder):
     # The folder is a copy, so its code has not run there before.
