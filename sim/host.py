@@ -7,7 +7,6 @@ blocks the simulator. In return, its loops can no longer be proved.
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import sys
@@ -26,6 +25,7 @@ from sim.controllers.base import Neighbour, wants_world
 from sim.controllers.contract import ContractBroken, no_memory
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.support.results import only_results_on_stdout
 
 
 def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> None:
@@ -38,7 +38,7 @@ def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> N
         answers: Receives the commands. Anything that the controller prints goes to stderr instead.
     """
     memory: tuple[float, ...] = ()
-    with contextlib.redirect_stdout(sys.stderr):
+    with only_results_on_stdout():
         for line in lines:
             message = json.loads(line)
             if "reset" in message:
@@ -106,7 +106,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:
-        with contextlib.redirect_stdout(sys.stderr):
+        with only_results_on_stdout():
             controller = _load(sys.argv[1:])
     except WorldgenError as error:
         sys.exit(f"sim.host: {error}")

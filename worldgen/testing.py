@@ -424,8 +424,8 @@ def _fault_of_value(family: Family, case: Mapping[str, Value], parameter: str, v
         if "\n" in str(error):
             return f"{what} is refused in more than one line"
     except Exception as error:  # noqa: BLE001 - a family is foreign code
-        told = f"{type(error).__name__}: {str(error)[:80]}"
-        return f"{what} raises {told}; refuse it with check_between() or the like"
+        exception = f"{type(error).__name__}: {str(error)[:80]}"
+        return f"{what} raises {exception}; refuse it with check_between() or the like"
     return ""
 
 

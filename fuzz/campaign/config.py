@@ -85,7 +85,7 @@ def radii_on(world: World) -> tuple[float, ...]:
     return tuple(_scaled(radius, share) for share in _SHARES_ON_A_MAP for radius in own)
 
 
-def radius_beside(first: float, like: World, number: int) -> float:
+def radius_next_to(first: float, like: World, number: int) -> float:
     """Return the radius, m, of another robot on a map, which shrinks as the first one does.
 
     Args:

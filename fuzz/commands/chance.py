@@ -8,7 +8,6 @@ import click
 
 from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, say, time_step_option
 from worldgen.cli.usage import missing
-from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 EXAMPLES = (
@@ -80,7 +79,7 @@ def chance(
     if as_json:
         emit_json(found.as_dict() | counted)
     else:
-        say(shown(f"{scenario.label()}: {in_words(found, counted)}"))
+        say(f"{scenario.label()}: {in_words(found, counted)}")
     raise SystemExit(
         int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure")
     )

@@ -145,7 +145,7 @@ def show(
         try:
             say(describe(failure, entry.path))
         except WorldgenError as error:
-            say(f"{shown(entry.path)}: {shown(entry.facts.bucket)}, {entry.facts.describe_size()}")
+            say(f"{entry.path}: {entry.facts.bucket}, {entry.facts.describe_size()}")
             note(f"  {entry.facts.controller} cannot be run here: {error}")
     if not entries:
         note("no failure fits")
@@ -262,7 +262,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
         judged.append(judgement)
         if not as_json and judgement.reason:
             word = "keep" if judgement.keep else "would drop" if dry_run else "drop"
-            say(f"{word} {shown(judgement.entry.path)}: {shown(judgement.reason)}")
+            say(f"{word} {judgement.entry.path}: {judgement.reason}")
     dropped = [judgement for judgement in judged if not judgement.keep]
     unsure = [judgement for judgement in judged if not judgement.judged]
     for judgement in () if dry_run else dropped:
@@ -314,7 +314,7 @@ def export(
     if as_json:
         emit_json({"file": str(out), "failures": count})
         return
-    say(f"wrote {shown(out)}: {counted(count, 'failure')}")
+    say(f"wrote {out}: {counted(count, 'failure')}")
 
 
 def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:

@@ -20,7 +20,6 @@ from worldgen.cli.output import (
     say,
     write_out,
 )
-from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -89,14 +88,14 @@ def explain(
         )
         # The run shows something even if no change explains it, as for a controller that crashes.
         if not as_json and (lines := explanation.text()):
-            say(f"{shown(path)}: {lines[0]}")
+            say(f"{path}: {lines[0]}")
             for line in lines[1:]:
                 say(f"  {line}")
         if change and change not in said:
             note(f"note: {change}")
             said.add(change)
         if explanation.why is None:
-            note(f"{shown(path)}: {explanation.problem}")
+            note(f"{path}: {explanation.problem}")
             is_complete = False
             continue
         explained += 1

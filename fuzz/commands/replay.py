@@ -9,7 +9,6 @@ import click
 
 from fuzz.commands._options import output_options
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, say
-from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -103,7 +102,7 @@ def replay(
             }
         )
         if not as_json:
-            say(f"{shown(path)}: {shown(now.words)}")
+            say(f"{path}: {now.words}")
             if with_picture and confirmed:
                 say(describe(failure, path, why=explained(failure.driven_by(controller))))
             elif now.episode is not None:

@@ -5,8 +5,6 @@ As many robots as there are slots act together, each in its own world.
 
 from __future__ import annotations
 
-import contextlib
-import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -23,6 +21,7 @@ from sim.runners.python_loop import begun_anew
 from sim.runners.stopping import OutOfTime, check_time
 from worldgen.support.arrays import Floats
 from worldgen.support.ccall import writable
+from worldgen.support.results import only_results_on_stdout
 
 PLACES = 1_024
 """Maximum number of robots of a vector class that act together.
@@ -101,7 +100,7 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         )
         return lambda: ask(places.taken, places.after[: places.taken])
 
-    with contextlib.redirect_stdout(sys.stderr):
+    with only_results_on_stdout():
         try:
             with its_own_fault():
                 controller, memory = begun_anew(controller, None)

@@ -6,7 +6,6 @@ It runs one world after another, and the core stops in each step.
 from __future__ import annotations
 
 import contextlib
-import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,6 +22,7 @@ from sim.runners.python_act import Stops
 from sim.runners.python_loop import begun_anew, crash_of, driver_of, memory_at_start, plans
 from sim.runners.stopping import OutOfTime, is_out_of_time
 from sim.verdict import Verdict
+from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
 
 _ENDINGS = {
@@ -69,7 +69,7 @@ class OneByOne:
         Args:
             worlds: Maximum number of worlds to run; the rest of the batch is marked as not run.
         """
-        with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
+        with only_results_on_stdout(), contextlib.suppress(OutOfTime):
             for _ in range(worlds):
                 n = -1 if self._is_enough() else int(lib.wg_seat_next(self._seat.c))
                 if n < 0:

@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import reject
 from hypothesis import strategies as st
 
-from fuzz.campaign.config import radius_beside
+from fuzz.campaign.config import radius_next_to
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
 from worldgen.support.arrays import Ints
@@ -77,7 +77,7 @@ def _model(world: World, like: World | None, index: int) -> Robot:
     first = world.robots[0]
     if like is None or index >= len(like.robots):
         return first
-    return replace(like.robots[index], radius=radius_beside(first.radius, like, index + 1))
+    return replace(like.robots[index], radius=radius_next_to(first.radius, like, index + 1))
 
 
 def _moved(

@@ -135,12 +135,12 @@ class Edits:
     def _entry(self, file: str, digest: str) -> dict[str, Any]:
         """Return the page's entry of a file, with the names of the controllers that may run it."""
         own = [label for label in self._named if file in _own_files(label)]
-        beside = [
+        in_same_folder = [
             label
             for label in self._named
             if any(Path(file).is_relative_to(Path(part).parent) for part in _own_files(label))
         ]
-        affected = own or beside or self._named
+        affected = own or in_same_folder or self._named
         return {
             "file": file,
             "name": Path(file).name,

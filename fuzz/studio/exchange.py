@@ -57,8 +57,10 @@ class ExchangeAnswers(Opened):
         if "data" not in message and "files" not in message:
             name = part_of(message, "name", str)
             place = self.folder.place_of_map(name)
-            beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
-            scenario = next((one for one in beside if one.is_file()), None)
+            companions = (
+                place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen")
+            )
+            scenario = next((one for one in companions if one.is_file()), None)
             return _imported(place, wanted, scenario, wanted.row) | {"main": place.name}
         # Files dropped on the page: put them into a temporary folder, and find the map among them.
         files = message.get("files", [{"name": message.get("name"), "data": message.get("data")}])

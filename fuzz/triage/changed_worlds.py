@@ -65,12 +65,12 @@ _MOST_STEPS = 20_000
 # Largest radius of the robot in that room, in cells: a larger robot gets larger cells.
 _LARGEST = 0.35
 
-# A wall is beside the robot if it is at most this many radii from the robot's centre, and the sine of
-# the angle between its direction and the heading is larger than the second number.
+# A wall is next to the robot if it is at most this many radii from the robot's centre, and the sine
+# of the angle between its direction and the heading is larger than the second number.
 _NEAR = 3.0
 _SIDEWAYS = 0.34
 
-# Radii that the robot may drive without a wall beside it and still follow that wall.
+# Radii that the robot may drive without a wall next to it and still follow that wall.
 _INTERRUPTED = 1.0
 
 

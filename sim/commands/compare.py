@@ -134,12 +134,12 @@ def compare(
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     _note_unreachable(comparison)
-    beside = agreement(comparison, figures) if figures else None
+    published = agreement(comparison, figures) if figures else None
     # Print the table, then write the files.
     if as_json:
-        emit_json(plain(comparison, beside))
+        emit_json(plain(comparison, published))
     else:
-        say(as_text(comparison, beside), nl=False)
+        say(as_text(comparison, published), nl=False)
     if table is not None:
         write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:

@@ -77,22 +77,22 @@ def describe_detail(cell: ComparisonCell) -> str:
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
-def as_text(comparison: Comparison, beside: Agreement | None = None) -> Styled:
+def as_text(comparison: Comparison, published: Agreement | None = None) -> Styled:
     """Return the table, the totals and the agreement with a published table, as aligned text."""
-    parts = [_main_table(comparison, beside), _totals_table(comparison)]
-    if beside is not None:
-        parts.append(_agreement_text(beside))
+    parts = [_main_table(comparison, published), _totals_table(comparison)]
+    if published is not None:
+        parts.append(_agreement_text(published))
     return joined("\n\n".join(parts), "\n")
 
 
-def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
+def _main_table(comparison: Comparison, published: Agreement | None) -> str:
     # One row per world, with a row of published figures below it if there are any.
     several = len(comparison.labels) > 1
     rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
     for index, cells in enumerate(comparison.cells):
         ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
         rows.append([comparison.worlds[index].name, *map(describe_outcome, cells), *ranks])
-        figures = {} if beside is None else beside.figures
+        figures = {} if published is None else published.figures
         known = {c: own for (row, c), own in figures.items() if row == index}
         if known:
             published = _published_row(cells, known)
@@ -103,7 +103,7 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
         keys.append("(k/n): k of n seeds arrive; the time is their median.")
-    if beside is not None and beside.figures:
+    if published is not None and published.figures:
         keys.append(
             "In brackets after a published time: our time minus the published one; for random "
             "controllers, the share of seeds that are no later."
@@ -207,24 +207,24 @@ def _arrived(total: Total) -> str:
     return f"{text} ({100 * low:.1f} to {100 * high:.1f} %)"
 
 
-def _agreement_text(beside: Agreement) -> str:
-    if not beside.figures:
+def _agreement_text(published: Agreement) -> str:
+    if not published.figures:
         return "There are no published figures for these worlds and controllers."
     parts = []
-    if beside.rankings[1]:
-        parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
-    if beside.never[1]:
+    if published.rankings[1]:
+        parts.append(f"same ranking in {published.rankings[0]} of {published.rankings[1]} worlds")
+    if published.never[1]:
         parts.append(
-            f'both have no arrival, which they call "never", in {beside.never[0]} of '
-            f"{beside.never[1]} cells"
+            f'both have no arrival, which they call "never", in {published.never[0]} of '
+            f"{published.never[1]} cells"
         )
-    if beside.within[1]:
+    if published.within[1]:
         parts.append(
-            f"{beside.within[0]} of {beside.within[1]} figures are within the middle 95 % of our "
+            f"{published.within[0]} of {published.within[1]} figures are within the middle 95 % of our "
             f"seeds"
         )
-    if beside.largest is not None:
-        far = beside.largest
+    if published.largest is not None:
+        far = published.largest
         parts.append(
             f"largest deviation without randomness {far.relative:+.1%} "
             f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
@@ -283,9 +283,9 @@ def _csv_row(cell: ComparisonCell) -> list[object]:
     ]
 
 
-def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str, Any]:
+def as_json(comparison: Comparison, published: Agreement | None = None) -> dict[str, Any]:
     """Return the comparison as plain data."""
-    figures = {} if beside is None else beside.figures
+    figures = {} if published is None else published.figures
     worlds = []
     for index, cells in enumerate(comparison.cells):
         best, worst = standing([cell.rank_time for cell in cells])
@@ -305,7 +305,7 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
         "worlds": worlds,
         "totals": [_json_total(total) for total in comparison.totals()],
         "common_worlds": [comparison.worlds[index].name for index in comparison.common],
-        "agreement": None if beside is None else _json_agreement(beside),
+        "agreement": None if published is None else _json_agreement(published),
     }
 
 
@@ -359,12 +359,12 @@ def _json_total(total: Total) -> dict[str, Any]:
     return {"controller": figures.pop("label"), **figures}
 
 
-def _json_agreement(beside: Agreement) -> dict[str, Any]:
-    far = beside.largest
+def _json_agreement(published: Agreement) -> dict[str, Any]:
+    far = published.largest
     return {
-        "same_ranking": list(beside.rankings),
-        "never": list(beside.never),
-        "within_middle_95": list(beside.within),
+        "same_ranking": list(published.rankings),
+        "never": list(published.never),
+        "within_middle_95": list(published.within),
         "largest_deviation": None
         if far is None
         else {

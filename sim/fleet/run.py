@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -34,6 +32,7 @@ from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import GAMMA, mix64
 from worldgen.support.arrays import Ints, Words
+from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
 
 Recordings = list[tuple[Ints, Ints]]
@@ -313,7 +312,7 @@ class FleetRun:
         """
         for run in self.runs:
             run.settings.digest = 1
-        with contextlib.redirect_stdout(sys.stderr):
+        with only_results_on_stdout():
             # Reset the controllers, then run.
             memories, faults = self._reset()
             if faults:

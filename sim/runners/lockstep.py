@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import sys
+from bdb import BdbQuit
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -23,6 +23,7 @@ from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.results import only_results_on_stdout
 
 Reports = npt.NDArray[Any]
 
@@ -60,7 +61,7 @@ class LockstepRun:
             The reports. ``None`` if the controller raised or changed state outside its memory: runs
             may then have influenced each other, and each robot must be run alone.
         """
-        with contextlib.redirect_stdout(sys.stderr):
+        with only_results_on_stdout():
             try:
                 with its_own_fault():
                     self._controller, memory = begun_anew(self._controller, None)
@@ -239,12 +240,14 @@ def its_own_fault() -> Iterator[None]:
     """Tell exceptions of the controller apart from those raised elsewhere.
 
     Raises:
-        ControllerRaised: If the block raises anything except ``KeyboardInterrupt`` and
-            :class:`OutOfTime`.
+        ControllerRaised: If the block raises anything except ``KeyboardInterrupt``, which leaving
+            the debugger counts as, and :class:`OutOfTime`.
     """
     try:
         yield
     except (KeyboardInterrupt, OutOfTime):
         raise
+    except BdbQuit:
+        raise KeyboardInterrupt from None
     except BaseException as error:
         raise ControllerRaised from error

@@ -5,10 +5,9 @@ The core stops in each step to let the controller act.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import re
-import sys
+from bdb import BdbQuit
 from collections.abc import Callable
 from typing import Any
 
@@ -33,6 +32,7 @@ from sim.verdict import Verdict
 from worldgen.plugins.user_modules import without_private_names
 from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
+from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
 
 # Characters of a controller's exception that are kept.
@@ -85,7 +85,7 @@ class PythonLoop:
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
             return
-        with contextlib.redirect_stdout(sys.stderr):
+        with only_results_on_stdout():
             self._guarded(steps, record)
         begun = self._begun
         self.complete = begun is not None and hidden_state(self._controller) == begun
@@ -133,7 +133,13 @@ class PythonLoop:
 
 
 def crash_of(error: BaseException, controller: object) -> ControllerError:
-    """Return the error for a controller that raised, with the place where it did."""
+    """Return the error for a controller that raised, with the place where it did.
+
+    Raises:
+        KeyboardInterrupt: If the user left the debugger in it, which says nothing about it.
+    """
+    if isinstance(error, BdbQuit):
+        raise KeyboardInterrupt from None
     name = type(error).__name__
     facts = {"exception": _in_short(name), **crash_facts(error, controller)}
     return ControllerError(Verdict.CRASH, _in_short(f"{name}: {error}"), facts)

@@ -183,18 +183,18 @@ def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
     assert (folder.parent / "secret.pgm").read_text() == "mine"
 
 
-@pytest.mark.parametrize("beside", ["plan.map.worldgen.toml", "plan.map.scen", "plan.scen"])
-def test_a_map_s_companions_lead_no_further_than_itself(page, folder, beside):
+@pytest.mark.parametrize("companion", ["plan.map.worldgen.toml", "plan.map.scen", "plan.scen"])
+def test_a_map_s_companions_lead_no_further_than_itself(page, folder, companion):
     (folder.parent / "secret.toml").write_text("secret = 1")
     (folder / "plan.map").write_bytes(
         export_world(generate("corridor", 3), "movingai", file="plan.map").data
     )
-    (folder / beside).symlink_to(folder.parent / "secret.toml")
+    (folder / companion).symlink_to(folder.parent / "secret.toml")
     said = page.ask("bring", name="plan.map")
-    (folder / beside).unlink()
+    (folder / companion).unlink()
     assert (said["error"]["code"], said["error"]["facts"]) == (
         "outside-of-folder",
-        {"name": beside},
+        {"name": companion},
     )
 
 

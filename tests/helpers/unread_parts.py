@@ -119,7 +119,7 @@ _GAZEBO = {
     ),
     "plugin": _in_world(b"<plugin filename='libspawn_walls.so' name='spawn'/>"),
     "second world": _replaced(b"</world>", b"</world><world name='b'/>"),
-    "model beside the world": _replaced(b"</world>", b"</world><model name='m'/>"),
+    "model next to the world": _replaced(b"</world>", b"</world><model name='m'/>"),
     "text": _in_world(_MODEL % b"box 5 5 5"),
 }
 

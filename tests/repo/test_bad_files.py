@@ -66,7 +66,7 @@ def test_every_command_names_bad_files_and_continues(words, kind, request, tmp_p
     assert result.code == 2
     for name in ("a.grid", "c.grid", "z.grid.gz"):
         assert result.err.count(f"worldgen: {place / name}:") == 1
-    assert "worldgen: 3 files were skipped" in result.err
+    assert "worldgen: 3 files could not be read" in result.err
     assert COMMANDS[words][1] in result.out + result.err
 
 

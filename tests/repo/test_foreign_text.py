@@ -26,10 +26,10 @@ CORPUS = Path(__file__).parents[2] / "corpora"
 LOOP = CORPUS / "failures/turn-right/swept/loop-bumps-wall-turn-near-away.grid"
 RAISING = f"""
 class Robot:
-    def reset(self, world, seed=0):
-        pass
+    def reset(self):
+        return ()
 
-    def act(self, observation):
+    def act(self, observation, memory):
         raise ValueError({TEXT!r})
 
 
@@ -74,6 +74,8 @@ def folder(tmp_path_factory):
         "unknown": replace(record, controller=TEXT, trace_digest=TEXT),
         "option": replace(record, parameters={**record.parameters, TEXT: TEXT}),
         "raises": replace(record, controller="./raises.py:Robot", verdict="crash", evidence=evil),
+        # This one's oracle exists, so that replay runs the controller.
+        "crashes": replace(record, controller="./raises.py:Robot", verdict="crash"),
         "program": replace(record, controller="cmd:python3 program.py"),
         "library": replace(record, controller="lib:./library.so:act", verdict="crash"),
         "verdict": replace(record, verdict="unheard-of"),
@@ -165,7 +167,7 @@ ROBOT = ("--controller", "./raises.py:Robot")
 def runs_of(folder):
     """Return the runs of each command: lists of arguments, by the command's words."""
     each = grids(folder)
-    good = [name for name in each if name.startswith(("named", "raises", "program"))]
+    good = [name for name in each if name.startswith(("named", "raises", "crashes", "program"))]
     one = good[0]
     foreign = maps(folder)
     whole = str(folder)
@@ -246,12 +248,12 @@ def test_every_command_has_hostile_input(folder, words):
 QUICK = ("show", "verify", "corpus list", "maze", TEXT)
 
 
-def _check(folder, tmp_path, words):
+def _check(folder, tmp_path, words, *options):
     place = shutil.copytree(folder, tmp_path / "w")
     found = []
     for args in runs_of(place)[words]:
         code, output = on_a_terminal(
-            *words.split(" ") if words != TEXT else [TEXT], *args, folder=place
+            *words.split(" ") if words != TEXT else [TEXT], *options, *args, folder=place
         )
         found += [f"{args}: {fault}" for fault in faults(output)]
         # A family that raises is reported as a fault of ours.
@@ -271,6 +273,31 @@ def test_no_control_character_of_a_stranger_reaches_the_terminal_from_any_comman
     folder, tmp_path, words
 ):
     _check(folder, tmp_path, words)
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("words", [*leaves(), "./family.py:mine"])
+def test_no_control_character_of_a_stranger_s_code_reaches_the_terminal(folder, tmp_path, words):
+    _check(folder, tmp_path, words, "--trust")
+
+
+@pytest.mark.parametrize("words", ["replay --show", "explain", "corpus show"])
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("crashes", "ValueError: x\\x1b]52;c;"), ("library", "Oops\\x1b]0;x\\x07: text\\x1b[2J")],
+)
+def test_what_a_stranger_s_trusted_code_raises_is_printed_escaped(folder, words, name, text):
+    file = next(file for file in grids(folder) if file.startswith(name))
+    _, output = on_a_terminal(*words.split(" "), "--trust", file, folder=folder)
+    assert text in output
+    assert not faults(output)
+
+
+def test_what_a_stranger_s_trusted_program_prints_is_printed_escaped(folder):
+    file = next(file for file in grids(folder) if file.startswith("program"))
+    _, output = on_a_terminal("replay", "--show", "--trust", file, folder=folder)
+    assert "x\\x1b]52;c;" in output
+    assert not faults(output)
 
 
 def test_styles_of_ours_survive_and_the_stranger_s_become_text(folder):

@@ -264,3 +264,22 @@ def test_a_closed_stream_changes_no_exit_code(closed, tmp_path):
     line = f"{sys.executable} -m worldgen trap --size 20 --seed 4 {closed}"
     done = subprocess.run(["sh", "-c", line], cwd=tmp_path, capture_output=True, check=False)
     assert done.returncode == 0
+
+
+def test_in_library_use_only_the_library_s_user_prints_to_stdout(tmp_path):
+    (tmp_path / "chatty.py").write_text(
+        "print('NOISE import')\n\n\nclass Robot:\n"
+        "    def __init__(self):\n        print('NOISE init')\n\n"
+        "    def reset(self):\n        print('NOISE reset')\n        return ()\n\n"
+        "    def act(self, observation, memory):\n        print('NOISE act')\n"
+        "        return (1.0, 0.0), ()\n"
+    )
+    code = (
+        "from sim import simulate; from worldgen import generate; print('before');"
+        "simulate(generate('trap', 1, size=20), './chatty.py:Robot', steps=2); print('after')"
+    )
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == "before\nafter\n"
+    for place in ("import", "init", "reset", "act"):
+        assert f"NOISE {place}" in done.stderr

@@ -165,3 +165,25 @@ def test_a_program_without_cmd_gets_the_hint_that_it_needs(name, words, tmp_path
 def test_an_option_of_programs_behind_another_controller_gets_the_hint_that_it_needs():
     with raises(InvalidParameter, "option-misplaced", name="memory", controller="./robot"):
         Scenario.parse("./robot+memory=4G")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [("run",), ("chance",), ("fuzz", "--units", 1, "--seed", 1, "--workers", 1)],
+    ids=lambda command: command[0],
+)
+def test_leaving_the_debugger_ends_the_command_as_ctrl_c_does(world_file, tmp_path, command):
+    name = python_class(tmp_path, "import bdb\nraise bdb.BdbQuit")
+    where = ("--world", world_file, "--out", tmp_path / "f") if command[0] == "fuzz" else ()
+    words = (*command, *(where or (world_file,)), "--controller", name)
+    result = worldgen(*words)
+    assert result.code == 130, result
+    assert "BdbQuit" not in result.out + result.err
+
+
+def test_leaving_the_debugger_at_a_breakpoint_is_no_verdict(world_file, tmp_path):
+    name = python_class(tmp_path, "breakpoint()\nreturn Command(0.0, 0.0), m")
+    words = [sys.executable, "-m", "worldgen", "run", world_file, "--controller", name]
+    done = subprocess.run(words, input="q\n", capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr.endswith("interrupted\n")

@@ -4,11 +4,13 @@ import json
 import platform
 import shutil
 import subprocess
+import sys
 
 import pytest
 
 from build_tools.cores import compiler
 from sim import CONTROLLERS, simulate
+from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import include_folder
 from tests.helpers.command_line import worldgen
 from tests.helpers.faulty_library import SOURCE
@@ -88,6 +90,26 @@ def test_what_does_no_harm_changes_no_bit(name, library, capfd):
     plain, changed = (simulate(maze(), f"lib:{library}:{one}") for one in ("behaves", name))
     assert (plain.verdict, plain.trace_digest) == (changed.verdict, changed.trace_digest)
     assert not capfd.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["prints", "prints_part", "prints_and_faults", "reset_prints"])
+def test_what_a_library_prints_goes_to_stderr(name, library, capfd):
+    # A process from an earlier test has another standard error.
+    renew()
+    simulate(maze(), f"lib:{library}:{name}")
+    printed = capfd.readouterr()
+    assert (printed.out, "on stdout" in printed.err) == ("", True)
+
+
+def test_what_this_process_has_not_written_yet_is_written_once(library):
+    code = (
+        "import ctypes; from sim import simulate; from worldgen import generate;"
+        "ctypes.CDLL(None).printf(b'ours ');"
+        f"simulate(generate('trap', 1, size=20), 'lib:{library}:behaves')"
+    )
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("ours ", "")
 
 
 @pytest.mark.parametrize("name", ["reset_prints", "reset_says_nan"])

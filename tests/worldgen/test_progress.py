@@ -1,10 +1,14 @@
 """Slow work is reported, and nothing else is printed."""
 
 import logging
+import os
+import sys
+import time
 
 import pytest
 
 from worldgen import family
+from worldgen.cli.output import ask_user
 from worldgen.errors import GenerationFailed
 from worldgen.families.parts import placing
 from worldgen.generation import generate
@@ -219,3 +223,42 @@ def test_placing_many_robots_says_so_in_the_first_layout(watched, monkeypatch):
     with pytest.raises(EnoughSeen):
         generate("doorway", 1, robots=60)
     assert "placing 60 robots in layout 1 of at most 6" in watched.printed()
+
+
+def test_nothing_is_drawn_over_a_question_at_the_terminal(clock, monkeypatch):
+    monkeypatch.setattr(progress, "_REDRAW", 0.0001)
+    ours, terminal = os.openpty()
+    ticks = []
+    tick = Display.tick
+
+    def counted_tick(display):
+        tick(display)
+        ticks.append(display)
+
+    def answer_later(text, **settings):
+        """Answer as a user does: after the thread has had many chances to draw."""
+        os.write(terminal, text.encode())
+        clock.now += 100.0
+        before = len(ticks)
+        while len(ticks) < before + 50:
+            time.sleep(0.0001)
+        os.write(terminal, b" y.")
+        return True
+
+    monkeypatch.setattr(Display, "tick", counted_tick)
+    monkeypatch.setattr("click.confirm", answer_later)
+    display = Display(clock=clock)
+    monkeypatch.setattr(progress, "_display", display)
+    with open(terminal, "w", encoding="utf-8") as stderr:  # noqa: PTH123 - it has no path
+        monkeypatch.setattr(sys, "stderr", stderr)
+        with working("reading"):
+            clock.now += 3.0
+            display.tick()
+            assert ask_user("Run it?")
+            clock.now += 3.0
+            display.tick()
+        display.close()
+        drawn = os.read(ours, 10_000).decode()
+    os.close(ours)
+    before, asked, after = drawn.partition("Run it? y.")
+    assert "reading" in before and asked and "reading" in after

@@ -20,7 +20,7 @@ from worldgen.cli.output import note, skipped_files
 from worldgen.cli.usage import ExtraWords, GivenTwice, UnknownCommand
 from worldgen.plugins.project import FILE
 from worldgen.plugins.trust import admit_typed, trust_everything
-from worldgen.support.plain_text import joined, printed
+from worldgen.support.plain_text import counted, joined, printed
 from worldgen.support.progress import set_verbosity
 from worldgen.support.results import only_results_on_stdout
 
@@ -112,8 +112,7 @@ def _keep_results_apart(command: click.Command) -> None:
 
 def _end_if_skipped(context: click.Context) -> None:
     if count := skipped_files(context):
-        are = "file was" if count == 1 else "files were"
-        note(f"worldgen: {count} {are} skipped, as said above", always=True)
+        note(f"worldgen: {counted(count, 'file')} could not be read", always=True)
         raise SystemExit(2)
 
 

@@ -25,9 +25,9 @@ from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
 from worldgen.plugins.trust import admit_typed, command_rule
-from worldgen.support.plain_text import joined, shown, shown_lines
+from worldgen.support.plain_text import joined, shown_lines
 from worldgen.support.progress import display_on_stderr
-from worldgen.support.results import claim_stdout, only_results_on_stdout, release_stdout, results
+from worldgen.support.results import claim_stdout, only_results_on_stdout, release_stdout
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -225,7 +225,8 @@ def main() -> NoReturn:
     try:
         with no_ctrl_c_lost(), display_on_stderr():
             code = cli.main(prog_name="worldgen", standalone_mode=False)
-            results().flush()
+            # Write what another package's command printed, to end well if nobody reads it.
+            say("", nl=False)
     except click.exceptions.Exit as stop:
         code = stop.exit_code
     except click.ClickException as error:
@@ -235,16 +236,12 @@ def main() -> NoReturn:
         code = 130
     except WorldgenError as error:
         code = _answer_error(error)
-    # The reader of the pipe has closed it, so writing to it again would also fail.
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), results().fileno())
-        code = 0
     except OSError as error:
         if error.errno is None or error.errno in (errno.EFAULT, errno.EBADF):
             code = _our_fault(error)
         else:
-            where = f"{shown(error.filename)}: " if error.filename else ""
-            note(f"worldgen: {where}{shown(error.strerror or error)}", always=True)
+            where = f"{error.filename}: " if error.filename else ""
+            note(f"worldgen: {where}{error.strerror or error}", always=True)
             code = 2
     except MemoryError:
         note("worldgen: out of memory; use a smaller world", always=True)

@@ -19,7 +19,7 @@ from worldgen.domain import MASK64
 from worldgen.errors import FormatError
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import aligned, alternatives, joined, printed
-from worldgen.support.progress import is_quiet, spoke
+from worldgen.support.progress import is_quiet, no_progress, spoke
 from worldgen.support.results import results
 
 CONTROLLER_HELP = (
@@ -125,8 +125,8 @@ def is_at_terminal() -> bool:
 
 def ask_user(question: str) -> bool:
     """Ask a question at the terminal; the answer is no unless the user types y."""
-    spoke()
-    return click.confirm(printed(question), err=True)
+    with no_progress():
+        return click.confirm(printed(question), err=True)
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:

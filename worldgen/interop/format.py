@@ -76,15 +76,15 @@ class Destination:
         Raises:
             InvalidParameter: If that is the file's own name.
         """
-        beside = f"{PurePath(self.name).stem}{ending}"
-        if beside == self.name:
+        name = f"{PurePath(self.name).stem}{ending}"
+        if name == self.name:
             raise InvalidParameter(
                 "reserved-name",
                 "{name}: a second file next to it needs that name",
                 "give it another ending",
                 name=self.name,
             )
-        return beside
+        return name
 
     def x(self, value: float) -> str:
         """Convert an x of the world, m, to the file's frame, as an exact decimal."""

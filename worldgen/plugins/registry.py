@@ -8,6 +8,7 @@ import importlib
 import importlib.util
 import os
 import sys
+from bdb import BdbQuit
 from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -29,6 +30,7 @@ from worldgen.plugins.user_modules import (
 )
 from worldgen.support.known_names import unknown_name
 from worldgen.support.progress import say_once
+from worldgen.support.results import only_results_on_stdout
 
 T = TypeVar("T")
 
@@ -50,7 +52,8 @@ def _file(place: str) -> Path:
 def user_code(doing: str) -> Iterator[None]:
     """Turn any error of a user's code, even an attempt to exit Python, into ``InvalidParameter``.
 
-    Only Ctrl-C passes through.
+    Only Ctrl-C passes through, and leaving the debugger counts as Ctrl-C. What the code prints goes
+    to stderr.
 
     Args:
         doing: Description of the code, such as its file; the error message begins with it.
@@ -59,9 +62,12 @@ def user_code(doing: str) -> Iterator[None]:
         InvalidParameter: If the code raises anything but ``KeyboardInterrupt``.
     """
     try:
-        yield
+        with only_results_on_stdout():
+            yield
     except KeyboardInterrupt:
         raise
+    except BdbQuit:
+        raise KeyboardInterrupt from None
     except SystemExit as error:
         raise InvalidParameter(
             "code-failed",

@@ -138,6 +138,7 @@ class Display:
         self._works: list[Work] = []
         self._drawn = False
         self._ticking = False
+        self._is_paused = False
         self._spoken = clock()
         self._patience = _FIRST
         self._over: threading.Event | None = None
@@ -193,6 +194,18 @@ class Display:
         self._spoken = self._clock()
         self.clear()
 
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Draw nothing inside this block, in which somebody else uses the terminal."""
+        before = self._is_paused
+        self._is_paused = True
+        self.clear()
+        try:
+            yield
+        finally:
+            self._is_paused = before
+            self.spoke()
+
     def warn(self, message: str) -> None:
         """Print a warning, unless the command line is quiet."""
         if self.verbosity >= 0:
@@ -201,7 +214,7 @@ class Display:
     def tick(self) -> None:
         """Check the clock and print what is due; the thread calls this a few times a second."""
         works = tuple(self._works)
-        if not works or self.verbosity < 0 or self.silent:
+        if not works or self.verbosity < 0 or self.silent or self._is_paused:
             return
         now = self._clock()
         terminal = self._is_terminal()
@@ -313,6 +326,13 @@ def spoke() -> None:
     """Tell the display that a message is about to be printed."""
     if _display is not None:
         _display.spoke()
+
+
+@contextmanager
+def no_progress() -> Iterator[None]:
+    """Show no progress inside this block, because the user is being asked something."""
+    with contextlib.nullcontext() if _display is None else _display.paused():
+        yield
 
 
 _said: set[str] = set()

@@ -20,7 +20,8 @@ T = TypeVar("T")
 
 # Seconds between two checks for Ctrl-C in a waiting driver.
 LISTEN = 0.1
-# Python's own switch; any text turns it on, and ours says who did.
+# Environment variable that keeps Python from importing from the current folder. Any text turns it
+# on, and ours tells a worker that worldgen did, so that the worker turns it off again.
 _SAFE_PATH = "PYTHONSAFEPATH"
 _OURS = "worldgen"
 # Seconds for all processes together.

@@ -99,6 +99,7 @@ double wg_guard_seconds(int64_t process)
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -139,15 +140,18 @@ static void set_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-// Keeps a controller away from the program's input and output, and prevents core files as large as
-// the program.
+// Gives a controller no input, sends what it prints to standard error because standard output is for
+// results, and prevents core files as large as the program.
 static void close_off(void)
 {
     int nothing = open("/dev/null", O_RDWR);
     if (nothing >= 0) {
         dup2(nothing, STDIN_FILENO);
-        dup2(nothing, STDOUT_FILENO);
     }
+    if (dup2(STDERR_FILENO, STDOUT_FILENO) < 0 && nothing >= 0) {
+        dup2(nothing, STDOUT_FILENO);  // standard error is closed
+    }
+    (void)setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // so that a fault loses no whole line
     struct rlimit no_file = {0, 0};
     setrlimit(RLIMIT_CORE, &no_file);
 }
@@ -198,6 +202,7 @@ static _Noreturn void serve(WgCall *call, int asked, int answered)
             _exit(0);  // the owner has closed its end
         }
         call->result = call->work(call);
+        (void)fflush(stdout);  // this process may be killed before the next call
         call->done = 1;
         do {
             count = write(answered, &byte, 1);
@@ -216,6 +221,7 @@ int64_t wg_guard_start(WgCall *call, int asked, int answered)
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     pid_t parent = getpid();
+    (void)fflush(stdout);  // otherwise the new process would write the same text again
     pid_t process = fork();
     if (process == 0) {
         owner = (sig_atomic_t)parent;

@@ -98,6 +98,8 @@ MISBEHAVES(closes_all_and_waits, for (int k = 0; k < 256; k++) { close(k); } for
 // These do no harm.
 MISBEHAVES(closes, close(0); close(1); close(2);)
 MISBEHAVES(prints, printf("on stdout\n"); fflush(stdout); fprintf(stderr, "on stderr\n");)
+MISBEHAVES(prints_part, printf("on stdout");)
+MISBEHAVES(prints_and_faults, printf("on stdout\n"); *(volatile int *)(uintptr_t)zero = 1;)
 MISBEHAVES(rounds_up, fesetround(FE_UPWARD);)
 MISBEHAVES(traps, feenableexcept(FE_INEXACT);)
 

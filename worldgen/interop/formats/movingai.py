@@ -83,12 +83,12 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     meant than another. A file with one problem, as written by ``export``, leaves no choice.
     """
     for name in (f"{path.name}.scen", f"{path.stem}.scen"):
-        beside = path.with_name(name)
+        scenario_file = path.with_name(name)
         try:
-            if not beside.is_file() or scenario_contents(beside)[1] != 1:
+            if not scenario_file.is_file() or scenario_contents(scenario_file)[1] != 1:
                 continue
             height, width = found.walls.shape
-            problem = read_scenario(beside, 1, width, height, found.cell_size)
+            problem = read_scenario(scenario_file, 1, width, height, found.cell_size)
         except (FormatError, OSError) as error:
             return replace(found, warnings=(f"{name} next to the map was skipped: {error}",))
         note = Note(
