@@ -22,6 +22,7 @@ from fuzz.campaign.options import CampaignOptions
 from fuzz.ci.place import place_of
 from fuzz.failure import Failure
 from fuzz.replay.regression import fixed
+from fuzz.studio.campaigns.answers import fuzz_command
 from fuzz.triage.judging import failure_of, replay
 from sim.episode import simulate
 from sim.scenario import Scenario
@@ -648,6 +649,21 @@ def test_workers_import_nothing_from_the_current_folder(stranger, ran):
     command = [script, "fuzz", *arguments.split(), "--out", "found"]
     assert subprocess.run(command, capture_output=True, check=False).returncode == 1
     assert ran() == 0
+
+
+@pytest.mark.parametrize(("stored", "code"), [("./odd.py:X", 1), ("odd_pack.odd:X", 2)])
+def test_the_studio_resumes_a_campaign_with_no_code_but_the_controller_it_checked(
+    stranger, ran, stored, code
+):
+    arguments = ("--units", "1", "--examples", "1", "--workers", "1", "--seed", "1", "--no-shrink")
+    worldgen("fuzz", "--controller", "turn-right", *arguments, "--out", "campaign")
+    file = Path("campaign/.campaign/campaign.json")
+    content = json.loads(file.read_text())
+    content["configuration"]["scenario"]["controller"] = stored
+    file.write_text(json.dumps(content))
+    command = fuzz_command(["--resume=campaign", "--units=2"], ["./odd.py:X"])
+    done = subprocess.run(command, capture_output=True, check=False)
+    assert ("not run" in done.stderr.decode(), ran() > 0) == (code == 2, code == 1), done.stderr
 
 
 def test_a_campaign_of_the_studio_imports_nothing_from_the_current_folder(stranger, monkeypatch):

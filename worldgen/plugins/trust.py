@@ -212,7 +212,9 @@ def command_rule(ask: Callable[[str], bool] | None) -> Iterator[dict[str, str]]:
     """
     global _trust  # noqa: PLW0603 - one rule for the process
     before = _trust
-    _trust = _Trust(is_command=True, folders=before.folders, ask=ask)
+    # A process that was restricted before keeps the names that it was given.
+    admitted = dict(before.admitted) if before.is_command else {}
+    _trust = _Trust(is_command=True, admitted=admitted, folders=before.folders, ask=ask)
     try:
         yield _trust.refused
     finally:
