@@ -18,6 +18,7 @@ from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import dumps, read_world, write_world
+from worldgen.plugins.trust import admit_argument
 from worldgen.world import Cut, FailureRecord, Value, World
 
 ID_DIGITS = 16
@@ -256,6 +257,8 @@ class Failure:
 
     def driven_by(self, controller: str | None) -> Failure:
         """Return the failure with another controller name; unchanged for ``None``."""
+        if controller is not None:
+            admit_argument(controller)
         return (
             self
             if controller is None

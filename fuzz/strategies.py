@@ -23,6 +23,7 @@ from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, ROBOTS, ROBOTS_PARAMETER, Parameter
 from worldgen.generation import generate
 from worldgen.parameters import find_parameter
+from worldgen.plugins.trust import admit_argument
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, Witness, World
 
@@ -86,6 +87,7 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
         **fixed: Parameters of that family that should not be drawn.
     """
     if family is not None:
+        admit_argument(family)
         return family_worlds(family, **fixed)
     if fixed:
         raise InvalidParameter(

@@ -25,7 +25,7 @@ from sim.options.run import (
 from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options, with_options
-from worldgen.plugins.trust import admit_argument
+from worldgen.plugins.trust import admit_argument, same_origin
 from worldgen.world import Value, World
 
 _OF_EVERY_RUN = {
@@ -49,6 +49,7 @@ class Scenario:
     run: RunOptions = field(default_factory=RunOptions)
 
     def __post_init__(self) -> None:
+        admit_argument(self.controller)
         # Without this, two scenarios could differ in a budget that neither of them uses.
         object.__setattr__(self, "run", replace(self.run, steps=RunOptions.steps))
 
@@ -80,7 +81,7 @@ class Scenario:
         """
         admit_argument(text)
         controller, settings = read_settings(text, defaults.get("motion", RunOptions.motion))
-        return cls(controller, RunOptions(**(defaults | settings)))
+        return cls(same_origin(text, controller), RunOptions(**(defaults | settings)))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
         """Return the text from which :meth:`parse` reads this scenario, without the seed.
@@ -110,7 +111,7 @@ class Scenario:
         for key, value in changed.items():
             text = ":".join(map(repr, value)) if isinstance(value, list) else str(value)
             options[key] = None if value is True else text
-        return with_options(name, options) + colon + command
+        return same_origin(self.controller, with_options(name, options) + colon + command)
 
     def options(self, world: World, steps: int | None = None) -> RunOptions:
         """Return the options of a run in a world.

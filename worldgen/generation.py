@@ -8,6 +8,7 @@ from itertools import count as rising
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, MAX_ATTEMPTS, Family
+from worldgen.plugins.trust import admit_argument
 from worldgen.random_streams import Seed, seed_of
 from worldgen.world import Value, World
 
@@ -71,4 +72,7 @@ def stream(
 
 
 def _family(name: str | Family, params: dict[str, Value | None]) -> Family:
-    return name if isinstance(name, Family) else FAMILIES.find(name, params)
+    if isinstance(name, Family):
+        return name
+    admit_argument(name)
+    return FAMILIES.find(name, params)

@@ -20,6 +20,7 @@ from sim.scenario import Scenario, read_settings
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.files.worlds import read_whole_world
+from worldgen.plugins.trust import admit_argument
 from worldgen.support.progress import working
 from worldgen.world import World
 
@@ -57,6 +58,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         task=options.task,
     )
     families = (*options.families, *options.strategies)
+    admit_argument(*families, *options.asked_oracles)
     robots = (options.robots or 1) if fixed_map is None else _robots_on(fixed_map, options)
     for name in families:
         check_strategy(name, scenario, robots)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib.util
 import os
 import shlex
 from contextlib import suppress
@@ -15,6 +14,7 @@ from sim.controllers import CONTROLLERS
 from sim.controllers.programs.process import is_process_name
 from sim.controllers.shared.object_file import is_library_name, library_file
 from worldgen.files.whole import read_text
+from worldgen.plugins.trust import file_of_module
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def place_of(controller: str, root: Path) -> Place | None:
     # A registered name refers to a module; its source is only parsed, never run.
     point = CONTROLLERS.entry_points().get(controller)
     module, _, name = (point.value if point else controller).rpartition(":")
-    file = Path(module) if module.endswith(".py") else _source(module)
+    file = Path(module) if module.endswith(".py") else file_of_module(module)
     uri = uri_of(file, root) if file is not None and file.is_file() else None
     return None if file is None or uri is None else Place(uri, _line(file, name))
 
@@ -76,14 +76,6 @@ def _files(command: str) -> list[Path]:
     with suppress(ValueError):  # unbalanced quotes
         return [Path(word) for word in shlex.split(command) if Path(word).is_file()]
     return []
-
-
-def _source(module: str) -> Path | None:
-    """Return the file of a module without running it; its packages may be imported."""
-    with suppress(ImportError, ValueError, AttributeError):
-        spec = importlib.util.find_spec(module)
-        return Path(spec.origin) if spec is not None and spec.origin else None
-    return None
 
 
 def _line(file: Path, name: str) -> int:

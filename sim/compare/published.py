@@ -17,6 +17,7 @@ from sim.options.run import RunOptions
 from sim.scenario import Scenario, read_settings
 from sim.verdict import FAILURES, UNENDED, Verdict
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.plugins.trust import NameInFile
 
 _NEEDED = ("world", "controller", "time")
 # Seconds; a longer time counts as a mistake.
@@ -214,7 +215,7 @@ def _scenario(text: str, motion: str) -> tuple[str, str, float | None]:
     """Return a controller, motion model and time step, in whichever form the table writes them."""
     try:
         controller, settings = read_settings(text, motion)
-        found = Scenario(controller, RunOptions(**({"motion": motion} | settings)))
+        found = Scenario(NameInFile(controller), RunOptions(**({"motion": motion} | settings)))
     except InvalidParameter:  # The table may contain controllers that do not exist here.
         return text, motion, None
     return found.label(), found.run.motion, settings.get("time_step")

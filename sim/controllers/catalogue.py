@@ -29,7 +29,7 @@ from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
 from worldgen.plugins.registry import Registry, user_code
-from worldgen.plugins.trust import admit_argument, check_code
+from worldgen.plugins.trust import admit_argument, check_code, same_origin
 
 _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*")
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
@@ -319,7 +319,7 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
     if found is None:
         return name
     plain = os.path.realpath if resolve else os.path.normpath
-    return f"{plain(found['file'])}{found['rest']}"
+    return same_origin(name, f"{plain(found['file'])}{found['rest']}")
 
 
 def names_in(text: str) -> list[str]:

@@ -4,6 +4,7 @@ Each piece of code leaves a mark when it is imported, started or loaded. The com
 the entry points, so a new command is in the table without any change here.
 """
 
+import contextlib
 import json
 import os
 import shlex
@@ -16,17 +17,23 @@ from pathlib import Path
 import click
 import pytest
 
+from fuzz.campaign.configure import configure
+from fuzz.campaign.options import CampaignOptions
+from fuzz.ci.place import place_of
 from fuzz.failure import Failure
 from fuzz.replay.regression import fixed
-from fuzz.triage.judging import failure_of
+from fuzz.studio.campaigns.answers import fuzz_command
+from fuzz.triage.judging import failure_of, replay
 from sim.episode import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.tiers import some
 from worldgen.cli.main import cli
+from worldgen.errors import InvalidParameter
 from worldgen.files.grid import read_world
 from worldgen.generation import generate
 from worldgen.plugins import trust
+from worldgen.sets.manifest import read_manifest
 
 CLASS = """
 import os
@@ -347,6 +354,11 @@ def test_a_dotted_name_does_not_run_the_package_above_it(stranger, ran, record):
     assert ran() == 0
 
 
+def test_finding_the_source_of_a_controller_runs_no_package_above_it(stranger, ran):
+    assert place_of("odd_pack.odd:X", stranger).uri == "odd_pack/odd.py"
+    assert ran() == 0
+
+
 def test_a_program_in_another_folder_is_another_program(
     stranger, ran, record, tmp_path, monkeypatch
 ):
@@ -417,6 +429,41 @@ def test_a_file_that_another_user_has_replaced_is_not_the_one_that_was_run(
     assert ran() == count
 
 
+def test_what_was_read_as_data_is_not_loaded_as_code(stranger, ran, record):
+    shutil.copy("odd.so", "taught.json")
+    file = naming(record, "lib:./taught.json:act")
+    worldgen("run", file, "--controller", "q-learner+learned=./taught.json")
+    assert is_refused(worldgen("replay", file))
+    assert ran() == 0
+
+
+def test_the_question_about_data_says_that_it_is_read(stranger, record, monkeypatch):
+    asked = []
+    monkeypatch.setattr("worldgen.cli.main.is_at_terminal", lambda: True)
+    monkeypatch.setattr("worldgen.cli.main.ask_user", asked.append)
+    Path("taught.json").write_text("{}")
+    worldgen("replay", naming(record, "q-learner+learned=./taught.json"))
+    assert asked[0].endswith(f"Read {stranger / 'taught.json'}?")
+
+
+def test_a_name_that_is_too_long_to_show_says_that_it_is_cut(stranger, record):
+    long = f"{PROGRAM} {'x' * 300} last-word"
+    assert "last-word" in worldgen("replay", naming(record, long)).err
+    longer = f"{PROGRAM} {'x' * 3000} last-word"
+    assert (
+        f"... ({len(longer) - 400} more characters)"
+        in worldgen("replay", naming(record, longer)).err
+    )
+
+
+def test_a_refusal_names_the_file_that_was_read_last_not_an_earlier_one(stranger, record):
+    first = naming(record, "./odd.py:X", place=Path("a.grid"))
+    second = naming(record, "./odd.py:X", place=Path("b.grid"))
+    Failure.read(first)
+    with pytest.raises(trust.CodeNotTrusted, match=r"b\.grid names"):
+        Failure.read(second).run()
+
+
 def test_without_a_place_to_remember_the_command_still_names_trust(
     stranger, ran, record, monkeypatch
 ):
@@ -474,8 +521,12 @@ def test_a_real_terminal_is_asked(stranger, ran, record):
     while b"[y/N]" not in seen:
         seen += os.read(driver, 1024)
     os.write(driver, b"n\n")
+    with contextlib.suppress(OSError):  # Linux's way of saying that the terminal is closed
+        while more := os.read(driver, 1024):
+            seen += more
     assert child.wait(60) == 2
     os.close(driver)
+    assert seen.count(b"is not run") == 1
     assert ran() == 0
 
 
@@ -495,6 +546,86 @@ def test_a_python_caller_who_passes_a_record_names_nothing(stranger, ran, record
         with pytest.raises(trust.CodeNotTrusted, match=r"w\.grid"):
             run()
     assert ran() == 0
+
+
+# Longer than any text that is searched for names.
+FAR = "./" * 2100
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        f"{FAR}odd.py:X",
+        f"{PROGRAM}{' ' * 4100}",
+        f"behaviours:{'drive,' * 800}./odd.py:X",
+        f"lib:{FAR}odd.so:act",
+    ],
+)
+def test_a_long_name_in_a_record_does_not_look_like_a_python_callers(stranger, ran, record, name):
+    failure = Failure.read(naming(record, name))
+    with pytest.raises(InvalidParameter):
+        failure.run()
+    assert ran() == 0
+
+
+@pytest.mark.parametrize(
+    "name", ["./odd.py:X", "behaviours:./odd.py:X", "behaviours:avoid,./odd.py:X", PROGRAM]
+)
+def test_a_record_runs_nothing_in_the_folder_that_its_reader_has_moved_to(
+    stranger, ran, record, tmp_path, monkeypatch, name
+):
+    failure = Failure.read(naming(record, name))
+    shutil.copytree(stranger, tmp_path / "other")
+    monkeypatch.chdir(tmp_path / "other")
+    with pytest.raises(trust.CodeNotTrusted):
+        failure.run()
+    assert ran() == 0
+
+
+def test_an_oracle_in_a_record_runs_in_no_other_folder(
+    stranger, ran, record, tmp_path, monkeypatch
+):
+    found = 'evidence = { oracle = "\\n./odd.py:judge\\n", objection = { odd = true },'
+    Path("w.grid").write_text(record.replace("evidence = {", found, 1))
+    failure = Failure.read(Path("w.grid"))
+    shutil.copytree(stranger, tmp_path / "other")
+    monkeypatch.chdir(tmp_path / "other")
+    assert "not run" in replay(failure).reason
+    assert ran() == 0
+
+
+def test_a_family_in_a_manifest_is_not_a_python_callers(stranger, ran):
+    worldgen("fire", "--count", 2, "--seed", 1, "--size", 40, "--out", "set")
+    manifest = Path("set/manifest.jsonl")
+    manifest.write_text(
+        manifest.read_text().replace('"family": "fire"', '"family": "./odd.py:odd"')
+    )
+    with pytest.raises(trust.CodeNotTrusted):
+        generate(read_manifest(manifest).entries[0].family)
+    assert ran() == 0
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda failure: simulate(failure.world, "./odd.py:X"),
+        lambda failure: failure.driven_by("./odd.py:X").run(),
+        lambda failure: replay(failure, "./odd.py:X"),
+        lambda failure: simulate(failure.world, Scenario("./odd.py:X").controller),
+        lambda failure: simulate(failure.world, Scenario.parse("./odd.py:X+slip=0.1").controller),
+        lambda failure: configure(CampaignOptions(controller="./odd.py:X"), 1),
+        lambda failure: fixed(failure.stored, "./odd.py:X"),
+    ],
+)
+def test_an_argument_may_run_after_a_record_was_read(stranger, ran, record, use):
+    use(Failure.read(naming(record, "lib:./odd.so:act")))
+    assert ran() == 1
+
+
+def test_a_family_is_an_argument_after_a_record_was_read(stranger, ran, record):
+    Failure.read(naming(record, "./odd_pack/odd.py:X"))
+    with pytest.raises(Exception, match="it ran"):
+        generate("./odd.py:odd")
 
 
 def test_workers_know_what_their_parent_may_run(stranger, ran, record):
@@ -518,6 +649,21 @@ def test_workers_import_nothing_from_the_current_folder(stranger, ran):
     command = [script, "fuzz", *arguments.split(), "--out", "found"]
     assert subprocess.run(command, capture_output=True, check=False).returncode == 1
     assert ran() == 0
+
+
+@pytest.mark.parametrize(("stored", "code"), [("./odd.py:X", 1), ("odd_pack.odd:X", 2)])
+def test_the_studio_resumes_a_campaign_with_no_code_but_the_controller_it_checked(
+    stranger, ran, stored, code
+):
+    arguments = ("--units", "1", "--examples", "1", "--workers", "1", "--seed", "1", "--no-shrink")
+    worldgen("fuzz", "--controller", "turn-right", *arguments, "--out", "campaign")
+    file = Path("campaign/.campaign/campaign.json")
+    content = json.loads(file.read_text())
+    content["configuration"]["scenario"]["controller"] = stored
+    file.write_text(json.dumps(content))
+    command = fuzz_command(["--resume=campaign", "--units=2"], ["./odd.py:X"])
+    done = subprocess.run(command, capture_output=True, check=False)
+    assert ("not run" in done.stderr.decode(), ran() > 0) == (code == 2, code == 1), done.stderr
 
 
 def test_a_campaign_of_the_studio_imports_nothing_from_the_current_folder(stranger, monkeypatch):

@@ -24,7 +24,7 @@ from worldgen.cli.usage import UnknownCommand
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
-from worldgen.plugins.trust import admit_typed, command_rule
+from worldgen.plugins.trust import admit_typed, command_rule, unsaid
 from worldgen.support.plain_text import joined, shown_lines
 from worldgen.support.progress import display_on_stderr
 from worldgen.support.results import claim_stdout, only_results_on_stdout, release_stdout
@@ -72,7 +72,7 @@ class LazyGroup(click.Group):
                 ended = stop
             code = ended.code if isinstance(ended, SystemExit) else getattr(ended, "exit_code", 0)
             if refused and code in (None, 0, 1):
-                for sentence in refused.values():
+                for sentence in unsaid():
                     note(f"worldgen: {sentence}", always=True)
                 raise click.exceptions.Exit(2)
             if ended is not None:

@@ -18,6 +18,7 @@ from worldgen.cli.usage import Instead
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError
 from worldgen.files.whole import check_output, write_bytes
+from worldgen.plugins.trust import note_said
 from worldgen.support.plain_text import aligned, alternatives, joined, printed
 from worldgen.support.progress import is_quiet, no_progress, spoke
 from worldgen.support.results import results
@@ -115,6 +116,7 @@ def note(message: str, *, always: bool = False) -> None:
     """
     if always or not is_quiet():
         spoke()
+        note_said(message)
         click.echo(printed(message), err=True)  # noqa: TID251 - this is how to print
 
 
@@ -141,6 +143,9 @@ def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
         color: Whether to keep colours; by default, if stdout is a terminal.
     """
     spoke()
+    # Results in a pipe or a file are not seen at once.
+    if results().isatty():
+        note_said(text)
     _print(printed(text), nl=nl, color=color)
 
 

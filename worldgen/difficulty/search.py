@@ -23,6 +23,7 @@ from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, Family
 from worldgen.files.grid import world_digest
 from worldgen.generation import generate
+from worldgen.plugins.trust import admit_argument
 from worldgen.random_streams import RandomStream
 from worldgen.support.bounds import check_between
 from worldgen.world import Value, World
@@ -209,6 +210,7 @@ def search_world(
         InvalidParameter: If the constraint cannot be parsed, or a parameter is unknown.
         GenerationFailed: If no world tried fits; the message describes the nearest one.
     """
+    admit_argument(family)
     made_by = family if isinstance(family, Family) else FAMILIES.find(family, given)
     search = Search(made_by, constraint_for(where, difficulty), seed, given)
     return next(found(search, 1, tries, progress)).world

@@ -87,9 +87,16 @@ class JsonFile(Generic[T]):
         return {"version": self.version, **plain(content)}
 
 
+def _plain_text(value: object) -> str:
+    """Return a text of a class of ours, such as a name that a file gave, as a plain one."""
+    if isinstance(value, str):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no place in JSON")
+
+
 def plain(content: Any) -> dict[str, Any]:
     """Return a struct or dataclass in JSON's types."""
-    table: dict[str, Any] = msgspec.to_builtins(content)
+    table: dict[str, Any] = msgspec.to_builtins(content, enc_hook=_plain_text)
     return table
 
 

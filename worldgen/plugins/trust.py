@@ -39,8 +39,11 @@ _OURS = ("sim.controllers.", "fuzz.faults.", "fuzz.oracles.", "worldgen.families
 _MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
 _LEARNED = re.compile(r"\+learned=([^+]+)")
 # Characters of a name in a message.
-_LONGEST = 120
-# Characters of a name of code; a longer text is something else, such as a recipe.
+_LONGEST = 400
+# Kinds of keys whose code is a file. The kind tells what happens to it: what was read as data
+# must not be loaded as a library later.
+_FILES = ("file", "library", "data")
+# Characters of a text whose names are noted for messages; a longer one is hardly a name.
 _MOST_NAME = 4096
 # Bytes of the list of code that was run before.
 _MOST_BYTES = 1 << 22
@@ -66,26 +69,32 @@ class _Trust:
 
     Args:
         is_command: True in a command and its workers, where everything needs a reason. Elsewhere
-            the caller is a Python program, and only names that were read from files do.
+            the caller is a Python program, and everything needs one as soon as a file has named
+            something. Names are split and resolved on their way, so nothing tells at the end
+            whether one came from a file.
+        has_read_names: True after a file has named something that may be code.
         all: True under ``--trust``.
         admitted: The keys of code that may run; True if it is remembered for later commands.
         folders: Folders whose files are trusted, such as pytest's rootdir.
         ask: Asks the user; None if nobody can answer.
         command: The command line with ``--trust`` added; empty if it is unknown.
         refused: The sentences about code that was refused, by its key.
+        said: Those of them that the user has seen.
     """
 
     is_command: bool = False
+    has_read_names: bool = False
     all: bool = False
     admitted: dict[str, bool] = field(default_factory=dict)
     folders: tuple[str, ...] = ()
     ask: Callable[[str], bool] | None = None
     command: str = ""
     refused: dict[str, str] = field(default_factory=dict)
+    said: set[str] = field(default_factory=set)
 
 
 _trust = _Trust()
-# By key and by text, the file that named the code.
+# By key and by text, the file that named the code; for messages, and for trusted folders.
 _named_in: dict[str, str] = {}
 
 
@@ -136,13 +145,19 @@ def admit_typed(values: Iterable[object], command: str) -> None:
                 _trust.admitted[key] = True
 
 
-def admit_argument(name: str) -> None:
+def admit_argument(*names: object) -> None:
     """Let code run because a Python caller passed its name.
 
-    Commands admit what was typed instead, so in a command this does nothing.
+    Every public function that takes a name calls this. Commands admit what was typed instead, so in
+    a command this does nothing, and neither does it for a :class:`NameInFile`.
     """
-    if type(name) is str and not _trust.is_command:
-        admit(name)
+    if not _trust.is_command:
+        admit(*(name for name in names if type(name) is str))
+
+
+def same_origin(name: str, text: str) -> str:
+    """Return a part of a name, or another spelling of it; from a file if the name is."""
+    return NameInFile(text) if isinstance(name, NameInFile) else text
 
 
 def trust_everything() -> None:
@@ -177,9 +192,12 @@ def note_names(value: object, source: str | None) -> None:
     elif isinstance(value, list | tuple):
         for one in value:
             note_names(one, source)
-    elif isinstance(value, str) and (":" in value or "+" in value) and len(value) < _MOST_NAME:
-        for key in (_place(value), *_keys_in(value)):
-            _named_in.setdefault(key, source or "a file")
+    elif isinstance(value, str) and (":" in value or "+" in value):
+        # Even a name whose keys are not noted here, or differ later, makes the rule strict.
+        _trust.has_read_names = True
+        for key in (_place(value), *_keys_in(value)) if len(value) < _MOST_NAME else ():
+            # The latest, because a command reads and runs one file after another.
+            _named_in[key] = source or "a file"
 
 
 @contextlib.contextmanager
@@ -194,11 +212,23 @@ def command_rule(ask: Callable[[str], bool] | None) -> Iterator[dict[str, str]]:
     """
     global _trust  # noqa: PLW0603 - one rule for the process
     before = _trust
-    _trust = _Trust(is_command=True, folders=before.folders, ask=ask)
+    # A process that was restricted before keeps the names that it was given.
+    admitted = dict(before.admitted) if before.is_command else {}
+    _trust = _Trust(is_command=True, admitted=admitted, folders=before.folders, ask=ask)
     try:
         yield _trust.refused
     finally:
         _trust = before
+
+
+def note_said(text: str) -> None:
+    """Note which sentences about refused code a text that is printed contains."""
+    _trust.said.update(one for one in _trust.refused.values() if one in text)
+
+
+def unsaid() -> list[str]:
+    """Return the sentences about refused code that the user has not seen."""
+    return [one for one in _trust.refused.values() if one not in _trust.said]
 
 
 def restrict(names: Iterable[str]) -> None:
@@ -221,7 +251,9 @@ class Inherited:
     def __reduce__(self) -> tuple[Callable[..., Inherited], tuple[object, ...]]:
         admitted = dict.fromkeys(_trust.admitted, False)
         folders = (*_trust.folders, *_pytest_root())
-        state = replace(_trust, admitted=admitted, folders=folders, ask=None, refused={})
+        state = replace(
+            _trust, admitted=admitted, folders=folders, ask=None, refused={}, said=set()
+        )
         return _inherit, (state, dict(_named_in))
 
 
@@ -244,10 +276,10 @@ def _keys(name: str) -> list[str]:
     if program is not None:
         return [_program_key(program[1], str(Path.cwd()))]
     if name.startswith("lib:"):
-        return [_file_key(name.removeprefix("lib:").rpartition(":")[0])]
+        return [_file_key(name.removeprefix("lib:").rpartition(":")[0], "library")]
     if name.startswith("learned:"):
-        return [_file_key(name.removeprefix("learned:"))]
-    found = [_file_key(file.strip()) for file in _LEARNED.findall(name)]
+        return [_file_key(name.removeprefix("learned:"), "data")]
+    found = [_file_key(file.strip(), "data") for file in _LEARNED.findall(name)]
     # What follows a name may be options or part of the name, so both readings need a reason.
     for text in dict.fromkeys((without_class_options(name), name)):
         place, colon, _ = text.rpartition(":")
@@ -261,7 +293,7 @@ def _keys(name: str) -> list[str]:
 def _module_keys(place: str) -> list[str]:
     if _is_ours(place):
         return []
-    file = _file_of_module(place)
+    file = file_of_module(place)
     return [f"module {place}" if file is None else _file_key(file)]
 
 
@@ -283,11 +315,11 @@ def _place(name: str) -> str:
     return without_class_options(name).rpartition(":")[0] or name
 
 
-def _file_key(path: str | Path) -> str:
+def _file_key(path: str | Path, kind: str = "file") -> str:
     try:
-        return f"file {os.path.realpath(expanded(path))}"
+        return f"{kind} {os.path.realpath(expanded(path))}"
     except (OSError, ValueError):  # such as a NUL in the name
-        return f"file {path}"
+        return f"{kind} {path}"
 
 
 def _program_key(command: str, folder: str) -> str:
@@ -304,7 +336,7 @@ def _is_ours(module: str) -> bool:
     return place.with_suffix(".py").is_file() or (place / "__init__.py").is_file()
 
 
-def _file_of_module(name: str) -> Path | None:
+def file_of_module(name: str) -> Path | None:
     """Return the file that importing a module would run, without running anything.
 
     ``importlib.util.find_spec`` imports the packages above a module, so the path is walked here.
@@ -338,8 +370,8 @@ def _may_run(key: str, name: str) -> bool:
         return True
     source = _named_in.get(key) or _named_in.get(_place(name))
     has_reason = (
-        # A name that no file gave is an argument of a Python caller.
-        (source is None and not _trust.is_command)
+        # While no file has named anything, every name is from the Python caller.
+        not (_trust.is_command or _trust.has_read_names)
         or _is_missing(key)
         or _in_trusted_folder(key, source)
         or key in _keys_of_settings()
@@ -353,7 +385,7 @@ def _may_run(key: str, name: str) -> bool:
 def _is_missing(key: str) -> bool:
     """Return True if there is no file to run, which loading it reports better."""
     kind, _, place = key.partition(" ")
-    return kind == "file" and not os.path.lexists(place)
+    return kind in _FILES and not os.path.lexists(place)
 
 
 def _in_trusted_folder(key: str, source: str | None) -> bool:
@@ -361,7 +393,7 @@ def _in_trusted_folder(key: str, source: str | None) -> bool:
     if not folders:
         return False
     kind, _, place = key.partition(" ")
-    files = [place] if kind == "file" else []
+    files = [place] if kind in _FILES else []
     files += [] if source is None else [os.path.realpath(source)]
     return any(Path(file).is_relative_to(folder) for file in files for folder in folders)
 
@@ -443,17 +475,23 @@ def _words(command: str) -> list[str]:
 def _has_trusted_owner(key: str) -> bool:
     """Return True unless another user has put the file there."""
     kind, _, place = key.partition(" ")
-    files = [Path(place)] if kind == "file" else []
+    files = [Path(place)] if kind in _FILES else []
     if kind == "program":
         folder, command = json.loads(place)
         files = [Path(folder, word) for word in _words(command)]
     try:
-        return all(has_trusted_owner(file) for file in files if kind == "file" or file.is_file())
+        return all(has_trusted_owner(file) for file in files if kind in _FILES or file.is_file())
     except (OSError, ValueError):  # ValueError: a NUL in a word
         return False
 
 
 # Refusing
+
+
+def _shortened(name: str) -> str:
+    """Return a name for a message; one that is cut says so, because its end may be what matters."""
+    more = len(name) - _LONGEST
+    return shown(name) if more <= 0 else f"{shown(name[:_LONGEST])}... ({more} more characters)"
 
 
 def _ask(key: str, name: str) -> None:
@@ -465,10 +503,11 @@ def _ask(key: str, name: str) -> None:
     source = shown(_named_in.get(key) or _named_in.get(_place(name)) or "a file")
     kind, _, place = key.partition(" ")
     what = shown(json.loads(place)[1] if kind == "program" else place)
-    verb = {"program": "Start the program", "module": "Import the module"}.get(kind, "Run")
+    verbs = {"program": "Start the program", "module": "Import the module", "data": "Read"}
+    verb = verbs.get(kind, "Run")
     # One question about each piece of code, however many files name it.
     question = (
-        f"{source} names {shown(name[:_LONGEST])}, which is code that you have not run before. "
+        f"{source} names {_shortened(name)}, which is code that you have not run before. "
         f"{verb} {what}?"
     )
     if _trust.ask is not None and key not in _trust.refused and _trust.ask(question):
@@ -480,37 +519,38 @@ def _ask(key: str, name: str) -> None:
     if _trust.is_command and key in _trust.refused:
         raise CodeNotTrusted(
             "code-not-allowed",
-            "{name!r} is not run: it is code that you have not run from the command line before",
+            "'{name}' is not run: it is code that you have not run from the command line before",
             "--trust runs it",
-            name=name[:_LONGEST],
+            name=_shortened(name),
         )
     if not _trust.is_command:
         error = CodeNotTrusted(
             "code-not-allowed",
-            "{source} names {name!r}, which is not run: only the file names it",
-            "if you trust it, pass its name as an argument, or run it once with worldgen run",
+            "{source} names '{name}', which is not run: only the file names it",
+            "if you trust it, pass its name as an argument or to worldgen.plugins.trust.admit(), "
+            "or run it once with worldgen run",
             at_terminal=True,
             source=source,
-            name=name[:_LONGEST],
+            name=_shortened(name),
         )
     elif key in _remembered():
         error = CodeNotTrusted(
             "code-not-allowed",
-            "{source} names {name!r}, which is not run: {what} belongs to another user now",
+            "{source} names '{name}', which is not run: {what} belongs to another user now",
             "if you trust it, type: {command}",
             source=source,
-            name=name[:_LONGEST],
+            name=_shortened(name),
             what=what,
             command=_trust.command,
         )
     else:
         error = CodeNotTrusted(
             "code-not-allowed",
-            "{source} names {name!r}, which is not run: it is code that you have not run from the "
+            "{source} names '{name}', which is not run: it is code that you have not run from the "
             "command line before",
             "if you trust it, type: {command}",
             source=source,
-            name=name[:_LONGEST],
+            name=_shortened(name),
             command=_trust.command,
         )
     _trust.refused.setdefault(key, str(error))

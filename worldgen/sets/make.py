@@ -8,6 +8,7 @@ from pathlib import Path
 
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.family import FAMILIES, RECIPE
+from worldgen.plugins.trust import admit_argument
 from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
@@ -287,6 +288,7 @@ def _entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) 
         InvalidParameter: If a family is unknown or has a different version than in the manifest, or
             a parameter does not exist.
     """
+    admit_argument(*families)
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
     jobs: list[Job] = []

@@ -15,7 +15,7 @@ from msgspec import Meta
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
 from worldgen.files.json_file import converted, faulty_field, plain
-from worldgen.plugins.trust import note_names
+from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.world import Value
 
 FORMAT = "worldgen-set 1"
@@ -174,7 +174,6 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
             "empty", "is empty; a manifest begins with a line about the set", source=source
         )
     header = _header(first, source)
-    note_names(header.params, source)
     entries = []
     kept = []
     files = set()
@@ -271,7 +270,8 @@ def _header(line: bytes, source: str) -> ManifestHeader:
         {"constraint": found.get("wish", ""), **found}, ManifestHeader, line=1, source=source
     )
     _check(found, "strata", header.strata, header.seed, line=1, source=source)
-    return header
+    note_names([header.family, header.params], source)
+    return msgspec.structs.replace(header, family=NameInFile(header.family))
 
 
 def _entry(line: bytes, header: ManifestHeader, number: int, source: str) -> ManifestEntry:
@@ -283,11 +283,13 @@ def _entry(line: bytes, header: ManifestHeader, number: int, source: str) -> Man
     entry = _content(found, ManifestEntry, line=number, source=source)
     _check(found, "stratum", entry.stratum, entry.seed, line=number, source=source)
     if entry.family != header.family:
-        return entry
+        note_names([entry.family, entry.params], source)
+        return msgspec.structs.replace(entry, family=NameInFile(entry.family))
     # Share the set's parameters, because a set may have 100,000 worlds.
     own = _differing(entry.params, header)
+    note_names(own, source)
     params = {**header.params, **own} if own else header.params
-    return msgspec.structs.replace(entry, params=params)
+    return msgspec.structs.replace(entry, family=header.family, params=params)
 
 
 def _content(found: Mapping[str, Any], kind: type[L], **place: Any) -> L:

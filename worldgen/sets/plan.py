@@ -14,6 +14,7 @@ import msgspec
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
+from worldgen.plugins.trust import admit_argument
 from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import ManifestHeader
 from worldgen.world import Value
@@ -129,6 +130,7 @@ def plan_set(
         raise InvalidParameter(
             "below-minimum", "count={count} is below 1; a set has at least one world", count=count
         )
+    admit_argument(family)
     found: Family = FAMILIES.get(family)
     complete = found.provenance(seed, found.complete(params)).params
     header = header_of(found, complete, seed, count, metrics=metrics)

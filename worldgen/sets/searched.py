@@ -14,6 +14,7 @@ from worldgen.difficulty import measure
 from worldgen.difficulty.search import TRIES, Search, constraint_for, found
 from worldgen.difficulty.strata import StrataSearch, edges_of
 from worldgen.family import FAMILIES, Family
+from worldgen.plugins.trust import admit_argument
 from worldgen.sets.making import Made
 from worldgen.sets.manifest import Manifest
 from worldgen.sets.plan import SearchedPlan, header_of
@@ -71,6 +72,7 @@ def plan_wanted_set(
     Raises:
         InvalidParameter: If the constraint cannot be parsed, or a parameter is unknown.
     """
+    admit_argument(family)
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
     fixed = {**given, **made_by.constants}
@@ -146,6 +148,7 @@ def plan_stratified_set(
         InvalidParameter: If the range or the constraint cannot be parsed, or a parameter is
             unknown.
     """
+    admit_argument(family)
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
     fixed = {**given, **made_by.constants}

@@ -16,6 +16,7 @@ from worldgen.family import FAMILIES, Family
 from worldgen.files.grid import read_world
 from worldgen.files.worlds import read_worlds
 from worldgen.generation import stream
+from worldgen.plugins.trust import admit_argument
 from worldgen.world import World
 
 __all__ = ["DEFAULT_FAMILY", "DEFAULT_POOL", "SOURCES", "Supply"]
@@ -181,6 +182,7 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
             "use a name such as 'maze'",
             given=repr(name),
         )
+    admit_argument(name)
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
     seed = whole("pool_seed", given.get("pool_seed", 0), 0, MASK64)
     # Without a range of difficulty, worlds are drawn from consecutive seeds.

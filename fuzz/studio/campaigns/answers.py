@@ -9,13 +9,14 @@ was named when the studio was started.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,11 @@ from worldgen.files.grid import write_world
 _BEGINS = 300.0
 _ENDS = 2.0  # s to wait for a campaign that was stopped before it had begun
 _LOOK = 0.05  # s between checks
+# `python -m worldgen`, after a JSON list of the names of code that it may run.
+_WITH_NAMES = (
+    "import json, sys; from worldgen.cli.main import main; from worldgen.plugins import trust; "
+    "trust.restrict(json.loads(sys.argv.pop(1))); main()"
+)
 
 
 @dataclass(frozen=True)
@@ -117,10 +123,10 @@ class CampaignAnswers(Opened):
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
-        self._check_stored(out, name)
+        controller = self._check_stored(out, name)
         ours = (*budget(message, needed=False), *workers(message), *baseline(message, self.folder))
-        # The check above has decided whether its code may run.
-        self._start(out, ["--trust", f"--resume={out}", *ours], lambda: part({"begins": name}))
+        words = [f"--resume={out}", *ours]
+        self._start(out, words, lambda: part({"begins": name}), named=[controller])
         return {"state": self._state(out, name)}
 
     def elite(self, message: Request, part: object) -> dict[str, Any]:
@@ -157,10 +163,10 @@ class CampaignAnswers(Opened):
             )
         return out
 
-    def _check_stored(self, out: Path, name: str) -> None:
+    def _check_stored(self, out: Path, name: str) -> str:
         """Refuse a campaign that would run code that was not named at the start.
 
-        Its folder may have any origin.
+        Its folder may have any origin. Return its controller, the only code of it that may run.
         """
         stored = FolderStore.stored_in(out)
         if stored is None:
@@ -198,14 +204,18 @@ class CampaignAnswers(Opened):
                 "resume it at a terminal",
                 name=name,
             )
+        return str(scenario["controller"])
 
-    def _start(self, out: Path, words: list[str], started: Callable[[], None]) -> None:
+    def _start(
+        self, out: Path, words: list[str], started: Callable[[], None], *, named: Sequence[str] = ()
+    ) -> None:
         """Start a campaign's process and wait until it has begun.
 
         Args:
             out: The campaign's folder.
             words: Arguments of the process other than the folder.
             started: Called when it can be stopped.
+            named: Names of code that it may run although the words do not contain them.
 
         Raises:
             OutputError: If it does not begin; with the process's message.
@@ -228,10 +238,7 @@ class CampaignAnswers(Opened):
                 forget_error(out)
                 mark = stack.enter_context(beginning(memory))
                 with (memory / SAID).open("wb") as stderr:
-                    process = _process(
-                        [sys.executable, *_flags(), "-m", "worldgen", "fuzz", "--json", *words],
-                        stderr,
-                    )
+                    process = _process(fuzz_command(words, named), stderr)
             except OSError as error:
                 raise OutputError(
                     "unwritable",
@@ -284,6 +291,18 @@ def _wait_until_begun(
     if process.returncode in (0, 1, 4, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
+
+
+def fuzz_command(words: Sequence[str], named: Sequence[str] = ()) -> list[str]:
+    """Return the command line of a campaign's process.
+
+    Args:
+        words: Arguments of ``worldgen fuzz``.
+        named: Names of code that it may run although the words do not contain them. ``--trust``
+            would let it run all code that is in its folder by then.
+    """
+    begun = ["-c", _WITH_NAMES, json.dumps(list(named))] if named else ["-m", "worldgen"]
+    return [sys.executable, *_flags(), *begun, "fuzz", "--json", *words]
 
 
 def _flags() -> tuple[str, ...]:

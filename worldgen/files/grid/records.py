@@ -264,7 +264,7 @@ def read_provenance(header: Header) -> Provenance | None:
         return None
     note_names(table, header.source)
     return Provenance(
-        family=text_at(header, table, "provenance", "family"),
+        family=NameInFile(text_at(header, table, "provenance", "family")),
         version=integer_at(header, table, "provenance", "version"),
         seed=integer_at(header, table, "provenance", "seed"),
         params=values_at(header, table, "provenance", "params"),
