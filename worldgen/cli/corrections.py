@@ -12,7 +12,7 @@ import io
 import itertools
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -60,7 +60,10 @@ _COMMANDS = {
 }  # fmt: skip
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"\A(\s*[+-]?\d+),(\d+)(?![\d,])")
 _UNITS = {"k": 1e3, "cm": 1e-2, "mm": 1e-3, "ms": 1e-3, "min": 60.0, "h": 3600.0}
+_PREFIXES = ("cmd:", "lib:", "learned:")
+_PLAIN_NAME = re.compile(r"[\w-]+")
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
@@ -74,8 +77,82 @@ def answer(error: click.UsageError, group: click.Group, words: Sequence[str]) ->
     """
     path = "worldgen" if error.ctx is None else error.ctx.command_path
     suggested = corrected(error, group, words)
+    # A file that does not exist comes before anything that click finds.
+    if error.ctx is not None and not isinstance(error, UnknownCommand):
+        missing = _missing_files(_Command(error.ctx, words))
+        if missing and "--help" not in (suggested or ()):
+            sentence = f"{path}: there is no file or folder {missing[0]!r}; check the path"
+            accepted = None if suggested is None else _accepted(group, suggested)
+            if accepted is None or missing[0] in _missing_files(accepted):
+                return stacked((sentence,))
+            return stacked((sentence, f"  {shlex.join(['worldgen', *accepted.words()])}"))
     command = f"{path} --help" if suggested is None else shlex.join(["worldgen", *suggested])
     return stacked((f"{path}: {_described(error, words, suggested)}", f"  {command}"))
+
+
+def _accepted(group: click.Group, words: Sequence[str]) -> _Command | None:
+    """Take a command apart; None if click does not accept it, or it asks for help."""
+    try:
+        return _Command(_parsed(group, words), words)
+    except (click.ClickException, click.exceptions.Exit, WorldgenError):
+        return None
+
+
+def _missing_files(command: _Command) -> list[str]:
+    """Return the files that a command is to read and that do not exist."""
+    missing = []
+    for part in command.parts:
+        if part.option is None or not part.value:
+            continue
+        if kind_of(command.command, part.option) is CONTROLLER:
+            missing.append(_missing_part(part.value))
+        elif part.option.name in _READ and _is_missing(part.value):
+            missing.append(part.value)
+    # The word after an unknown option is likely to be its value.
+    texts = [
+        part.value or ""
+        for before, part in itertools.pairwise((None, *command.parts))
+        if not part.flag
+        and not (before is not None and before.flag and before.option is None and not before.value)
+    ]
+    for argument, text in zip(_repeated(command.arguments), texts, strict=False):
+        # A word may also be the value of an option without its name.
+        homes = (one for one in _homes(command, text) if one.name not in _WRITTEN)
+        is_read = isinstance(argument.type, click.Path) and argument.required
+        if is_read and _is_missing(text) and not any(homes):
+            missing.append(text)
+    return [file for file in missing if file]
+
+
+def _repeated(arguments: Sequence[click.Argument]) -> Iterator[click.Argument]:
+    """Return the argument of each word in turn."""
+    for argument in arguments:
+        yield from itertools.repeat(argument) if argument.nargs < 0 else (argument,)
+
+
+def _missing_part(name: str) -> str:
+    """Return the file in a controller's name if it does not exist; empty if it does."""
+    bare = name.partition("+")[0]
+    prefix = next((one for one in _PREFIXES if bare.startswith(one)), "")
+    file = bare.removeprefix(prefix)
+    if prefix == "cmd:":
+        with contextlib.suppress(ValueError):
+            file = next(iter(shlex.split(file)), "")
+    elif not prefix and ".py:" in file:
+        file = file.rpartition(":")[0]
+    is_path = "/" in file or (prefix not in ("", "cmd:")) or file.endswith(".py")
+    return file if is_path and ":" not in file and _is_missing(file) else ""
+
+
+def _is_missing(text: str) -> bool:
+    """Return True if a path leads nowhere, neither to a file nor into an archive."""
+    if not text or text == "-" or set(text) & set("*?["):
+        return False
+    try:
+        path = Path(text)
+        return not path.exists() and not any(one.is_file() for one in path.parents)
+    except (OSError, ValueError):
+        return False
 
 
 def answer_named(error: WorldgenError, group: click.Group, words: Sequence[str]) -> str:
@@ -84,7 +161,7 @@ def answer_named(error: WorldgenError, group: click.Group, words: Sequence[str])
     The error says what to write instead: its facts hold the text that came as ``name`` and the
     right one as ``near``, or the bounds of a number. A file is its ``source`` or ``path``.
     """
-    changed = _clamped(error, words) or _renamed(error, group, list(words))
+    changed = _clamped(error, group, words) or _renamed(error, group, list(words))
     if changed is None or changed == list(words):
         return ""
     fault = first_fault(group, changed)
@@ -98,7 +175,9 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
     meant = facts.get("near")
     if error.code in _FILE_CODES:
         came = str(getattr(error, "source", None) or facts.get("source") or facts.get("path") or "")
-        meant = _other_file(came, error.code) if came else ""
+        command = _accepted(group, words)
+        suffixes = () if command is None else command.suffixes()
+        meant = _other_file(came, error.code, suffixes) if came else ""
     if isinstance(came, str) and "," in came and words[:1] == ["run"]:
         return ["compare", *words[1:]]
     if not (isinstance(came, str) and isinstance(meant, str) and came and meant) or ":" in came:
@@ -108,7 +187,7 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
     return [pattern.sub(lambda _: meant, word) for word in words]
 
 
-def _clamped(error: WorldgenError, words: Sequence[str]) -> list[str] | None:
+def _clamped(error: WorldgenError, group: click.Group, words: Sequence[str]) -> list[str] | None:
     facts = error.facts
     name, value, low, high = (facts.get(one) for one in ("name", "value", "low", "high"))
     is_bound = error.code in ("out-of-range", "below-minimum")
@@ -119,10 +198,13 @@ def _clamped(error: WorldgenError, words: Sequence[str]) -> list[str] | None:
     at = next((k for k, word in enumerate(words) if word.partition("=")[0] == flag), None)
     if at is None or not isinstance(bound, int | float):
         return None
-    # Zero itself may be too small, and the default never is.
-    if bound == 0 and isinstance(value, float):
-        return [*words[:at], *words[at + (1 if "=" in words[at] else 2) :]]
     text = f"{bound:g}" if isinstance(bound, float) else str(bound)
+    # Zero itself may be too small, and a usual value never is.
+    if bound == 0 and isinstance(value, float):
+        command = _accepted(group, words)
+        option = None if command is None else command.written(flag)
+        usual = () if command is None or option is None else _usual(command, option)
+        text = next((one for one in usual if float(one) > 0), "1")
     end = at + (1 if "=" in words[at] else 2)
     return [*words[:at], flag, text, *words[end:]]
 
@@ -186,15 +268,17 @@ def _parsed(group: click.Group, words: Sequence[str]) -> click.Context:
 
 def _polished(group: click.Group, words: Sequence[str]) -> list[str]:
     """Return an accepted command with the names that its values most likely mean."""
-    try:
-        context = _parsed(group, words)
-    except (click.ClickException, click.exceptions.Exit, WorldgenError):
+    command = _accepted(group, words)
+    if command is None:
         return list(words)
-    command = _Command(context, words)
     for part in command.parts:
         kind = None if part.option is None else kind_of(command.command, part.option)
         if kind is not None and part.value:
             part.value = _better_name(kind, part.value)
+        elif (
+            part.option is not None and part.option.name in _READ and _is_missing(part.value or "")
+        ):
+            part.value = _other_file(part.value or "", "no-such-file", (".grid",)) or part.value
     texts = [part for part in command.parts if not part.flag]
     for argument, part in zip(command.arguments, texts, strict=False):
         kind = kind_of(command.command, argument)
@@ -223,7 +307,7 @@ def _mend_path(command: _Command, part: _Part) -> None:
         command.parts.remove(part)
         command.add(option, text)
         return
-    part.value = _other_file(text, "no-such-file") or text
+    part.value = _other_file(text, "no-such-file", command.suffixes()) or text
     # A name that no file has: `run maze`.
     example = command.example(command.arguments[0])
     if part.value == text and not Path(text).suffix and "/" not in text and example:
@@ -234,7 +318,7 @@ def _better_name(kind: NameKind, text: str) -> str:
     """Return what a value that names nothing most likely means, or the value itself."""
     # Names that exist, and those with a prefix, are left alone.
     name, plus, options = text.partition("+")
-    if name in kind.names() or name.startswith(("cmd:", "lib:", "learned:", "behaviours")):
+    if name in kind.names() or name.startswith((*_PREFIXES, "behaviours")):
         return text
     place, colon, attribute = name.rpartition(":")
     # mine.py, mine:Robot and ./mine.py:robot are classes in a file; so is a class alone.
@@ -256,7 +340,12 @@ def _better_name(kind: NameKind, text: str) -> str:
     elif kind is CONTROLLER and Path(name).is_file():
         found = f"cmd:{name}" if "/" in name else f"cmd:./{name}"
     else:
-        found = nearest(name, kind.names()) or (_file_with(name) if name.isidentifier() else "")
+        defined_here = _in_files(kind) if _PLAIN_NAME.fullmatch(name) else {}
+        alike = [one for one in defined_here if one.casefold() == name.casefold()]
+        # A class may differ in case only; any other name is more likely to be a built-in one.
+        meant = name if name in alike else "".join(alike[:1])
+        near = meant or nearest(name, kind.names()) or nearest(name, defined_here)
+        found = defined_here.get(near, near)
     return f"{found}{plus}{options}" if found else text
 
 
@@ -289,6 +378,7 @@ class _Command:
     """
 
     def __init__(self, context: click.Context, words: Sequence[str]) -> None:
+        self.context = context
         self.command = context.command
         self.options = [
             one for one in self.command.get_params(context) if isinstance(one, click.Option)
@@ -343,6 +433,9 @@ class _Command:
         if alike is None:
             return None
         value = alike[name]
+        kind = kind_of(self.command, parameter)
+        if kind is not None:
+            return _here(kind, value)
         # Use a file that exists to read, and one that does not exist to write.
         is_written = isinstance(parameter, click.Option) and parameter.name in _WRITTEN
         if is_written:
@@ -352,6 +445,13 @@ class _Command:
             if suffix:
                 return next((str(one) for one in sorted(Path().glob(f"*{suffix}"))), value)
         return value
+
+    def suffixes(self) -> set[str]:
+        """Return the suffixes of the files that the examples read."""
+        read = {one.name for one in self.arguments if isinstance(one.type, click.Path)}
+        read.update(_READ)
+        values = (one[name] for one in self._examples for name in read & one.keys())
+        return {Path(value).suffix for value in values} - {""}
 
     def _taken_apart(self, words: Sequence[str]) -> Iterator[_Part]:
         rest = list(words)
@@ -405,6 +505,7 @@ class _Command:
             }
 
 
+_READ = ("against", "baseline", "begin", "resume", "scen", "world")
 _WRITTEN = ("out", "picture", "trace", "report", "csv", "curve", "summary", "junit", "sarif")
 
 
@@ -434,7 +535,8 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
     elif isinstance(error, click.BadOptionUsage):
         return _give_value(command, error.option_name)
     elif isinstance(error, click.BadParameter) and error.param is not None:
-        _mend_value(command, error.param, error.ctx)
+        if not _mend_value(command, error.param, error.ctx):
+            return None
     else:
         return None
     return command.words()
@@ -615,11 +717,8 @@ def _fill_in(command: _Command, parameter: click.Parameter | None) -> bool:
             command.add(parameter, part.value)
         if fitting:
             return True
-        # Otherwise an example has one.
-        value = command.example(parameter)
-        value = value or ("turn-right" if kind_of(command.command, parameter) else None)
-        if value is None and isinstance(parameter.type, click.Choice):
-            value = str(parameter.type.choices[0])
+        usual = _usual(command, parameter)
+        value = next((one for one in usual if _accepts(parameter, one, command.context)), None)
         if value is None:
             return False
         command.add(parameter, value)
@@ -656,12 +755,11 @@ def _give_value(command: _Command, flag: str) -> list[str] | None:
         part.value = None
         return command.words()
     command.parts.remove(part)
-    _fill_in(command, option)
-    return command.words()
+    return command.words() if _fill_in(command, option) else None
 
 
-def _mend_value(command: _Command, parameter: click.Parameter, context: click.Context) -> None:
-    """Replace the value that an option or argument refuses, or drop it."""
+def _mend_value(command: _Command, parameter: click.Parameter, context: click.Context) -> bool:
+    """Replace the values that an option or argument refuses; return False if none fits."""
     for part in list(command.parts):
         is_its = part.option is parameter or (
             isinstance(parameter, click.Argument) and not part.flag
@@ -675,13 +773,30 @@ def _mend_value(command: _Command, parameter: click.Parameter, context: click.Co
             continue
         if _accepts(parameter, part.value, context):
             continue
-        better = _better(parameter, part.value)
-        better = [*better, *filter(None, [command.example(parameter)])]
+        better = itertools.chain(_better(parameter, part.value), _usual(command, parameter))
         fitting = next((one for one in better if _accepts(parameter, one, context)), None)
-        if fitting is not None:
-            part.value = fitting
-        else:
-            command.parts.remove(part)
+        if fitting is None:
+            return False
+        part.value = fitting
+    return True
+
+
+def _usual(command: _Command, parameter: click.Parameter) -> Iterator[str]:
+    """Return values that a parameter often has, the most useful first."""
+    example = command.example(parameter)
+    if example is not None:
+        yield example
+    kind = kind_of(command.command, parameter)
+    if kind is not None:
+        yield _built_in(kind)
+    default = parameter.get_default(command.context)
+    if isinstance(default, str | int | float) and not isinstance(default, bool):
+        yield str(default)
+    if isinstance(parameter.type, click.Choice):
+        yield from map(str, parameter.type.choices)
+    if isinstance(parameter.type, click.types.IntParamType | click.types.FloatParamType):
+        limits = (getattr(parameter.type, name, None) for name in ("min", "max"))
+        yield from ("1", *(f"{limit:g}" for limit in limits if limit is not None))
 
 
 def _accepts(parameter: click.Parameter, text: str, context: click.Context) -> bool:
@@ -706,6 +821,9 @@ def _better(parameter: click.Parameter, text: str) -> list[str]:
     if isinstance(kind, click.types.IntParamType) and text[:2].lower() == "0x":
         with contextlib.suppress(ValueError):
             return [str(int(text, 16))]
+    # 0,1 is 0.1 where a number need not be whole.
+    if not isinstance(kind, click.types.IntParamType):
+        text = _DECIMAL_COMMA.sub(r"\1.\2", text)
     found = _NUMBER.search(text)
     if found is None:
         return []
@@ -743,8 +861,14 @@ def _unused(name: str) -> str:
     return f"{path}{slash}"
 
 
-def _other_file(name: str, code: str) -> str:
-    """Return the file that was meant, or a free name; empty if there is none."""
+def _other_file(name: str, code: str, suffixes: Iterable[str] = ()) -> str:
+    """Return the file that was meant, or a free name; empty if there is none.
+
+    Args:
+        name: The file as it was written.
+        code: Code of the error about it.
+        suffixes: Suffixes of the files that the command reads.
+    """
     path = Path(name)
     if code in ("file-exists", "not-a-folder"):
         return _unused(name)
@@ -756,15 +880,40 @@ def _other_file(name: str, code: str) -> str:
         return ""
     if f"{path.name}.grid" in names:
         return f"{name}.grid"
-    near = nearest(path.name, names)
+    # A file of another kind would be refused.
+    same = {Path(one).stem: one for one in names if Path(one).suffix == path.suffix}
+    readable = [one for one in names if Path(one).suffix in suffixes]
+    near = same.get(nearest(path.stem, same)) or nearest(path.name, readable)
     return str(path.with_name(near)) if near else ""
 
 
-def _file_with(name: str) -> str:
-    """Return a controller's class in a Python file of this folder; empty if none has it."""
+def _here(kind: NameKind, text: str) -> str:
+    """Return the names of an example that exist here, or a built-in one."""
+    if text.startswith("behaviours"):
+        return text
+    better = (_better_name(kind, one) for one in text.split(","))
+    existing = [one for one in better if _names_something(kind, one)]
+    return ",".join(dict.fromkeys(existing)) or _built_in(kind)
+
+
+def _names_something(kind: NameKind, text: str) -> bool:
+    """Return True if a name is built in, or its file defines it."""
+    name = text.partition("+")[0]
+    file, _, attribute = name.rpartition(":")
+    is_defined = file.endswith(".py") and attribute in kind.in_file(Path(file))
+    is_program = name.startswith(_PREFIXES) and not _missing_part(name)
+    return name in kind.names() or is_defined or is_program
+
+
+def _built_in(kind: NameKind) -> str:
+    """Return the name of one that exists everywhere."""
+    return "turn-right" if kind is CONTROLLER else next(iter(kind.names()), "")
+
+
+def _in_files(kind: NameKind) -> dict[str, str]:
+    """Return the names that the Python files of this folder define, as one writes them."""
     files = itertools.islice(sorted(Path().glob("*.py")), _MOST_FILES)
-    found = next((file for file in files if name in CONTROLLER.in_file(file)), None)
-    return "" if found is None else f"./{found}:{name}"
+    return {name: f"./{file}:{name}" for file in files for name in kind.in_file(file)}
 
 
 def _described(
@@ -778,6 +927,13 @@ def _described(
         return f"{error.message}; {hint}"
     if isinstance(error, ExtraWords):
         return _unexpected(error, words)
+    if isinstance(error, click.NoSuchOption) and error.ctx is not None:
+        # The others are dropped, too, so they are named.
+        command = _Command(error.ctx, words)
+        unknown = (one.flag for one in command.parts if one.flag and one.option is None)
+        others = [one for one in unknown if not _meant_option(command, one.lstrip("-"))]
+        also = [one for one in dict.fromkeys(others) if one != error.option_name]
+        return error.message + (f", nor {' or '.join(also)}" if also else "")
     if isinstance(error, click.MissingParameter) and error.param is not None:
         name = _shown(error.param, error.ctx)
         reason = f"; {error.message}" if error.message else ""
