@@ -6,7 +6,7 @@ import click
 import pytest
 
 from tests.helpers.command_line import worldgen
-from worldgen.cli.corrections import first_fault
+from worldgen.cli.command_parts import first_fault
 from worldgen.cli.main import cli
 from worldgen.cli.names import MOTIONS
 
