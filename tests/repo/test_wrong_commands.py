@@ -73,7 +73,7 @@ PARSED = {
     "report": "report fails --out report.html",
     "corpus list": "corpus list fails",
     "corpus merge fails": "corpus merge fails --out baseline/",
-    "compare w.grid --controller": "compare w.grid --controller turn-right",
+    "compare w.grid --controller": "compare w.grid --controller turn-left,turn-right",
     "boundary w.grid": "boundary w.grid --axis radius",
     "train w.grid": "train w.grid --out taught.json",
     "new-controller": "new-controller mine",
@@ -130,9 +130,10 @@ PARSED = {
     "trap --shape X": "trap --shape U",
     "run w.grid --controller turn-left --time-step 0,1":
         "run w.grid --controller turn-left --time-step 0.1",
-    "compare w.grid": "compare w.grid --controller turn-right",
+    "compare w.grid": "compare w.grid --controller turn-left,turn-right",
     "fuzz --controller turn-left --world wg.grid":
         "fuzz --controller turn-left --world w.grid --out failures/",
+    "train w.grid new.json": "train w.grid --out new.json",
     "report fail": "report fails --out report.html",
     "import mpa.png": "import map.png --out w-2.grid",
     "maze --seed abc": "maze --seed 7",
@@ -182,6 +183,9 @@ NAMED = {
     "run w.grid --controller ./robot.py:Other": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller ./rebot.py:Bouncer": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller Bouncer": "run w.grid --controller ./robot.py:Bouncer",
+    "compare w --controller turn-left,bouncer":
+        "compare w.grid --controller turn-left,./robot.py:Bouncer",
+    "run w --controller bouncer": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller bouncer": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller ./prog.sh": "run w.grid --controller cmd:./prog.sh",
     "run w.grid --controller prog.sh": "run w.grid --controller cmd:./prog.sh",
@@ -225,6 +229,7 @@ UNCLEAR = [
     "import robt.png",
     "import robt.png --out x.grid",
     "fuzz --controller ./a.out",
+    "fuzz --controller turn-left,nope.py",
     "report nothing-like-it",
     "explain w.grid",
 ]

@@ -102,6 +102,11 @@ class Command:
         """Return True if the option is given."""
         return any(part.option is option for part in self.parts)
 
+    def writes(self, file: str) -> bool:
+        """Return True if the value of an option is this file, which is to be made."""
+        written = (part for part in self.parts if part.option and part.option.name in WRITTEN)
+        return any(part.value == file for part in written)
+
     def add(self, option: click.Option, value: str | None) -> None:
         """Give an option at the end."""
         self.parts.append(Part(option, flag_of(option), value))
@@ -299,13 +304,13 @@ def argument_of(command: Command, part: Part, texts: list[Part]) -> click.Argume
 
 def missing_files(command: Command) -> list[str]:
     """Return the files that a command is to read and that do not exist."""
-    missing = []
+    missing: list[str] = []
     # The values of options, then the words.
     for part in command.parts:
         if part.option is None or not part.value:
             continue
         if kind_of(command.command, part.option) is CONTROLLER:
-            missing.append(missing_part(part.value))
+            missing.extend(map(missing_part, part.value.split(",")))
         elif part.option.name in READ and is_missing(part.value):
             missing.append(part.value)
     # The word after an unknown option is likely to be its value.

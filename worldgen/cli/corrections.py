@@ -40,9 +40,10 @@ def answer(error: click.UsageError, group: click.Group, words: Sequence[str]) ->
         command = Command(error.ctx, words)
         # A file that does not exist comes before anything that click finds.
         missing = [] if "--help" in (suggested or ()) else missing_files(command)
-        if missing:
+        accepted = None if suggested is None else accepted_command(group, suggested)
+        # Unless it is a file to write.
+        if missing and not (accepted is not None and accepted.writes(missing[0])):
             sentence = f"{path}: there is no file or folder {missing[0]!r}; check the path"
-            accepted = None if suggested is None else accepted_command(group, suggested)
             if accepted is None or missing[0] in missing_files(accepted):
                 return stacked((sentence,))
             return stacked((sentence, f"  {_line(accepted.words())}"))

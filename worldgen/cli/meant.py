@@ -40,7 +40,6 @@ OTHER_WORDS = {
     "language": ("kind",), "r": ("radius", "robot-radius"), "env": ("family",),
     "v": ("version",), "h": ("help",),
 }  # fmt: skip
-
 COMMANDS = {
     "generate": "", "gen": "", "make": "", "new": "", "create": "", "add": "",
     "simulate": "run", "sim": "run", "exec": "run", "start": "run",
@@ -53,17 +52,21 @@ COMMANDS = {
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", re.IGNORECASE)
-
 _DECIMAL_COMMA = re.compile(r"\A(\s*[+-]?\d+),(\d+)(?![\d,])")
-
 _UNITS = {"k": 1e3, "cm": 1e-2, "mm": 1e-3, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-
 _PREFIXES = ("cmd:", "lib:", "learned:")
-
 _PLAIN_NAME = re.compile(r"[\w-]+")
 
 
-def better_name(kind: NameKind, text: str) -> str:
+def better_names(kind: NameKind, text: str) -> str:
+    """Return a value with each of its names, separated by commas, replaced by a better one."""
+    # The command of a program and the names of behaviours have commas of their own.
+    if text.startswith((*_PREFIXES, "behaviours")):
+        return text
+    return ",".join(_better_name(kind, one) for one in text.split(","))
+
+
+def _better_name(kind: NameKind, text: str) -> str:
     """Return what a value that names nothing most likely means, or the value itself."""
     # Names that exist, and those with a prefix, are left alone.
     name, plus, options = text.partition("+")
@@ -102,8 +105,7 @@ def existing_names(kind: NameKind, text: str) -> str:
     """Return the names of an example that exist here, or a built-in one."""
     if text.startswith("behaviours"):
         return text
-    better = (better_name(kind, one) for one in text.split(","))
-    existing = [one for one in better if _names_something(kind, one)]
+    existing = [one for one in better_names(kind, text).split(",") if _names_something(kind, one)]
     return ",".join(dict.fromkeys(existing)) or built_in(kind)
 
 

@@ -30,7 +30,7 @@ from worldgen.cli.command_parts import (
 from worldgen.cli.meant import (
     COMMANDS,
     NUMBER,
-    better_name,
+    better_names,
     better_values,
     built_in,
     is_missing,
@@ -117,7 +117,7 @@ def corrected_value(
     if changed is None or changed == list(words):
         return None
     fault = first_fault(group, changed)
-    return changed if fault is None else corrected(fault, group, changed)
+    return _polished(group, changed) if fault is None else corrected(fault, group, changed)
 
 
 def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list[str] | None:
@@ -165,21 +165,25 @@ def _polished(group: click.Group, words: Sequence[str]) -> list[str]:
     command = accepted_command(group, words)
     if command is None:
         return list(words)
+    before = command.words()
     for part in command.parts:
         kind = None if part.option is None else kind_of(command.command, part.option)
         if kind is not None and part.value:
-            part.value = better_name(kind, part.value)
+            part.value = better_names(kind, part.value)
         elif part.option is not None and part.option.name in READ and is_missing(part.value or ""):
             part.value = other_file(part.value or "", "no-such-file", (".grid",)) or part.value
     texts = [part for part in command.parts if not part.flag]
     for argument, part in zip(command.arguments, texts, strict=False):
         kind = kind_of(command.command, argument)
         if kind is not None:
-            part.value = better_name(kind, part.value or "")
+            part.value = better_names(kind, part.value or "")
     for part in texts:
         if part.value and isinstance(argument_of(command, part, texts).type, click.Path):
             _mend_path(command, part)
-    return command.words() if first_fault(group, command.words()) is None else list(words)
+    after = command.words()
+    # The user's spelling stays if nothing changed, such as --size=60.
+    is_better = after != before and first_fault(group, after) is None
+    return after if is_better else list(words)
 
 
 def _mend_path(command: Command, part: Part) -> None:
