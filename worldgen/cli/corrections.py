@@ -44,9 +44,13 @@ def answer(error: click.UsageError, group: click.Group, words: Sequence[str]) ->
         # Unless it is a file to write.
         if missing and not (accepted is not None and accepted.writes(missing[0])):
             sentence = f"{path}: there is no file or folder {missing[0]!r}; check the path"
-            if accepted is None or missing[0] in missing_files(accepted):
-                return stacked((sentence,))
-            return stacked((sentence, f"  {_line(accepted.words())}"))
+            lines = [sentence]
+            # What is wrong with other words is worth a line, what they lack is not.
+            if not isinstance(error, click.MissingParameter):
+                lines.append(f"{path}: {_described(error, command)}")
+            if accepted is not None and missing[0] not in missing_files(accepted):
+                lines.append(f"  {_line(accepted.words())}")
+            return stacked(lines)
         fault = _described(error, command)
     line = f"{path} --help" if suggested is None else _line(suggested)
     return stacked((f"{path}: {fault}", f"  {line}"))
