@@ -6,7 +6,7 @@ import click
 import pytest
 
 from tests.helpers.command_line import worldgen
-from worldgen.cli.corrections import first_fault
+from worldgen.cli.command_parts import first_fault
 from worldgen.cli.main import cli
 from worldgen.cli.names import MOTIONS
 
@@ -62,7 +62,7 @@ PARSED = {
     "run --controller turn-left": "run w.grid --controller turn-left",
     "fuzz --controller turn-left --out o --budget":
         "fuzz --controller turn-left --out o --budget 30s",
-    "fuzz --resume": "fuzz --resume failures/",
+    "fuzz --resume": "fuzz --resume fails",
     "maze --out": "maze --out w-2.grid",
     "maze --count 3": "maze --count 3 --out worlds/",
     "replay": "replay fails",
@@ -73,7 +73,7 @@ PARSED = {
     "report": "report fails --out report.html",
     "corpus list": "corpus list fails",
     "corpus merge fails": "corpus merge fails --out baseline/",
-    "compare w.grid --controller": "compare w.grid --controller turn-left,turn-right,./mine.py:Robot",
+    "compare w.grid --controller": "compare w.grid --controller turn-left,turn-right",
     "boundary w.grid": "boundary w.grid --axis radius",
     "train w.grid": "train w.grid --out taught.json",
     "new-controller": "new-controller mine",
@@ -125,7 +125,17 @@ PARSED = {
         "fuzz --controller turn-left --units 20 --out o",
     "maze --size 60x60": "maze --size 60",
     "maze --size 60,60": "maze --size 60",
-    "maze --size big": "maze",
+    "maze --size big": "maze --size 30",
+    "maze --size": "maze --size 30",
+    "trap --shape X": "trap --shape U",
+    "run w.grid --controller turn-left --time-step 0,1":
+        "run w.grid --controller turn-left --time-step 0.1",
+    "compare w.grid": "compare w.grid --controller turn-left,turn-right",
+    "fuzz --controller turn-left --world wg.grid":
+        "fuzz --controller turn-left --world w.grid --out failures/",
+    "train w.grid new.json": "train w.grid --out new.json",
+    "report fail": "report fails --out report.html",
+    "import mpa.png": "import map.png --out w-2.grid",
     "maze --seed abc": "maze --seed 7",
     "maze --seed -1": "maze --seed 0",
     "maze --seed 0x10": "maze --seed 16",
@@ -173,6 +183,10 @@ NAMED = {
     "run w.grid --controller ./robot.py:Other": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller ./rebot.py:Bouncer": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller Bouncer": "run w.grid --controller ./robot.py:Bouncer",
+    "compare w --controller turn-left,bouncer":
+        "compare w.grid --controller turn-left,./robot.py:Bouncer",
+    "run w --controller bouncer": "run w.grid --controller ./robot.py:Bouncer",
+    "run w.grid --controller bouncer": "run w.grid --controller ./robot.py:Bouncer",
     "run w.grid --controller ./prog.sh": "run w.grid --controller cmd:./prog.sh",
     "run w.grid --controller prog.sh": "run w.grid --controller cmd:./prog.sh",
     "run w.grid --controller turn-left,bug2": "compare w.grid --controller turn-left,bug2",
@@ -191,19 +205,18 @@ NAMED = {
     "run maze --controller turn-left": "run w.grid --controller turn-left",
     "compare w.grid --controller turn-left bug2":
         "compare w.grid --controller turn-left --controller bug2",
-    "verify w.grid 0.2": "verify w.grid --radius 0.2",
     "verify *.gird": "verify w.grid",
-    "maze --size 1": "maze --size 10",
-    "maze --out w.grid": "maze --out w-2.grid",
+    "maze --seed 1 --size 1": "maze --seed 1 --size 10",
+    "maze --seed 1 --out w.grid": "maze --seed 1 --out w-2.grid",
     "export w.grid --to rso --out x.yaml": "export w.grid --to ros --out x.yaml",
     "formats rso": "formats ros",
     "controllers turn-rihgt": "controllers turn-right",
     "check-family maz": "check-family maze",
     "boundary w.grid --axis radius": "boundary w.grid --axis radius --controller turn-right",
-    "fuzz --controller turn-left --family mazes --units 1 --out o":
-        "fuzz --controller turn-left --family maze --units 1 --out o",
-    "fuzz --controller turn-left --oracle detuor --units 1 --out o":
-        "fuzz --controller turn-left --oracle detour --units 1 --out o",
+    "fuzz --controller turn-left --family mazes --units 1 --seed 1 --out o":
+        "fuzz --controller turn-left --family maze --units 1 --seed 1 --out o",
+    "fuzz --controller turn-left --oracle detuor --units 1 --seed 1 --out o":
+        "fuzz --controller turn-left --oracle detour --units 1 --seed 1 --out o",
 }  # fmt: skip
 
 # No command can be guessed for these, so the message alone says what to do.
@@ -211,8 +224,13 @@ UNCLEAR = [
     "run w.grid --controller ./a.out",
     "run w.grid --controller cmd:./a.out",
     "run w.grid --controller ./no_class.py",
-    "fuzz --controller turn-left --strategy random --units 1 --out o",
+    "fuzz --controller turn-left --strategy random --units 1 --seed 1 --out o",
     "run missing/else.grid --controller turn-left",
+    "import robt.png",
+    "import robt.png --out x.grid",
+    "fuzz --controller ./a.out",
+    "fuzz --controller turn-left,nope.py",
+    "report nothing-like-it",
     "explain w.grid",
 ]
 
