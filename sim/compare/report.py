@@ -95,8 +95,8 @@ def _main_table(comparison: Comparison, published: Agreement | None) -> str:
         figures = {} if published is None else published.figures
         known = {c: own for (row, c), own in figures.items() if row == index}
         if known:
-            published = _published_row(cells, known)
-            rows.append(["  published", *published, *_published_ranks(comparison, known)])
+            row_below = _published_row(cells, known)
+            rows.append(["  published", *row_below, *_published_ranks(comparison, known)])
 
     # Explain the notation that the table uses.
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
