@@ -134,12 +134,12 @@ def compare(
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     _note_unreachable(comparison)
-    published = agreement(comparison, figures) if figures else None
+    agreed = agreement(comparison, figures) if figures else None
     # Print the table, then write the files.
     if as_json:
-        emit_json(plain(comparison, published))
+        emit_json(plain(comparison, agreed))
     else:
-        say(as_text(comparison, published), nl=False)
+        say(as_text(comparison, agreed), nl=False)
     if table is not None:
         write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:

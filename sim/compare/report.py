@@ -77,22 +77,22 @@ def describe_detail(cell: ComparisonCell) -> str:
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
-def as_text(comparison: Comparison, published: Agreement | None = None) -> Styled:
+def as_text(comparison: Comparison, agreed: Agreement | None = None) -> Styled:
     """Return the table, the totals and the agreement with a published table, as aligned text."""
-    parts = [_main_table(comparison, published), _totals_table(comparison)]
-    if published is not None:
-        parts.append(_agreement_text(published))
+    parts = [_main_table(comparison, agreed), _totals_table(comparison)]
+    if agreed is not None:
+        parts.append(_agreement_text(agreed))
     return joined("\n\n".join(parts), "\n")
 
 
-def _main_table(comparison: Comparison, published: Agreement | None) -> str:
+def _main_table(comparison: Comparison, agreed: Agreement | None) -> str:
     # One row per world, with a row of published figures below it if there are any.
     several = len(comparison.labels) > 1
     rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
     for index, cells in enumerate(comparison.cells):
         ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
         rows.append([comparison.worlds[index].name, *map(describe_outcome, cells), *ranks])
-        figures = {} if published is None else published.figures
+        figures = {} if agreed is None else agreed.figures
         known = {c: own for (row, c), own in figures.items() if row == index}
         if known:
             row_below = _published_row(cells, known)
@@ -103,7 +103,7 @@ def _main_table(comparison: Comparison, published: Agreement | None) -> str:
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
         keys.append("(k/n): k of n seeds arrive; the time is their median.")
-    if published is not None and published.figures:
+    if agreed is not None and agreed.figures:
         keys.append(
             "In brackets after a published time: our time minus the published one; for random "
             "controllers, the share of seeds that are no later."
@@ -207,24 +207,24 @@ def _arrived(total: Total) -> str:
     return f"{text} ({100 * low:.1f} to {100 * high:.1f} %)"
 
 
-def _agreement_text(published: Agreement) -> str:
-    if not published.figures:
+def _agreement_text(agreed: Agreement) -> str:
+    if not agreed.figures:
         return "There are no published figures for these worlds and controllers."
     parts = []
-    if published.rankings[1]:
-        parts.append(f"same ranking in {published.rankings[0]} of {published.rankings[1]} worlds")
-    if published.never[1]:
+    if agreed.rankings[1]:
+        parts.append(f"same ranking in {agreed.rankings[0]} of {agreed.rankings[1]} worlds")
+    if agreed.never[1]:
         parts.append(
-            f'both have no arrival, which they call "never", in {published.never[0]} of '
-            f"{published.never[1]} cells"
+            f'both have no arrival, which they call "never", in {agreed.never[0]} of '
+            f"{agreed.never[1]} cells"
         )
-    if published.within[1]:
+    if agreed.within[1]:
         parts.append(
-            f"{published.within[0]} of {published.within[1]} figures are within the middle 95 % of our "
+            f"{agreed.within[0]} of {agreed.within[1]} figures are within the middle 95 % of our "
             f"seeds"
         )
-    if published.largest is not None:
-        far = published.largest
+    if agreed.largest is not None:
+        far = agreed.largest
         parts.append(
             f"largest deviation without randomness {far.relative:+.1%} "
             f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
@@ -283,9 +283,9 @@ def _csv_row(cell: ComparisonCell) -> list[object]:
     ]
 
 
-def as_json(comparison: Comparison, published: Agreement | None = None) -> dict[str, Any]:
+def as_json(comparison: Comparison, agreed: Agreement | None = None) -> dict[str, Any]:
     """Return the comparison as plain data."""
-    figures = {} if published is None else published.figures
+    figures = {} if agreed is None else agreed.figures
     worlds = []
     for index, cells in enumerate(comparison.cells):
         best, worst = standing([cell.rank_time for cell in cells])
@@ -305,7 +305,7 @@ def as_json(comparison: Comparison, published: Agreement | None = None) -> dict[
         "worlds": worlds,
         "totals": [_json_total(total) for total in comparison.totals()],
         "common_worlds": [comparison.worlds[index].name for index in comparison.common],
-        "agreement": None if published is None else _json_agreement(published),
+        "agreement": None if agreed is None else _json_agreement(agreed),
     }
 
 
@@ -359,12 +359,12 @@ def _json_total(total: Total) -> dict[str, Any]:
     return {"controller": figures.pop("label"), **figures}
 
 
-def _json_agreement(published: Agreement) -> dict[str, Any]:
-    far = published.largest
+def _json_agreement(agreed: Agreement) -> dict[str, Any]:
+    far = agreed.largest
     return {
-        "same_ranking": list(published.rankings),
-        "never": list(published.never),
-        "within_middle_95": list(published.within),
+        "same_ranking": list(agreed.rankings),
+        "never": list(agreed.never),
+        "within_middle_95": list(agreed.within),
         "largest_deviation": None
         if far is None
         else {
