@@ -521,6 +521,7 @@ def _ask(key: str, name: str) -> None:
             "code-not-allowed",
             "'{name}' is not run: it is code that you have not run from the command line before",
             "--trust runs it",
+            at_terminal=True,
             name=_shortened(name),
         )
     if not _trust.is_command:
