@@ -136,8 +136,10 @@ def test_earlier_names_work_and_are_not_shown(tmp_path):
     assert "no strategy" in refused.err
 
 
-def test_a_missing_option_is_named_by_its_own_name_only():
-    error = worldgen("compare", "w.grid").err
+def test_a_missing_option_is_named_by_its_own_name_only(tmp_path):
+    world = tmp_path / "w.grid"
+    world.touch()
+    error = worldgen("compare", world).err
     assert "--controller" in error
     assert "--controllers" not in error
 

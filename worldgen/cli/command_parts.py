@@ -27,7 +27,7 @@ WRITTEN = ("out", "picture", "trace", "report", "csv", "curve", "summary", "juni
 
 
 @dataclass
-class Part:
+class CommandPart:
     """A part of a command: an option with its value, or a word.
 
     Args:
@@ -52,7 +52,7 @@ class Part:
         return [self.flag] if self.value is None else [self.flag, self.value]
 
 
-class Command:
+class CommandParts:
     """The words of a command, taken apart.
 
     Args:
@@ -109,7 +109,7 @@ class Command:
 
     def add(self, option: click.Option, value: str | None) -> None:
         """Give an option at the end."""
-        self.parts.append(Part(option, flag_of(option), value))
+        self.parts.append(CommandPart(option, flag_of(option), value))
 
     def example(self, parameter: click.Parameter) -> str | None:
         """Return the value that the command's examples give to a parameter."""
@@ -144,16 +144,16 @@ class Command:
         values = (one[name] for one in self._examples for name in read & one.keys())
         return {Path(value).suffix for value in values} - {""}
 
-    def _taken_apart(self, words: Sequence[str]) -> Iterator[Part]:
+    def _taken_apart(self, words: Sequence[str]) -> Iterator[CommandPart]:
         rest = list(words)
         # Words first, as click sees them.
         while rest:
             word = rest.pop(0)
             if word == "--":
-                yield from (Part(None, "", one) for one in rest)
+                yield from (CommandPart(None, "", one) for one in rest)
                 return
             if not word.startswith("-") or word == "-" or NUMBER.fullmatch(word):
-                yield Part(None, "", word)
+                yield CommandPart(None, "", word)
                 continue
             # Then options, whose value may be in the same word.
             flag, equals, value = word.partition("=")
@@ -167,11 +167,11 @@ class Command:
                     equals = "="
                     value = word[2:]
             if equals:
-                yield Part(option, flag, value)
+                yield CommandPart(option, flag, value)
             elif option is not None and not option.is_flag and not option.count and rest:
-                yield Part(option, flag, rest.pop(0))
+                yield CommandPart(option, flag, rest.pop(0))
             else:
-                yield Part(option, flag)
+                yield CommandPart(option, flag)
 
     def _shown_in_help(self) -> Iterator[dict[str, str]]:
         """Return the values in each example at the end of the command's help."""
@@ -213,10 +213,10 @@ def parsed(group: click.Group, words: Sequence[str]) -> click.Context:
     return context
 
 
-def accepted_command(group: click.Group, words: Sequence[str]) -> Command | None:
+def accepted_command(group: click.Group, words: Sequence[str]) -> CommandParts | None:
     """Take a command apart; None if click does not accept it, or it asks for help."""
     try:
-        return Command(parsed(group, words), words)
+        return CommandParts(parsed(group, words), words)
     except (click.ClickException, click.exceptions.Exit, WorldgenError):
         return None
 
@@ -240,7 +240,7 @@ def flag_of(option: click.Option) -> str:
     return next((flag for flag in option.opts if flag.startswith("--")), option.opts[0])
 
 
-def meant_option(command: Command, name: str) -> click.Option | None:
+def meant_option(command: CommandParts, name: str) -> click.Option | None:
     """Return the option that a name without dashes most likely means; None if none is near."""
     key = name.casefold().replace("_", "-")
     for other in OTHER_WORDS.get(key, ()):
@@ -259,11 +259,11 @@ def meant_option(command: Command, name: str) -> click.Option | None:
 
 def meant_flag(context: click.Context, flag: str) -> str:
     """Return the option of a command that a misspelt one means; empty if none is near."""
-    option = meant_option(Command(context, []), flag.lstrip("-"))
+    option = meant_option(CommandParts(context, []), flag.lstrip("-"))
     return "" if option is None else flag_of(option)
 
 
-def options_for(command: Command, text: str) -> Iterator[click.Option]:
+def options_for(command: CommandParts, text: str) -> Iterator[click.Option]:
     """Return the options that may take a word, the most likely first."""
     # Names and choices fit only one option.
     free = [one for one in command.options if not command.has(one) or one.multiple]
@@ -291,18 +291,20 @@ def options_for(command: Command, text: str) -> Iterator[click.Option]:
     yield from (by_name[name] for name in names if name in by_name)
 
 
-def word_count(command: Command) -> int:
+def word_count(command: CommandParts) -> int:
     """Return how many words do not belong to an option."""
     return sum(not part.flag for part in command.parts)
 
 
-def argument_of(command: Command, part: Part, texts: list[Part]) -> click.Argument:
+def argument_of(
+    command: CommandParts, part: CommandPart, texts: list[CommandPart]
+) -> click.Argument:
     """Return the argument that takes a word, which is one of ``texts``."""
     at = next(k for k, one in enumerate(texts) if one is part)
     return command.arguments[min(at, len(command.arguments) - 1)]
 
 
-def missing_files(command: Command) -> list[str]:
+def missing_files(command: CommandParts) -> list[str]:
     """Return the files that a command is to read and that do not exist."""
     missing: list[str] = []
     # The values of options, then the words.

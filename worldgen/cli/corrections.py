@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import click
 
 from worldgen.cli.command_parts import (
-    Command,
+    CommandParts,
     accepted_command,
     flag_of,
     meant_option,
@@ -37,7 +37,7 @@ def answer(error: click.UsageError, group: click.Group, words: Sequence[str]) ->
     elif error.ctx is None:
         fault = error.format_message()
     else:
-        command = Command(error.ctx, words)
+        command = CommandParts(error.ctx, words)
         # A file that does not exist comes before anything that click finds.
         missing = [] if "--help" in (suggested or ()) else missing_files(command)
         accepted = None if suggested is None else accepted_command(group, suggested)
@@ -73,7 +73,7 @@ def _unknown(error: UnknownCommand, words: Sequence[str], suggested: Sequence[st
     return f"{error.message}; {hint}"
 
 
-def _described(error: click.UsageError, command: Command) -> str:
+def _described(error: click.UsageError, command: CommandParts) -> str:
     """Return the fault in words: what came, and the rule."""
     if isinstance(error, ExtraWords):
         return _unexpected(error, command)
@@ -96,7 +96,9 @@ def _described(error: click.UsageError, command: Command) -> str:
     return error.format_message()
 
 
-def _value_fault(error: click.BadParameter, parameter: click.Parameter, command: Command) -> str:
+def _value_fault(
+    error: click.BadParameter, parameter: click.Parameter, command: CommandParts
+) -> str:
     kind = parameter.type
     is_whole = isinstance(kind, click.types.IntParamType)
     given = (part.value for part in command.parts if part.option is parameter and part.value)
@@ -114,7 +116,7 @@ def _value_fault(error: click.BadParameter, parameter: click.Parameter, command:
     return error.message.rstrip(".")
 
 
-def _unexpected(error: ExtraWords, command: Command) -> str:
+def _unexpected(error: ExtraWords, command: CommandParts) -> str:
     quoted = " ".join(map(repr, error.words))
     for text in error.words:
         name, equals, value = text.partition("=")
@@ -130,7 +132,7 @@ def _unexpected(error: ExtraWords, command: Command) -> str:
     )
 
 
-def _shown(parameter: click.Parameter, command: Command) -> str:
+def _shown(parameter: click.Parameter, command: CommandParts) -> str:
     if isinstance(parameter, click.Option):
         return flag_of(parameter)
     return parameter.make_metavar(command.context)

@@ -17,8 +17,8 @@ import click
 from worldgen.cli.command_parts import (
     READ,
     WRITTEN,
-    Command,
-    Part,
+    CommandPart,
+    CommandParts,
     accepted_command,
     argument_of,
     first_fault,
@@ -59,7 +59,7 @@ def corrected(
     if sum(map(len, words)) > _LONGEST:
         return None
     if "help" in words[1:] and error.ctx is not None and not Path("help").exists():
-        return [*Command(error.ctx, words).head, "--help"]
+        return [*CommandParts(error.ctx, words).head, "--help"]
     for _ in range(_MOST_FAULTS):
         if fault is None:
             break
@@ -79,7 +79,7 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
     if isinstance(error, UnknownCommand):
         return _other_command(error, words)
     # Take the command apart, and mend the one fault that click reported.
-    command = Command(error.ctx, words)
+    command = CommandParts(error.ctx, words)
     if isinstance(error, Instead):
         return _with_instead(command, error)
     if isinstance(error, ExtraWords):
@@ -186,7 +186,7 @@ def _polished(group: click.Group, words: Sequence[str]) -> list[str]:
     return after if is_better else list(words)
 
 
-def _mend_path(command: Command, part: Part) -> None:
+def _mend_path(command: CommandParts, part: CommandPart) -> None:
     """Replace a path that does not exist by the one that was meant, or by an option."""
     text = part.value or ""
     if Path(text).exists():
@@ -241,14 +241,14 @@ def _after_command(error: click.NoSuchOption, words: Sequence[str]) -> list[str]
     return [words[at], *words[at + 1 :], *words[:at]] if at else None
 
 
-def _with_instead(command: Command, error: Instead) -> list[str]:
+def _with_instead(command: CommandParts, error: Instead) -> list[str]:
     if error.meant:
         return [error.meant if word == error.came else word for word in command.words()]
     command.parts = [part for part in command.parts if part.flag != error.came]
     return command.words()
 
 
-def _rename_option(command: Command, flag: str) -> None:
+def _rename_option(command: CommandParts, flag: str) -> None:
     """Write an option that does not exist as the one that was meant, or drop it."""
     part = next(
         (one for one in command.parts if one.option is None and one.flag.startswith(flag)), None
@@ -285,7 +285,7 @@ def _rename_option(command: Command, flag: str) -> None:
         command.parts.remove(following)  # type: ignore[arg-type]
 
 
-def _place_words(command: Command, extra: Sequence[str]) -> None:
+def _place_words(command: CommandParts, extra: Sequence[str]) -> None:
     """Turn words that no argument takes into values of options, or drop them."""
     for text in extra:
         part = next(one for one in reversed(command.parts) if not one.flag and one.value == text)
@@ -307,7 +307,7 @@ def _place_words(command: Command, extra: Sequence[str]) -> None:
             command.add(option, text)
 
 
-def _fill_in(command: Command, parameter: click.Parameter | None) -> bool:
+def _fill_in(command: CommandParts, parameter: click.Parameter | None) -> bool:
     """Give a missing option or argument a value: a word that fits it, or that of an example."""
     if isinstance(parameter, click.Option):
         # A word of the command may be the value.
@@ -339,12 +339,12 @@ def _fill_in(command: Command, parameter: click.Parameter | None) -> bool:
         # After the words before it, so that it becomes this argument.
         at = next((k for k, one in enumerate(command.parts) if one.flag), len(command.parts))
         places = [k for k, one in enumerate(command.parts) if not one.flag]
-        command.parts.insert(places[-1] + 1 if places else at, Part(None, "", value))
+        command.parts.insert(places[-1] + 1 if places else at, CommandPart(None, "", value))
         return True
     return False
 
 
-def _keep_one(command: Command, option: click.Parameter) -> None:
+def _keep_one(command: CommandParts, option: click.Parameter) -> None:
     """Keep the last value of an option; several controllers are for another command."""
     parts = [part for part in command.parts if part.option is option]
     if command.head[-1:] == ["run"] and option.name == "controller":
@@ -354,7 +354,7 @@ def _keep_one(command: Command, option: click.Parameter) -> None:
         command.parts.remove(part)
 
 
-def _give_value(command: Command, flag: str) -> list[str] | None:
+def _give_value(command: CommandParts, flag: str) -> list[str] | None:
     """Give a value to an option that has none, or take it from one that takes none."""
     option = command.written(flag)
     part = next((one for one in command.parts if one.option is option), None)
@@ -367,7 +367,7 @@ def _give_value(command: Command, flag: str) -> list[str] | None:
     return command.words() if _fill_in(command, option) else None
 
 
-def _mend_value(command: Command, parameter: click.Parameter, context: click.Context) -> bool:
+def _mend_value(command: CommandParts, parameter: click.Parameter, context: click.Context) -> bool:
     """Replace the values that an option or argument refuses; return False if none fits."""
     for part in list(command.parts):
         is_its = part.option is parameter or (
@@ -378,7 +378,9 @@ def _mend_value(command: Command, parameter: click.Parameter, context: click.Con
         several = names_in_one(command.command, parameter, part.value)
         if several:
             at = command.parts.index(part)
-            command.parts[at : at + 1] = [Part(part.option, part.flag, one) for one in several]
+            command.parts[at : at + 1] = [
+                CommandPart(part.option, part.flag, one) for one in several
+            ]
             continue
         if accepts(parameter, part.value, context):
             continue
@@ -390,7 +392,7 @@ def _mend_value(command: Command, parameter: click.Parameter, context: click.Con
     return True
 
 
-def _usual(command: Command, parameter: click.Parameter) -> Iterator[str]:
+def _usual(command: CommandParts, parameter: click.Parameter) -> Iterator[str]:
     """Return values that a parameter often has, the most useful first."""
     example = command.example(parameter)
     if example is not None:

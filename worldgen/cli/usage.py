@@ -1,4 +1,4 @@
-"""Faults of a command line that click has no error for; ``corrections`` answers them."""
+"""Faults of a command line that click has no error for; ``mending`` mends them."""
 
 from __future__ import annotations
 
