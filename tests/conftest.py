@@ -80,6 +80,12 @@ def _no_seed_from_the_system(monkeypatch):
     monkeypatch.setattr("numpy.random.bit_generator.randbits", refuse)
 
 
+@pytest.fixture(autouse=True)
+def _nothing_was_read_before(monkeypatch):
+    """Forget which code the files of earlier tests have named."""
+    monkeypatch.setattr("worldgen.plugins.trust._named_in", {})
+
+
 @pytest.fixture
 def drawn_seeds(monkeypatch):
     """Let commands draw seeds, which are 1001, 1002 and so on."""

@@ -361,7 +361,8 @@ def test_one_seed_of_many_that_fails_is_told_by_the_exit_code(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "says"), [((), "use --controller"), (("--time-step", 0.1), "needs --controller")]
+    ("options", "says"),
+    [((), "--controller is missing"), (("--time-step", 0.1), "needs --controller")],
 )
 def test_without_a_controller_the_command_says_what_it_needs(tmp_path, options, says):
     write_world(hall(), tmp_path / "w.grid")

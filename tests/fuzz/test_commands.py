@@ -181,7 +181,7 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
     world = read_world_with_start_in_target(tmp_path)
     controller = f"{tmp_path}/mine.py:Straight"
     result = worldgen(
-        "fuzz", "--controller", controller, "--world", world, "--units", 1, "--examples", 40, "--seed", 1,
+        "fuzz", "--controller", controller, "--world", world, "--units", 3, "--examples", 40, "--seed", 1,
         "--workers", 1, "--out", tmp_path / "none",
     )  # fmt: skip
     assert (

@@ -15,6 +15,7 @@ from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import Shrunk, shrink_class
 from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.judging import JudgedRun
 from fuzz.triage.triage import Triage
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
@@ -63,7 +64,7 @@ def test_a_campaign_keeps_the_first_failure_in_whatever_order_it_finds_them(
     found = [equal[place] for place in places]
     triage = Triage(CampaignConfig(found[0].scenario, seed=1), UnitResult())
     monkeypatch.setattr(
-        "fuzz.triage.triage.failure_of", lambda *_, **__: found[triage.result.worlds]
+        "fuzz.triage.triage.judge", lambda *_, **__: JudgedRun(found[triage.result.worlds], True)
     )
     queue = ShrinkQueue(shrinks=True, by_size=False)
     memory = SearchState()

@@ -69,10 +69,7 @@ class _Trust:
 
     Args:
         is_command: True in a command and its workers, where everything needs a reason. Elsewhere
-            the caller is a Python program, and everything needs one as soon as a file has named
-            something. Names are split and resolved on their way, so nothing tells at the end
-            whether one came from a file.
-        has_read_names: True after a file has named something that may be code.
+            the caller is a Python program, and only what a file has named needs one.
         all: True under ``--trust``.
         admitted: The keys of code that may run; True if it is remembered for later commands.
         folders: Folders whose files are trusted, such as pytest's rootdir.
@@ -83,7 +80,6 @@ class _Trust:
     """
 
     is_command: bool = False
-    has_read_names: bool = False
     all: bool = False
     admitted: dict[str, bool] = field(default_factory=dict)
     folders: tuple[str, ...] = ()
@@ -94,7 +90,8 @@ class _Trust:
 
 
 _trust = _Trust()
-# By key and by text, the file that named the code; for messages, and for trusted folders.
+_A_LONG_NAME = "long name"
+# By key and by text, the file that named the code.
 _named_in: dict[str, str] = {}
 
 
@@ -193,9 +190,9 @@ def note_names(value: object, source: str | None) -> None:
         for one in value:
             note_names(one, source)
     elif isinstance(value, str) and (":" in value or "+" in value):
-        # Even a name whose keys are not noted here, or differ later, makes the rule strict.
-        _trust.has_read_names = True
-        for key in (_place(value), *_keys_in(value)) if len(value) < _MOST_NAME else ():
+        # A file with such a long name is not an honest one: after it, everything needs a reason.
+        keys = _keys_in(value) if len(value) < _MOST_NAME else [_A_LONG_NAME]
+        for key in (_place(value), *keys, *map(_tail, keys)):
             # The latest, because a command reads and runs one file after another.
             _named_in[key] = source or "a file"
 
@@ -370,8 +367,8 @@ def _may_run(key: str, name: str) -> bool:
         return True
     source = _named_in.get(key) or _named_in.get(_place(name))
     has_reason = (
-        # While no file has named anything, every name is from the Python caller.
-        not (_trust.is_command or _trust.has_read_names)
+        # What no file has named is from the Python caller.
+        not (_trust.is_command or _was_in_a_file(key, name))
         or _is_missing(key)
         or _in_trusted_folder(key, source)
         or key in _keys_of_settings()
@@ -380,6 +377,23 @@ def _may_run(key: str, name: str) -> bool:
     if has_reason and not _is_missing(key):
         _trust.admitted[key] = False
     return has_reason
+
+
+def _was_in_a_file(key: str, name: str) -> bool:
+    """Return True if a file that this process has read may have named the code.
+
+    The name of the file decides, wherever it is: the caller may have changed folder since.
+    """
+    if isinstance(name, NameInFile) or _A_LONG_NAME in _named_in:
+        return True
+    return key in _named_in or _tail(key) in _named_in
+
+
+def _tail(key: str) -> str:
+    """Return what is the same about a key in every folder."""
+    kind, _, place = key.partition(" ")
+    tail = json.loads(place)[1] if kind == "program" else Path(place).name
+    return f"{kind} in any folder: {tail}"
 
 
 def _is_missing(key: str) -> bool:
