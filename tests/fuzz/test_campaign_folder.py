@@ -229,7 +229,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and {one["shrinking"] for one in failures} <= {"none", "cut short"}
-    assert "as found, because time ran out" in said.err and re.search(
+    assert "not fully shrunk, because time ran out" in said.err and re.search(
         "--units [1-3] finishes it", said.err
     )
     run(resume(tmp_path / "out", Budget(units=UNITS)))

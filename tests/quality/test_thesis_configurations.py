@@ -12,6 +12,7 @@ from sim import RunOptions, Scenario, simulate
 from sim.compare.comparison import NamedWorld, compare
 from sim.compare.published import agreement, read_figures
 from sim.episode import prepare
+from sim.verdict import NEVER
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
 from worldgen.reach.check.certificate import check_certificate
@@ -106,7 +107,7 @@ def test_every_never_of_the_two_rules_without_chance_is_a_proved_loop(table):
         (cell.world, cell.label): cell.detail
         for row in table.cells
         for cell in row[:2]
-        if cell.never
+        if cell.verdict in NEVER
     }
     assert sorted(never) == [
         ("config-05", "thesis-2"), ("config-06", "thesis-2"), ("config-08", "thesis-1"), ("config-09", "thesis-1"),

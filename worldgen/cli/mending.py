@@ -166,6 +166,7 @@ def _polished(group: click.Group, words: Sequence[str]) -> list[str]:
     if command is None:
         return list(words)
     before = command.words()
+    # Mend the values of options, then those of arguments, then paths.
     for part in command.parts:
         kind = None if part.option is None else kind_of(command.command, part.option)
         if kind is not None and part.value:

@@ -122,7 +122,8 @@ def note(message: str, *, always: bool = False) -> None:
 
 def is_at_terminal() -> bool:
     """Return True if a person can read a question and type an answer."""
-    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
+    # A program that calls the command line may have put something simpler in their place.
+    return all(getattr(stream, "isatty", bool)() for stream in (sys.stdin, sys.stderr))
 
 
 def ask_user(question: str) -> bool:

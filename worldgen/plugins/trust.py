@@ -112,7 +112,7 @@ def check_code(name: str) -> None:
 
 def may_run(name: str) -> bool:
     """Return True if the code with this name may run, without asking the user."""
-    return all(_may_run(key, name) for key in _keys(name))
+    return all(not _is_missing(key) and _may_run(key, name) for key in _keys(name))
 
 
 def admit(*texts: str) -> None:
