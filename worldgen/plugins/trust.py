@@ -341,13 +341,12 @@ def file_of_module(name: str) -> Path | None:
     top, *below = name.split(".")
     try:
         spec = importlib.util.find_spec(top)
-        at = top
         for part in below:
-            at = f"{at}.{part}"
             places = None if spec is None else spec.submodule_search_locations
             if places is None:
                 return None
-            spec = importlib.machinery.PathFinder.find_spec(at, list(places))
+            # Its own name alone: a folder without __init__.py would look for its parent's module.
+            spec = importlib.machinery.PathFinder.find_spec(part, list(places))
     except (ImportError, ValueError, AttributeError):
         return None
     return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
