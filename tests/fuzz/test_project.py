@@ -13,7 +13,6 @@ from fuzz.ci.project import FIXED, KNOWN, Project
 from fuzz.failure import Failure
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen.cli import configuration
 from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.plugins.installation import Origin
 
@@ -179,7 +178,6 @@ def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_
     done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
     assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
     assert all(Failure.read(path).shrinking == "done" for path in Path(KNOWN).glob("*.grid"))
-    configuration._project.cache_clear()
     again = worldgen("fuzz", "--out", "found", "--workers", 1)
     assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, (
         again.err
