@@ -143,11 +143,11 @@ static bool is_kept(WgCage *cage, const uint64_t state[WG_STATE_WORDS])
     const uint64_t *command = (const uint64_t *)cage->command;
     int64_t before = written_before(cage, state);
     if (before > 0) {
-        snprintf(cage->error, sizeof cage->error, "it wrote %lld bytes before its memory", (long long)before);
+        (void)snprintf(cage->error, sizeof cage->error, "it wrote %lld bytes before its memory", (long long)before);
     } else if (changed_before(cage->second, command) > 0) {
-        snprintf(cage->error, sizeof cage->error, "it wrote before its command");
+        (void)snprintf(cage->error, sizeof cage->error, "it wrote before its command");
     } else if (difference(command + COMMAND_WORDS) != 0) {
-        snprintf(cage->error, sizeof cage->error, "it wrote after its command");
+        (void)snprintf(cage->error, sizeof cage->error, "it wrote after its command");
     } else {
         return true;
     }

@@ -46,7 +46,7 @@ int64_t wg_call_fleet(const WgCall *call)
 
 int64_t wg_call_reset(const WgCall *call)
 {
-    const WgReset *reset = call->objects[1];
+    const WgReset *reset = (const WgReset *)call->objects[1];
     return wg_cage_reset(call->objects[0], *reset);
 }
 
@@ -60,7 +60,7 @@ int64_t wg_call_offer(const WgCall *call)
     }
     // ISO C does not convert an object's address into a function's.
     const WgControllerInfo *(*describe)(void);
-    memcpy(&describe, &found, sizeof describe);
+    memcpy((void *)&describe, (const void *)&found, sizeof describe);
     const WgControllerInfo *info = describe();
     return info != NULL && info->abi == WG_CONTROLLER_ABI;  // reads it, which may be a fault too
 }
