@@ -59,7 +59,7 @@ def _is_made(violation: float | None) -> bool:
 
 
 def _guided(search: Search) -> Iterator[float | None]:
-    """Yield how far each world of a search is from the constraint; ``None`` if there is none."""
+    """Yield how far each world of a search is from the constraint, or ``None`` without a world."""
     while True:
         found = search.step()
         yield None if found is None else found.violation

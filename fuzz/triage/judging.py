@@ -53,7 +53,7 @@ class JudgedRun(NamedTuple):
     """What judging a run has shown.
 
     Args:
-        failure: The failure, proved; ``None`` if there is none.
+        failure: The proved failure; ``None`` if nothing is proved.
         is_settled: False if the run looks like a failure, but the check of its evidence or a second
             run does not agree, so that nothing is shown.
     """

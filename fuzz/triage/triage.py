@@ -197,7 +197,7 @@ class Triage:
     ) -> tuple[str, bool]:
         """Judge a run in a proved world and keep the failure.
 
-        Return its bucket, or an empty string if there is none; and whether that is settled.
+        Return its bucket, which is empty without a failure, and whether that is settled.
         """
         # No robot can be blamed for a target that cannot be reached.
         if world is None:

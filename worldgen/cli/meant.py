@@ -130,7 +130,7 @@ def _in_files(kind: NameKind) -> dict[str, str]:
 
 
 def other_file(name: str, code: str, suffixes: Iterable[str] = ()) -> str:
-    """Return the file that was meant, or a free name; empty if there is none.
+    """Return the file that was meant, or a free name; empty if no file fits.
 
     Args:
         name: The file as it was written.

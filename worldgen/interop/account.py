@@ -122,7 +122,7 @@ class NamedParts(dict[str, Any]):
         return super().__getitem__(name)
 
     def get(self, name: str, default: Any = None) -> Any:
-        """Take a part; return the default if there is none."""
+        """Take a part; return the default if it is missing."""
         self._taken.add(name)
         return super().get(name, default)
 

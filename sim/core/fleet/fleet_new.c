@@ -17,7 +17,7 @@ uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot)
     return (uint64_t *)fleet->members[robot]->robot.body + words_of(fleet, robot) - 1;
 }
 
-// Returns memory from the block, or from the heap if there is no block; NULL if there is none left.
+// Returns memory from the block, or from the heap if there is no block; NULL if it is used up.
 static void *take(WgBlock *block, size_t size, bool clears)
 {
     // Everything in the block begins at a multiple of 16 bytes.

@@ -25,8 +25,8 @@ class XmlElement:
         name: Its name, with the prefix used in the file.
         line: Line where it begins.
         attributes: Values by name.
-        inside: The elements inside it, for the parser; readers use the methods.
-        words: The text inside it, without its children's text, for the parser.
+        inside: The elements in it, for the parser; readers use the methods.
+        words: Its own text, without that of its children, for the parser.
     """
 
     name: str
