@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from build_tools.cores import compiler
@@ -90,6 +91,13 @@ def test_what_does_no_harm_changes_no_bit(name, library, capfd):
     plain, changed = (simulate(maze(), f"lib:{library}:{one}") for one in ("behaves", name))
     assert (plain.verdict, plain.trace_digest) == (changed.verdict, changed.trace_digest)
     assert not capfd.readouterr().out
+
+
+def test_an_exception_of_long_ago_is_not_raised_by_a_library_that_traps(library):
+    """x87 arithmetic keeps its exceptions, and a new process inherits them."""
+    renew()
+    assert np.longdouble(1) / np.longdouble(3) > 0
+    assert simulate(maze(), f"lib:{library}:traps").verdict == "loop"
 
 
 @pytest.mark.parametrize("name", ["prints", "prints_part", "prints_and_faults", "reset_prints"])

@@ -23,6 +23,11 @@ static inline int64_t wg_rounding_now(void)
 static inline void wg_round(int64_t rounding)
 {
     _mm_setcsr((unsigned int)rounding);
+    // Functions of <fenv.h> change x87 arithmetic, too. An exception that it had long before, and that they
+    // have unmasked, would end the process at its next instruction, so it is cleared. The default control
+    // word masks all exceptions.
+    const uint16_t control = 0x37F;
+    __asm__ volatile("fnclex\n\tfldcw %0" : : "m"(control));
 }
 
 #elif defined(__aarch64__)
