@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure, ShrinkState
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
 from sim.describe import describe_evidence, describe_frames
@@ -83,7 +83,8 @@ def describe(
     chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
-    cause = cause_of(failure)
+    diagnosis = diagnosis_of(failure)
+    cause = diagnosis.cause
     repeats = ""
     if trail is not None and not failure.is_breach and failure.oracle is None:
         with contextlib.suppress(OutOfTime):
@@ -93,7 +94,7 @@ def describe(
     marked = naming(trail, why.cells if why else ())
     color = wants_color(results())
     happened = f"{record.verdict}{shown(words)}"
-    first = happened if cause.is_vague else cause.sentence_in(world)
+    first = happened if cause.is_vague else diagnosis.sentence(world)
     return joined(
         f"{shown(failure.who)}: {first}\n"
         f"{depends}"

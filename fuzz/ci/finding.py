@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import diagnosis_of
 from sim.describe import describe_frames
 from sim.drawing.picture import trails_of
 from sim.runners.stopping import OutOfTime
@@ -125,7 +125,8 @@ class CiFinding:
             trail = None
             frames = describe_frames(failure.evidence)
         # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
-        cause = cause_of(failure)
+        diagnosis = diagnosis_of(failure)
+        cause = diagnosis.cause
         what = reason if state == FindingState.NOT_CONFIRMED else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
@@ -147,7 +148,7 @@ class CiFinding:
             seed=record.seed,
             replay=replay,
             cause=cause.value,
-            sentence="" if cause.is_vague else cause.sentence_in(world),
+            sentence="" if cause.is_vague else diagnosis.sentence(world),
             why=why.describe() if why else "",
             shrinking=failure.shrinking.value,
         )

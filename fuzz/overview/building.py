@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -19,13 +18,13 @@ from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_joined, with_natural
+from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import NATURAL, NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview
-from fuzz.simplicity import Case, simplicity
+from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
@@ -128,9 +127,6 @@ def build_overview(
             config.vary,
         )
         causes = with_natural(causes, runs.causes)
-    causes = with_joined(causes)
-    if runs is not None:
-        runs.causes = Counter({one.cause: one.natural for one in causes if one.natural})
 
     # Find the clearest world of each cause, and its dependencies.
     examples = {} if runs is None else runs.examples
@@ -277,7 +273,7 @@ def _with_worlds(
     chosen = smallest
     if cause.cause.severity != Severity.CONTROLLER_ERROR:
         with stopping_when(is_over or (lambda: False)):
-            best = clearest([one.failure for one in own], cause.cause)
+            best = clearest(one.failure for one in own)
         chosen = next((one for one in own if one.failure is best), smallest)
     return replace(
         cause,
@@ -297,7 +293,7 @@ def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[Worl
     distinct: dict[str, Failure] = {}
     for one in found:
         distinct.setdefault(one.without(SHRINKING).id, one)
-    own = [one for one in distinct.values() if cause_of(one) in cause.parts]
+    own = [one for one in distinct.values() if cause_of(one) == cause]
     return [_world_file(failure, cause, state.best, known) for failure in own]
 
 
@@ -313,20 +309,19 @@ def _in_natural_world(
 
     Both as it was found and, if that keeps the cause, shrunk. Without a file if it is known.
     """
-    cases = [examples[part] for part in cause.parts if part in examples]
-    if not cases:
+    if cause not in examples:
         return []
-    world, scenario = min(cases, key=simplicity)
+    world, scenario = examples[cause]
     try:
         failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
     except (WorldgenError, OutOfTime):
         return []
-    if failure is None or cause_of(failure) not in cause.parts:
+    if failure is None or cause_of(failure) != cause:
         return []
     if known.has(failure):
         return [WorldFile(failure, "", exists=False)]
     smaller = shrunk(failure)
-    if smaller.world is failure.world or cause_of(smaller) not in cause.parts:
+    if smaller.world is failure.world or cause_of(smaller) != cause:
         same = smaller if smaller.world is failure.world else failure
         return [_world_file(same, cause, best, known)]
     small = _world_file(smaller, cause, best, known)._replace(original=failure)
@@ -449,4 +444,4 @@ def causes_in(failures: Sequence[Failure]) -> list[CauseTotals]:
     found: dict[str, Failure] = {}
     for failure in failures:
         found.setdefault(failure.bucket, failure)
-    return with_joined(causes_of(found, {}))
+    return causes_of(found, {})

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
-from fuzz.triage.cause import Cause, Severity, joined
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.cause import Cause, Diagnosis, Severity
+from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.run_facts import RunFacts
 
 # Errors in any world, however unusual it is.
@@ -51,12 +52,15 @@ class CauseTotals:
     fault: str = ""
     state: str = ""
 
+    @cached_property
+    def diagnosis(self) -> Diagnosis:
+        """The cause with the circumstance of the world to look at."""
+        return Diagnosis(self.cause) if self.failure is None else diagnosis_of(self.failure)
+
     @property
     def sentence(self) -> str:
         """What goes wrong, in one sentence."""
-        if self.failure is None:
-            return self.cause.sentence
-        return self.cause.sentence_in(self.failure.world)
+        return self.diagnosis.sentence(None if self.failure is None else self.failure.world)
 
     @property
     def met(self) -> int:
@@ -73,9 +77,8 @@ class CauseTotals:
         return CauseRow(
             cause=self.cause.value,
             sentence=self.sentence,
-            advice=self.cause.advice,
+            advice=self.diagnosis.advice,
             severity=self.cause.severity.word,
-            parts=[part.value for part in self.cause.parts if part != self.cause],
             state=self.state,
             met=self.met,
             verdicts=dict(self.verdicts),
@@ -133,32 +136,3 @@ def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) ->
     for cause in natural.keys() - found.keys():
         found[cause] = CauseTotals(cause, ())
     return in_order(replace(one, natural=natural.get(one.cause, 0)) for one in found.values())
-
-
-def with_joined(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
-    """Return causes with those that have one reason joined, see :attr:`Cause.parts`.
-
-    A cause that only shrinking found says nothing about the others.
-    """
-    own = list(causes)
-    shown = joined([one.cause for one in own if one.is_met])
-    groups: dict[Cause, list[CauseTotals]] = {}
-    for one in own:
-        groups.setdefault(shown.get(one.cause, one.cause), []).append(one)
-    return in_order(_sum(whole, parts) for whole, parts in groups.items())
-
-
-def _sum(cause: Cause, parts: Sequence[CauseTotals]) -> CauseTotals:
-    """Return causes without worlds to look at as one."""
-    if len(parts) == 1:
-        return parts[0]
-    verdicts: Counter[str] = Counter()
-    for part in parts:
-        verdicts.update(part.verdicts)
-    natural = [part.natural for part in parts if part.natural is not None]
-    return CauseTotals(
-        cause,
-        tuple(sorted({name for part in parts for name in part.classes})),
-        dict(verdicts.most_common()),
-        sum(natural) if natural else None,
-    )

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from fuzz.failure import Failure, ShrinkState
 from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.triage.cause import Cause
+from fuzz.triage.cause import Circumstance
+from fuzz.triage.diagnosis import diagnosis_of
 from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 
@@ -59,12 +60,8 @@ class Clarity:
     order: FailureOrder
 
 
-def clarity(failure: Failure, cause: Cause) -> Clarity:
+def clarity(failure: Failure) -> Clarity:
     """Return how clear a failure's picture is. This runs its controller.
-
-    Args:
-        failure: The failure.
-        cause: Its cause.
 
     Raises:
         WorldgenError: If it cannot be run.
@@ -89,19 +86,19 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     if behaviour is not None:
         around = 4.0 * max(behaviour.extent, 1.0)
         windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
-        is_degenerate |= cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
+        at_target = diagnosis_of(failure).circumstance == Circumstance.AT_THE_TARGET
+        is_degenerate |= not at_target and behaviour.nearest < robot
         is_tangled = behaviour.length > _TANGLE * max(world.width, world.height)
     others = len(world.others)
     is_unshrunk = failure.shrinking != ShrinkState.DONE
     return Clarity(others, is_degenerate, is_tangled, is_unshrunk, flaws, windings, failure.order)
 
 
-def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
+def clearest(failures: Iterable[Failure]) -> Failure | None:
     """Return the clearest of several failures of one cause; ``None`` if there are none.
 
     Args:
         failures: The candidates. The simplest dozen of the shrunk ones and of the others are examined.
-        cause: Their cause.
     """
     candidates = sorted(failures, key=lambda failure: failure.order)
     # Examine both shrunk and unshrunk ones, the simplest of each.
@@ -110,7 +107,7 @@ def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
     best: tuple[Clarity, Failure] | None = None
     for failure in (*shrunk, *others):
         try:
-            found = clarity(failure, cause)
+            found = clarity(failure)
         except (WorldgenError, OutOfTime):
             continue
         if best is None or found < best[0]:

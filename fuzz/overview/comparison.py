@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.table import ChangesRow, ComparisonRow
-from fuzz.triage.cause import Cause, joined
+from fuzz.triage.cause import Cause
 from worldgen.support.plain_text import counted
 
 
@@ -69,10 +69,8 @@ def compare(
         fixed: By class, the cause of known failures that no longer fail.
     """
     known = still.keys() | fixed.keys()
-    # Causes have the names under which the campaign shows them.
-    shown = joined({*now.values(), *still.values(), *fixed.values()})
-    causes_before = {shown[cause] for cause in (*still.values(), *fixed.values())}
-    causes_now = {shown[cause] for cause in (*now.values(), *still.values())}
+    causes_before = {*still.values(), *fixed.values()}
+    causes_now = {*now.values(), *still.values()}
     return RegressionView(
         against,
         new=tuple(sorted(now.keys() - known)),
@@ -94,10 +92,9 @@ def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> li
     still = set(comparison.still_causes)
 
     def state(cause: Cause) -> str:
-        names = {cause, *cause.parts}
-        if names & still:
+        if cause in still:
             return "still"
-        return "new" if names & new else ""
+        return "new" if cause in new else ""
 
     return [replace(one, state=state(one.cause)) for one in causes]
 

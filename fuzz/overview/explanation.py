@@ -8,8 +8,8 @@ from typing import Any
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
-from fuzz.triage.cause import Cause
-from fuzz.triage.diagnosis import CAUSE, cause_of
+from fuzz.triage.cause import Diagnosis
+from fuzz.triage.diagnosis import CAUSE, CIRCUMSTANCE, GAP, diagnosis_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
@@ -28,7 +28,7 @@ class Explanation:
     Args:
         failure: The failure, as its controller runs now.
         verdict: The verdict now; empty if its controller cannot be run.
-        cause: Why it fails; ``None`` if its controller cannot be run, or if the robot arrives now.
+        diagnosis: Why it fails; ``None`` if its controller cannot be run, or if the robot arrives now.
         words: What happened in its run, to follow the verdict.
         facts: What its run shows.
         why: The single changes after which its robot arrives; ``None`` if they cannot be tried.
@@ -37,7 +37,7 @@ class Explanation:
 
     failure: Failure
     verdict: str = ""
-    cause: Cause | None = None
+    diagnosis: Diagnosis | None = None
     words: str = ""
     facts: RunFacts = field(default_factory=RunFacts)
     why: Counterfactuals | None = None
@@ -46,14 +46,14 @@ class Explanation:
     @property
     def goes_wrong(self) -> str:
         """The sentence of the cause; empty without a cause."""
-        return "" if self.cause is None else self.cause.sentence_in(self.failure.world)
+        return "" if self.diagnosis is None else self.diagnosis.sentence(self.failure.world)
 
     def table(self) -> dict[str, Any]:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
         untried = {"changes": [], "sentence": "", "problem": self.problem}
         return {
             "verdict": self.verdict,
-            "cause": self.cause or "",
+            "cause": "" if self.diagnosis is None else self.diagnosis.cause.value,
             "goes_wrong": self.goes_wrong,
             **(untried if self.why is None else self.why.table()),
             **self.facts.table(),
@@ -66,8 +66,8 @@ class Explanation:
         failure = self.failure
         who = "The fleet" if failure.world.others else "It"
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
-        if self.cause is not None:
-            lines.append(f"{self.cause}: {self.goes_wrong}")
+        if self.diagnosis is not None:
+            lines.append(f"{self.diagnosis.cause}: {self.goes_wrong}")
         if self.why is not None:
             lines.append(shown(f"{who} {self.why.describe()}."))
         return lines + self.facts.text()
@@ -109,7 +109,7 @@ def explain_failure(
     if failure.verdict in ARRIVALS and failure.oracle is None:
         problem = "the robot arrives now"
         return Explanation(failure, failure.verdict, words=words, problem=problem)
-    known = Explanation(failure, failure.verdict, cause_of(failure), words)
+    known = Explanation(failure, failure.verdict, diagnosis_of(failure), words)
     try:
         known = replace(known, facts=run_facts(failure, episode, with_code=with_code))
         return replace(known, why=counterfactuals(failure))
@@ -119,7 +119,7 @@ def explain_failure(
 
 def _unclassified(failure: Failure) -> Failure:
     """Return a failure without the recorded cause and class."""
-    return failure.without(CAUSE, "class")
+    return failure.without(CAUSE, CIRCUMSTANCE, GAP, "class")
 
 
 def _as_run(failure: Failure, episode: Episode) -> Failure:

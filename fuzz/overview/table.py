@@ -34,8 +34,7 @@ class CauseRow(msgspec.Struct, frozen=True, kw_only=True):
     classes: list[str]
     file: _File
     smallest: _File
-    parts: list[str] = []  # earlier versions did not write it
-    fault: str = ""  # the same
+    fault: str = ""  # earlier versions did not write it
     repeats: str = ""  # the same
     inside: dict[str, Any] | None = None
     reactions: list[list[Any]] = []

@@ -88,7 +88,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
-        advice = f"   {cause.sentence} {cause.cause.advice}"
+        advice = f"   {cause.sentence} {cause.diagnosis.advice}"
         lines += [joined(f"{number}. ", _title(cause, overview.natural)), advice]
     lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
@@ -266,7 +266,7 @@ def _verdicts(cause: CauseTotals) -> str:
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
-    lines = [joined("1. ", _title(cause, natural)), f"   {cause.sentence} {cause.cause.advice}"]
+    lines = [joined("1. ", _title(cause, natural)), f"   {cause.sentence} {cause.diagnosis.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)

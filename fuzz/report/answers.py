@@ -145,7 +145,7 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
     ]
     causes = with_worlds(
         causes_in([one.failure for one in files]),
-        lambda cause: [one for one in files if cause_of(one.failure) in cause.parts],
+        lambda cause: [one for one in files if cause_of(one.failure) == cause],
         with_code=False,
     )
     return ControllerSummary(controller, motion, [one.table() for one in causes])

@@ -28,7 +28,7 @@ from fuzz.report.gather import (
 )
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.reactions import Reactions
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.controllers import CONTROLLERS
@@ -143,7 +143,8 @@ def _failure(
     entry = reported.entry
     facts = entry.facts
     record = seen.failure.record
-    cause = cause_of(seen.failure)
+    diagnosis = diagnosis_of(seen.failure)
+    cause = diagnosis.cause
     example = causes.get(str(entry.path))
     named = [] if example is None else named_cells(example.changes, seen.failure.world)
     campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
@@ -165,8 +166,8 @@ def _failure(
         "replay": entry.replay_command,
         "explain": f"worldgen explain {shlex.quote(str(entry.path))}",
         "cause": cause.value,
-        "sentence": "" if cause.is_vague else cause.sentence_in(seen.failure.world),
-        "advice": cause.advice,
+        "sentence": "" if cause.is_vague else diagnosis.sentence(seen.failure.world),
+        "advice": diagnosis.advice,
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
         "shrinking": seen.failure.shrinking.value,

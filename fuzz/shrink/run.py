@@ -16,6 +16,7 @@ from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.simplicity import Case
+from fuzz.triage.diagnosis import CIRCUMSTANCE, GAP
 from fuzz.triage.hazards import HAZARD_DETAILS
 from fuzz.triage.judging import failure_of, oracle_of
 from sim.episode import simulate
@@ -40,6 +41,8 @@ _OF_THE_OLD_WORLD = (
     "states",
     "failing_seeds",
     "failing_share_at_least",
+    CIRCUMSTANCE,
+    GAP,
     *HAZARD_DETAILS,
 )
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)

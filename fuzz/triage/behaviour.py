@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fuzz.triage.contacts import walls_at_the_end, winding_number
+from fuzz.triage.repeated_moves import last_part
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.trace import Trace
@@ -25,20 +26,30 @@ _ABOUT_FACE = 0.45 * 2 * math.pi
 # Share of the radius. A robot that never gets farther from its start than this does not drive.
 _PARKED = 0.1
 
+# Radii between two places that count as the same.
+_SAME_PLACE = 0.1
+
+# Area that a path encloses, divided by the square of its length: 0.08 for a circle, and 0.02 for a
+# rectangle twelve times as long as wide.
+_HARDLY = 0.02
+
 # Places on a straight line that are tested for walls, per cell.
 _SAMPLES = 8
 
 
 @dataclass(frozen=True)
 class RepeatedPart:
-    """The repeated part of a run: one period of a loop, or else the second half.
+    """The repeated part of a run: a loop's period, the moves that recur at its end, or its second half.
 
     Args:
         steps: Its length in steps.
+        recurs: True if the robot comes back to where the part began, at least nearly.
         extent: Longer side of the box around its path, cells.
         length: Length of its path, cells.
         turning: Mean absolute turn per step, in whole turns.
         about_faces: Share of its steps that turn the robot around.
+        reversals: Share of its steps that change between driving forwards and backwards.
+        is_retraced: True if its path encloses hardly anything: the robot comes back the way it went.
         touching: Share of its steps that touch a wall.
         around_island: Largest number of times that the path goes around an island of walls.
         around_target: Number of times that it goes around the target.
@@ -47,16 +58,20 @@ class RepeatedPart:
         nearest: Smallest distance from the target's centre, cells.
         farthest: Largest distance from the target's centre, cells.
         is_blocked: True if a wall is between that place and the target.
+        radius: The robot's radius, cells.
         reach: The robot's radius plus the target's, cells.
         is_parked: True if the robot hardly leaves its start in the whole run, so that nothing on
             its way explains it.
     """
 
     steps: int
+    recurs: bool
     extent: float
     length: float
     turning: float
     about_faces: float
+    reversals: float
+    is_retraced: bool
     touching: float
     around_island: int
     around_target: int
@@ -65,6 +80,7 @@ class RepeatedPart:
     nearest: float
     farthest: float
     is_blocked: bool
+    radius: float
     reach: float
     is_parked: bool
 
@@ -79,14 +95,21 @@ def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
     trace = episode.trace
     if trace is None or trace.steps == 0:
         return None
-    # If a run only used up its budget, its end is the best guess of what repeats.
     loop = episode.evidence
     if isinstance(loop, LoopEvidence):
-        return _measured(world, trace, loop.entry, loop.entry + loop.period)
-    return _measured(world, trace, trace.steps // 2, trace.steps)
+        return _measured(world, trace, loop.entry, loop.entry + loop.period, recurs=True)
+    # If a run only used up its budget, its end is the best guess of what repeats. Moves that recur
+    # while the robot gets farther and farther, such as driving straight on, are not a repetition.
+    part = last_part(episode)
+    if part is not None and part.period:
+        before = part.last - part.period
+        moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
+        if moved <= _SAME_PLACE * world.robot_radius:
+            return _measured(world, trace, part.first, part.last, recurs=True)
+    return _measured(world, trace, trace.steps // 2, trace.steps, recurs=False)
 
 
-def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart:
+def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool) -> RepeatedPart:
     side = world.cell_size
     x = trace.x[first : last + 1] / side
     y = trace.y[first : last + 1] / side
@@ -98,6 +121,9 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
     # Describe each step.
     turn = np.abs(_wrapped(np.diff(heading)))
     stride = np.hypot(np.diff(x), np.diff(y))
+    length = float(stride.sum())
+    ahead = np.diff(x) * np.cos(heading[:-1]) + np.diff(y) * np.sin(heading[:-1])
+    direction = np.sign(ahead[stride > 0.0])
 
     # The path around islands and the target, and how close it gets to the target.
     apart = np.hypot(x - target[0], y - target[1])
@@ -106,10 +132,13 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
     radius = world.robot_radius / side
     return RepeatedPart(
         steps=last - first,
+        recurs=recurs,
         extent=max(float(np.ptp(x)), float(np.ptp(y))),
-        length=float(stride.sum()),
+        length=length,
         turning=float(turn.mean()) / (2 * math.pi),
         about_faces=float((turn >= _ABOUT_FACE).mean()),
+        reversals=float((np.diff(direction) != 0.0).sum()) / (last - first),
+        is_retraced=abs(_area(x, y)) <= _HARDLY * length * length,
         touching=float(bump.mean()),
         around_island=winding_number(x, y, walls.islands(x, y)),
         around_target=abs(_around(x, y, target)),
@@ -118,6 +147,7 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
         nearest=float(apart.min()),
         farthest=float(apart.max()),
         is_blocked=walls.between(place, _edge_of(world, place), radius),
+        radius=radius,
         reach=radius + world.target.radius / side,
         is_parked=float(np.hypot(trace.x - trace.x[0], trace.y - trace.y[0]).max())
         < _PARKED * world.robot_radius,
@@ -215,6 +245,11 @@ def _obstacles(solid: Bools) -> Ints:
     for first, second in sorted(pairs):
         joined[joined == joined[first]] = joined[second]
     return np.where(numbers >= 0, joined[np.maximum(numbers, 0)], -1)
+
+
+def _area(x: Floats, y: Floats) -> float:
+    """Return the area that a closed path goes around, with sign."""
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def _wrapped(angles: Floats) -> Floats:

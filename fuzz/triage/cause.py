@@ -1,14 +1,14 @@
 """The causes that failures are sorted into: what a robot does wrong, in one sentence each.
 
-A bucket describes what a failure looks like; hundreds of buckets can have one reason. A cause is
-that reason, as far as the run reveals it: the decision that repeats, or the move that ended the
-run. It is never a place in a world.
+A cause names the motion that repeats, or the move that ended the run; it is never a place in a
+world. Its circumstance, if one is known, tells where or how that happens: it completes the sentence
+and decides where to look in the controller.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from enum import IntEnum, StrEnum
+from typing import NamedTuple
 
 from worldgen.world import World
 
@@ -55,12 +55,7 @@ class Cause(StrEnum):
     each is recognised in the run.
     """
 
-    # Through walls.
-    STEPS_OVER_A_WALL = "steps-over-a-wall"
-    CUTS_A_CORNER = "cuts-a-corner"
-    SLIDES_INTO_A_WALL = "slides-into-a-wall"
-
-    # Through another robot.
+    GOES_THROUGH_A_WALL = "goes-through-a-wall"
     COLLIDES = "collides"
 
     # Errors of the controller itself.
@@ -72,28 +67,16 @@ class Cause(StrEnum):
     DRIVES_INTO_A_HAZARD = "drives-into-a-hazard"
     CAUGHT_BY_A_CHANGE = "caught-by-a-change"
 
-    # The robot does not arrive.
-    CONFUSED_BY_CHANGES = "confused-by-changes"
-    NEEDS_A_WIDER_GAP = "needs-a-wider-gap"
+    # The robot does not arrive: what it repeats.
     STANDS_STILL = "stands-still"
     PUSHES_A_WALL = "pushes-a-wall"
-    TURNS_BACK_AND_FORTH = "turns-back-and-forth"
-    MISSES_THE_TARGET = "misses-the-target"
-    CIRCLES_A_WALL = "circles-a-wall"
-    RETURNS_TO_THE_WALL = "returns-to-the-wall"
-    LEAVES_WALLS_WRONGLY = "leaves-walls-wrongly"
-    BOUNCES_BETWEEN_WALLS = "bounces-between-walls"
-    TRAPPED_BEHIND_A_WALL = "trapped-behind-a-wall"
+    TURNS_ON_THE_SPOT = "turns-on-the-spot"
+    GOES_BACK_AND_FORTH = "goes-back-and-forth"
+    CIRCLES_AN_OBSTACLE = "circles-an-obstacle"
+    RETURNS_TO_A_WALL = "returns-to-a-wall"
     DRIVES_IN_CIRCLES = "drives-in-circles"
     WANDERS = "wanders"
-
-    # Several robots do not arrive.
-    FACE_TO_FACE = "face-to-face"
-    WAITS_IN_A_CIRCLE = "waits-in-a-circle"
-    BLOCKED_BY_PARKED = "blocked-by-a-parked-robot"
-    WAITS_IN_A_QUEUE = "waits-in-a-queue"
-    GIVES_WAY_FOREVER = "gives-way-forever"
-    WAITS_FOR_OTHERS = "waits-for-others"
+    HELD_UP_BY_ROBOTS = "held-up-by-robots"
 
     # Not the controller's fault, or not a known reason.
     BREAKS_A_RULE = "breaks-a-rule"
@@ -102,201 +85,277 @@ class Cause(StrEnum):
     UNKNOWN = "unknown"
 
     @property
-    def parts(self) -> tuple[Cause, ...]:
-        """The causes that it joins; for most causes, only itself."""
-        return _PARTS.get(self, (self,))
-
-    @property
     def sentence(self) -> str:
         """What the robot does wrong: one sentence."""
-        return _SENTENCES[self].format(It="It", Its="Its")
+        return Diagnosis(self).sentence()
 
-    def sentence_in(self, world: World) -> str:
-        """Return the sentence for a world; of several robots, it is about one of them."""
-        if not world.others:
-            return self.sentence
-        return _SENTENCES[self].format(It="A robot", Its="A robot's")
+    @property
+    def advice(self) -> str:
+        """The place to look at in the controller: one sentence."""
+        return _TEXTS[self].advice
+
+    @property
+    def severity(self) -> Severity:
+        """Its severity."""
+        return _TEXTS[self].severity
+
+    @property
+    def phrase(self) -> str:
+        """What the robot does, to follow its name: the severity's sentence, unless too general."""
+        return _TEXTS[self].phrase or self.severity.phrase
 
     @property
     def is_vague(self) -> bool:
         """True if the run's description, such as an error's message, says more than the sentence."""
         return self == Cause.UNKNOWN or self.severity == Severity.CONTROLLER_ERROR
 
-    @property
-    def phrase(self) -> str:
-        """What the robot does, to follow its name: the severity's sentence, unless too general."""
-        return _OWN_PHRASES.get(self, self.severity.phrase)
+
+class Circumstance(StrEnum):
+    """Where or how a robot does what its cause names; the record of a failure has its name."""
+
+    # How it goes through a wall.
+    LONG_STEP = "long-step"
+    CORNER = "corner"
+    SLIDING = "sliding"
+
+    # Where it repeats its motion.
+    AMONG_CHANGES = "among-changes"
+    AT_A_GAP = "at-a-gap"
+    AT_THE_TARGET = "at-the-target"
+    BEHIND_A_WALL = "behind-a-wall"
+
+    # What it does at walls between two touches.
+    FOLLOWS_NO_WALL = "follows-no-wall"
+
+    # How several robots hold each other up.
+    FACE_TO_FACE = "face-to-face"
+    CIRCULAR_WAIT = "circular-wait"
+    PARKED_ROBOT = "parked-robot"
+    QUEUE = "queue"
+    GIVING_WAY = "giving-way"
+
+
+class Diagnosis(NamedTuple):
+    """A cause with its circumstance.
+
+    Args:
+        cause: The cause.
+        circumstance: Where or how it happens; ``None`` if nothing more is known.
+        gap: For :attr:`Circumstance.AT_A_GAP`, the width of the gap in radii of the robot; 0 if
+            the robot need not drive through it, and otherwise.
+    """
+
+    cause: Cause
+    circumstance: Circumstance | None = None
+    gap: float = 0.0
+
+    def sentence(self, world: World | None = None) -> str:
+        """Return what the robot does wrong, in one sentence or two.
+
+        Args:
+            world: The world; of several robots, the sentence is about one of them.
+        """
+        several = world is not None and bool(world.others)
+        text = _TEXTS[self.cause].sentence
+        more = _CIRCUMSTANCES[self.circumstance] if self.circumstance else _Additions()
+        if more.sentence:
+            text = more.sentence
+        return text.format(
+            It="A robot" if several else "It",
+            Its="A robot's" if several else "Its",
+            where=more.where.format(gap=f" of {self.gap:.2g} radii" if self.gap else ""),
+        )
 
     @property
     def advice(self) -> str:
         """The place to look at in the controller: one sentence."""
-        return _ADVICE[self]
-
-    @property
-    def severity(self) -> Severity:
-        """Its severity."""
-        return _SEVERITIES.get(self, Severity.NEVER_ARRIVES)
+        more = _CIRCUMSTANCES[self.circumstance] if self.circumstance else _Additions()
+        return more.advice or self.cause.advice
 
 
-# One condition in the controller decides both. Which of the two happens depends on the world, so a
-# controller that shows both has one fault.
-_PARTS = {Cause.LEAVES_WALLS_WRONGLY: (Cause.CIRCLES_A_WALL, Cause.RETURNS_TO_THE_WALL)}
+class _Texts(NamedTuple):
+    """The texts of a cause; the sentence's subject is the robot, or one of several."""
 
-# The subject is the robot, or one of several.
-_SENTENCES = {
-    Cause.STEPS_OVER_A_WALL: "{It} drives so far in one step that it passes a wall, or the corner of "
-    "one, without noticing.",
-    Cause.CUTS_A_CORNER: "{Its} edge cuts the corner of a wall as it passes.",
-    Cause.SLIDES_INTO_A_WALL: "{It} slides along a wall, or backs off from one, into another wall.",
-    Cause.COLLIDES: (
+    sentence: str
+    advice: str
+    severity: Severity = Severity.NEVER_ARRIVES
+    phrase: str = ""
+
+
+_TEXTS = {
+    Cause.GOES_THROUGH_A_WALL: _Texts(
+        "{It} goes through a wall.",
+        "Slow down near walls, or make the time step smaller.",
+        Severity.THROUGH_WALLS,
+    ),
+    Cause.COLLIDES: _Texts(
         "{It} drives into another robot in the middle of a step, which its motion model does not "
-        "check."
+        "check.",
+        "Make the time step smaller, or keep more distance.",
+        Severity.THROUGH_ROBOTS,
     ),
-    Cause.CRASHES: "{Its} code raises an error.",
-    Cause.GIVES_NO_ANSWER: "{Its} code does not answer in time.",
-    Cause.INVALID_COMMAND: "{It} sends a command that is not a valid speed and turn rate.",
-    Cause.DRIVES_INTO_A_HAZARD: "{It} drives into a cell that is already burning or solid.",
-    Cause.CAUGHT_BY_A_CHANGE: "{It} is in a cell when the cell catches fire or becomes solid.",
-    Cause.CONFUSED_BY_CHANGES: (
-        "{It} fails because cells change while it drives: it arrives if they have "
-        "all changed before it starts."
+    Cause.CRASHES: _Texts(
+        "{Its} code raises an error.",
+        "Fix the error that it names; the world reproduces it.",
+        Severity.CONTROLLER_ERROR,
+        "its controller crashes",
     ),
-    Cause.NEEDS_A_WIDER_GAP: (
-        "{It} does not drive through a gap, or up to a wall, although it would fit; a smaller robot "
-        "arrives."
+    Cause.GIVES_NO_ANSWER: _Texts(
+        "{Its} code does not answer in time.",
+        "Look for an endless loop or a slow step, or give it more time.",
+        Severity.CONTROLLER_ERROR,
+        "its controller does not answer",
     ),
-    Cause.STANDS_STILL: "{It} stops in the open and does not move again.",
-    Cause.PUSHES_A_WALL: "{It} keeps driving into a wall and does not get away from it.",
-    Cause.TURNS_BACK_AND_FORTH: "{It} turns back and forth, or in circles, instead of moving on.",
-    Cause.MISSES_THE_TARGET: (
-        "{It} gets close to the target on a clear path, but passes it again and again."
+    Cause.INVALID_COMMAND: _Texts(
+        "{It} sends a command that is not a valid speed and turn rate.",
+        "Look for a division by zero or a root of a negative number in the computation of the "
+        "command.",
+        Severity.CONTROLLER_ERROR,
+        "its controller sends invalid commands",
     ),
-    Cause.CIRCLES_A_WALL: "{It} follows a wall all the way around and does not leave it.",
-    Cause.RETURNS_TO_THE_WALL: "{It} leaves a wall too early and comes back to the same wall.",
-    Cause.LEAVES_WALLS_WRONGLY: (
-        "{It} leaves some walls too early and comes back, and does not leave others."
+    Cause.DRIVES_INTO_A_HAZARD: _Texts(
+        "{It} drives into a cell that is already burning or solid.",
+        "Check its reaction to walls sensed ahead.",
+        Severity.HARMED,
     ),
-    Cause.BOUNCES_BETWEEN_WALLS: "{It} bounces from wall to wall on a path that repeats.",
-    Cause.TRAPPED_BEHIND_A_WALL: (
-        "{It} stays where it is nearest to the target, although a wall is in between."
+    Cause.CAUGHT_BY_A_CHANGE: _Texts(
+        "{It} is in a cell when the cell catches fire or becomes solid.",
+        "Check how soon it leaves cells that it can sense are about to close.",
+        Severity.HARMED,
     ),
-    Cause.DRIVES_IN_CIRCLES: "{It} drives the same closed path again and again, far from any wall.",
-    Cause.WANDERS: "{It} still reaches new places when its time is up.",
-    Cause.FACE_TO_FACE: "Two robots drive into each other, and neither gives way.",
-    Cause.WAITS_IN_A_CIRCLE: "Three or more robots wait for each other in a circle.",
-    Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in another robot's way.",
-    Cause.WAITS_IN_A_QUEUE: "A robot waits behind another one that does not arrive.",
-    Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
-    Cause.WAITS_FOR_OTHERS: (
-        "Robots stop because of each other, although each of them would arrive alone."
+    Cause.STANDS_STILL: _Texts(
+        "{It} stops{where} and does not move again.",
+        "Look for a condition under which no command is sent, or speed is 0.",
     ),
-    Cause.BREAKS_A_RULE: "{It} breaks a rule that you asked about with --oracle.",
-    Cause.HARMED_UNSENSED: (
-        "{It} is caught by fire, debris or a moved wall that it neither senses nor has read about."
+    Cause.PUSHES_A_WALL: _Texts(
+        "{It} keeps driving into a wall{where} and does not get away from it.",
+        "Check what it does after a bump: does it turn away, and what makes it turn back?",
     ),
-    Cause.PUSHED_TOO_HARD: "{It} is moved farther than any controller can be certain to correct.",
-    Cause.UNKNOWN: (
-        "{It} fails; the reason is unknown, because its controller could not be run here, or not in "
-        "time."
-    ),
-}
-
-_OWN_PHRASES = {
-    Cause.CRASHES: "its controller crashes",
-    Cause.GIVES_NO_ANSWER: "its controller does not answer",
-    Cause.INVALID_COMMAND: "its controller sends invalid commands",
-}
-
-_ADVICE = {
-    Cause.STEPS_OVER_A_WALL: "Slow down near walls, or make the time step smaller: a step must be "
-    "shorter than the thinnest wall.",
-    Cause.CUTS_A_CORNER: "Keep the radius of the robot away from corners, not only its centre.",
-    Cause.SLIDES_INTO_A_WALL: "This is a fault of the motion model stepped; compare with --motion "
-    "swept.",
-    Cause.COLLIDES: "Make the time step smaller, or keep more distance.",
-    Cause.CRASHES: "Fix the error that it names; the world reproduces it.",
-    Cause.GIVES_NO_ANSWER: "Look for an endless loop or a slow step, or give it more time.",
-    Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in the "
-    "computation of the command.",
-    Cause.DRIVES_INTO_A_HAZARD: "Check its reaction to walls sensed ahead.",
-    Cause.CAUGHT_BY_A_CHANGE: (
-        "Check how soon it leaves cells that it can sense are about to close."
-    ),
-    Cause.CONFUSED_BY_CHANGES: (
-        "Check what it remembers about walls: they may have changed since it saw them."
-    ),
-    Cause.NEEDS_A_WIDER_GAP: (
-        "Check how much clearance it requires at walls and in turns: its radius must be enough."
-    ),
-    Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
-    Cause.PUSHES_A_WALL: (
-        "Check what it does after a bump: does it turn away, and what makes it turn back?"
-    ),
-    Cause.TURNS_BACK_AND_FORTH: (
+    Cause.TURNS_ON_THE_SPOT: _Texts(
+        "{It} keeps turning on the spot{where}.",
         "Look for two decisions that undo each other, and for an angle that is not wrapped to half "
-        "a turn."
+        "a turn.",
     ),
-    Cause.MISSES_THE_TARGET: "Check how it slows down and aims close to the target.",
-    Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it does not hold here.",
-    Cause.RETURNS_TO_THE_WALL: (
+    Cause.GOES_BACK_AND_FORTH: _Texts(
+        "{It} goes back and forth{where}.",
+        "Look for two decisions that undo each other: each should hold until it has led somewhere.",
+    ),
+    Cause.CIRCLES_AN_OBSTACLE: _Texts(
+        "{It} goes all the way around an obstacle{where}, again and again, and does not leave it.",
+        "Check the condition under which it leaves a wall: it does not hold here.",
+    ),
+    Cause.RETURNS_TO_A_WALL: _Texts(
+        "{It} leaves a wall{where} and comes back to it, again and again.",
         "Check what makes it leave a wall: it must get closer to the target each time, or remember "
-        "the wall."
+        "the wall.",
     ),
-    Cause.LEAVES_WALLS_WRONGLY: (
-        "Check the condition under which it leaves a wall: one condition explains both."
+    Cause.DRIVES_IN_CIRCLES: _Texts(
+        "{It} drives the same closed path{where} again and again, away from walls.",
+        "Look for a state that it enters again and again without getting closer.",
     ),
-    Cause.BOUNCES_BETWEEN_WALLS: (
-        "A robot that turns by the same rule at each wall repeats itself: add memory, chance or "
-        "wall following, or check why what it has does not help."
+    Cause.WANDERS: _Texts(
+        "{It} still reaches new places when its time is up.",
+        "Give it more time, or check whether it makes progress.",
+        Severity.TOO_SLOW,
     ),
-    Cause.TRAPPED_BEHIND_A_WALL: (
-        "It needs a way out of places where every direct move leads away from the target: follow "
-        "the wall, or plan."
+    Cause.HELD_UP_BY_ROBOTS: _Texts(
+        "Robots stop because of each other, although each of them would arrive alone.",
+        "Decide who goes first, and let the others make room for it.",
     ),
-    Cause.DRIVES_IN_CIRCLES: "Look for a state that it enters again and again without getting "
-    "closer.",
-    Cause.WANDERS: "Give it more time, or check whether it makes progress.",
-    Cause.FACE_TO_FACE: "Break the symmetry: give one robot priority, or make both keep to the "
-    "same side.",
-    Cause.WAITS_IN_A_CIRCLE: (
-        "Let the robot that has waited longest go first, and make the others yield."
+    Cause.BREAKS_A_RULE: _Texts(
+        "{It} breaks a rule that you asked about with --oracle.",
+        "The violation names the rule, and by how much it is broken.",
+        Severity.QUESTIONABLE,
     ),
-    Cause.BLOCKED_BY_PARKED: "Drive around a robot that has stopped, or let it move aside.",
-    Cause.WAITS_IN_A_QUEUE: "Look at the robot in front: it is the one that fails.",
-    Cause.GIVES_WAY_FOREVER: "Decide who goes first by a fixed property, not by behaviour that "
-    "both share.",
-    Cause.WAITS_FOR_OTHERS: "Decide who goes first, and let the others make room for it.",
-    Cause.BREAKS_A_RULE: "The violation names the rule, and by how much it is broken.",
-    Cause.HARMED_UNSENSED: "Give it a sensor that detects the hazard, or exclude such worlds.",
-    Cause.PUSHED_TOO_HARD: "Compare with a run without pushes, tilts and decoys.",
-    Cause.UNKNOWN: "Replay it on a machine that has its controller.",
-}
-
-_SEVERITIES = {
-    Cause.STEPS_OVER_A_WALL: Severity.THROUGH_WALLS,
-    Cause.CUTS_A_CORNER: Severity.THROUGH_WALLS,
-    Cause.SLIDES_INTO_A_WALL: Severity.THROUGH_WALLS,
-    Cause.COLLIDES: Severity.THROUGH_ROBOTS,
-    Cause.CRASHES: Severity.CONTROLLER_ERROR,
-    Cause.GIVES_NO_ANSWER: Severity.CONTROLLER_ERROR,
-    Cause.INVALID_COMMAND: Severity.CONTROLLER_ERROR,
-    Cause.DRIVES_INTO_A_HAZARD: Severity.HARMED,
-    Cause.CAUGHT_BY_A_CHANGE: Severity.HARMED,
-    Cause.WANDERS: Severity.TOO_SLOW,
-    Cause.BREAKS_A_RULE: Severity.QUESTIONABLE,
-    Cause.HARMED_UNSENSED: Severity.UNSENSED,
-    Cause.PUSHED_TOO_HARD: Severity.UNSENSED,
+    Cause.HARMED_UNSENSED: _Texts(
+        "{It} is caught by fire, debris or a moved wall that it neither senses nor has read about.",
+        "Give it a sensor that detects the hazard, or exclude such worlds.",
+        Severity.UNSENSED,
+    ),
+    Cause.PUSHED_TOO_HARD: _Texts(
+        "{It} is moved farther than any controller can be certain to correct.",
+        "Compare with a run without pushes, tilts and decoys.",
+        Severity.UNSENSED,
+    ),
+    Cause.UNKNOWN: _Texts(
+        "{It} fails; the reason is unknown, because its controller could not be run here, or not "
+        "in time.",
+        "Replay it on a machine that has its controller.",
+    ),
 }
 
 
-def joined(found: Collection[Cause]) -> dict[Cause, Cause]:
-    """Return the cause under which to show each cause that one controller has.
+class _Additions(NamedTuple):
+    """The texts of a circumstance.
 
     Args:
-        found: All causes of its failures.
+        where: What it adds to the cause's sentence.
+        advice: Advice in place of the cause's; empty if that fits.
+        sentence: A sentence in place of the cause's; empty if that fits.
     """
-    shown = {cause: cause for cause in found}
-    for whole, parts in _PARTS.items():
-        if all(part in shown for part in parts):
-            shown |= dict.fromkeys(parts, whole)
-    return shown
+
+    where: str = ""
+    advice: str = ""
+    sentence: str = ""
+
+
+_CIRCUMSTANCES = {
+    Circumstance.LONG_STEP: _Additions(
+        advice="Slow down near walls, or make the time step smaller: a step must be shorter than "
+        "the thinnest wall.",
+        sentence="{It} drives so far in one step that it passes a wall, or the corner of one, "
+        "without noticing.",
+    ),
+    Circumstance.CORNER: _Additions(
+        advice="Keep the radius of the robot away from corners, not only its centre.",
+        sentence="{Its} edge cuts the corner of a wall as it passes.",
+    ),
+    Circumstance.SLIDING: _Additions(
+        advice="This is a fault of the motion model stepped; compare with --motion swept.",
+        sentence="{It} slides along a wall, or backs off from one, into another wall.",
+    ),
+    Circumstance.AMONG_CHANGES: _Additions(
+        where=" because cells change while it drives",
+        advice="Check what it remembers about walls: they may have changed since it saw them. It "
+        "arrives if they have all changed before it starts.",
+    ),
+    Circumstance.AT_A_GAP: _Additions(
+        where=" in front of a gap{gap}",
+        advice="Check how much clearance it requires at walls and in turns: its radius must be "
+        "enough. A smaller robot arrives.",
+    ),
+    Circumstance.AT_THE_TARGET: _Additions(
+        where=" next to the target, with nothing in between",
+        advice="Check how it slows down and aims close to the target.",
+    ),
+    Circumstance.BEHIND_A_WALL: _Additions(
+        where=" where a wall is between it and the target",
+        advice="It needs a way out of places where every direct move leads away from the target: "
+        "follow the wall, or plan; if it does, check why that does not help here.",
+    ),
+    Circumstance.FOLLOWS_NO_WALL: _Additions(
+        advice="A robot that turns by the same rule at each wall repeats itself: add memory, "
+        "chance or wall following, or check why what it has does not help.",
+        sentence="{It} drives from wall to wall on a path that repeats.",
+    ),
+    Circumstance.FACE_TO_FACE: _Additions(
+        advice="Break the symmetry: give one robot priority, or make both keep to the same side.",
+        sentence="Two robots drive into each other, and neither gives way.",
+    ),
+    Circumstance.CIRCULAR_WAIT: _Additions(
+        advice="Let the robot that has waited longest go first, and make the others yield.",
+        sentence="Three or more robots wait for each other in a circle.",
+    ),
+    Circumstance.PARKED_ROBOT: _Additions(
+        advice="Drive around a robot that has stopped, or let it move aside.",
+        sentence="A robot that has arrived is in another robot's way.",
+    ),
+    Circumstance.QUEUE: _Additions(
+        advice="Look at the robot in front: it is the one that fails.",
+        sentence="A robot waits behind another one that does not arrive.",
+    ),
+    Circumstance.GIVING_WAY: _Additions(
+        advice="Decide who goes first by a fixed property, not by behaviour that both share.",
+        sentence="Robots avoid each other again and again and get nowhere.",
+    ),
+}

@@ -200,45 +200,54 @@ def fails_by_timing(world: World, arrives: Callable[[World], bool]) -> bool:
     )
 
 
-def needs_a_wider_gap(
+def gap_that_stops(
     world: World, place: tuple[float, float], arrives: Callable[[World], bool]
-) -> bool:
-    """Return True if the robot avoids narrow places although it fits through them.
+) -> float:
+    """Return the width of a gap that the robot avoids although it fits through; 0 without one.
 
-    That is the case if every path from the place that it reaches is narrow,
-    and all robots below some smaller radius arrive.
+    A gap stops the robot if every path from the place that it reaches is narrow, and all robots
+    below some smaller radius arrive.
 
     Args:
         world: The world.
         place: x and y, cells.
         arrives: Returns True if the same robot arrives in another world.
+
+    Returns:
+        The width in radii of the robot.
     """
-    if not _has_little_room(world, place):
-        return False
+    gap = _narrow_way(world, place)
+    if not gap:
+        return 0.0
     changed = replace(world, certificate=None, failure=None)
     # The first robot that does not arrive decides, so no larger one is tried.
     arrived = itertools.takewhile(
         lambda share: arrives(replace(changed, robot_radius=share * world.robot_radius)), _SMALLER
     )
-    return len(list(arrived)) >= _FEWEST
+    return gap if len(list(arrived)) >= _FEWEST else 0.0
 
 
-def _has_little_room(world: World, place: tuple[float, float]) -> bool:
-    """Return True if every path from a place to the target has a gap or ends at a wall."""
+def _narrow_way(world: World, place: tuple[float, float]) -> float:
+    """Return how wide every path from a place to the target is at most; 0 if one is wide.
+
+    The width is that of a gap on the way, or twice the distance of the target from a wall, in radii
+    of the robot.
+    """
     solid = walls_at_the_end(world)
     x, y = place
     height, width = solid.shape
     if not (0 <= x < width and 0 <= y < height) or solid[math.floor(y), math.floor(x)]:
-        return False
+        return 0.0
     # The place itself may be next to a wall: that does not keep the robot from leaving it.
     target = target_disc(world)
     centre = (target.x, target.y)
-    wide = _GAP * world.robot_radius / world.cell_size
-    gap = narrowest_gap_sq(
-        solid, (round(x * UNIT), round(y * UNIT)), centre, math.ceil((2.0 * wide) ** 2)
-    )
+    radius = world.robot_radius / world.cell_size
+    limit = math.ceil((2.0 * _GAP * radius) ** 2)
+    gap_sq = narrowest_gap_sq(solid, (round(x * UNIT), round(y * UNIT)), centre, limit)
+    gap = math.inf if gap_sq is None else math.sqrt(gap_sq) / radius
     to_wall = math.sqrt(Walls(solid, Fraction(1)).nearest(centre)[1]) + target.radius
-    return gap is not None or to_wall < wide * UNIT
+    beside_target = 2.0 * to_wall / (radius * UNIT)
+    return min(gap, beside_target) if min(gap, beside_target) < 2.0 * _GAP else 0.0
 
 
 def _longest_beside_a_wall(world: World, trace: Trace) -> float:

@@ -14,8 +14,8 @@ import numpy as np
 
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
-from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing, needs_a_wider_gap
+from fuzz.triage.cause import Cause, Circumstance, Diagnosis
+from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
 from fuzz.triage.hazards import Hazard, hazard_in
 from fuzz.triage.signature import Standoff, is_entered, standoff
 from sim.episode import Episode
@@ -30,24 +30,31 @@ from sim.fleet import FleetEpisode
 from sim.runners.stopping import OutOfTime
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
-from worldgen.world import World
+from worldgen.world import Value, World
 
 CAUSE = "cause"
 """Name of the detail of a failure's record that holds its cause."""
 
-# Cells. A robot that stays within half a cell counts as standing at one place, however it moves
-# there.
-_ONE_PLACE = 0.5
+CIRCUMSTANCE = "circumstance"
+"""Name of the detail that holds its circumstance, if one is known."""
+
+GAP = "gap"
+"""Name of the detail that holds the width of the gap in front of it, in radii of the robot."""
+
+# Robot radii. A robot that stays within this distance counts as standing at one place, however it
+# moves there.
+_ONE_PLACE = 1.0
+
+# Robot radii per step, and turns per step, on average, below which a robot does not move at all.
+_MOVES_AT_ALL = 1e-4
+_TURNS_AT_ALL = 0.001
 
 # Turns per step, on average. A controller that turns by more than 70 degrees in nearly every step
 # follows nothing; wall followers stay below 0.15 even around posts.
 _RESTLESS = 0.2
 
-# Turns per step, on average, above which a robot that never drives does not stand still either.
-_TURNS_AT_ALL = 0.001
-
-# Share of steps that turn the robot around. One that reverses at the ends of a longer path stays
-# below it.
+# Share of steps that turn the robot around, or change between forwards and backwards. One that
+# reverses at the ends of a longer path stays below it.
 _OFTEN_AROUND = 0.1
 
 # Cells between two touches. A wall follower touches its wall at least once per cell,
@@ -72,15 +79,26 @@ _BY_VERDICT: dict[str, Cause] = {
     Verdict.TIMEOUT: Cause.WANDERS,
 }
 
+REPEATED = (
+    Cause.STANDS_STILL,
+    Cause.PUSHES_A_WALL,
+    Cause.TURNS_ON_THE_SPOT,
+    Cause.GOES_BACK_AND_FORTH,
+    Cause.CIRCLES_AN_OBSTACLE,
+    Cause.RETURNS_TO_A_WALL,
+    Cause.DRIVES_IN_CIRCLES,
+)
+"""The causes that name a motion which a single robot repeats."""
+
 CAUSE_OF_HAZARD = {Hazard.UNSENSED: Cause.HARMED_UNSENSED, Hazard.DISTURBED: Cause.PUSHED_TOO_HARD}
 """The causes of failures that are not the controller's fault."""
 
 _BY_STANDOFF = {
-    Standoff.FACE_TO_FACE: Cause.FACE_TO_FACE,
-    Standoff.CIRCULAR_WAIT: Cause.WAITS_IN_A_CIRCLE,
-    Standoff.BEHIND_PARKED: Cause.BLOCKED_BY_PARKED,
-    Standoff.QUEUE: Cause.WAITS_IN_A_QUEUE,
-    Standoff.OSCILLATION: Cause.GIVES_WAY_FOREVER,
+    Standoff.FACE_TO_FACE: Circumstance.FACE_TO_FACE,
+    Standoff.CIRCULAR_WAIT: Circumstance.CIRCULAR_WAIT,
+    Standoff.BEHIND_PARKED: Circumstance.PARKED_ROBOT,
+    Standoff.QUEUE: Circumstance.QUEUE,
+    Standoff.OSCILLATION: Circumstance.GIVING_WAY,
 }
 
 
@@ -93,18 +111,45 @@ def cause_of(failure: Failure) -> Cause:
     recorded = failure.record.details.get(CAUSE)
     if isinstance(recorded, str) and recorded in set(Cause):
         return Cause(recorded)
+    return diagnosis_of(failure).cause
+
+
+def diagnosis_of(failure: Failure) -> Diagnosis:
+    """Return a failure's cause and its circumstance: the recorded ones, or else the run's."""
+    details = failure.record.details
+    recorded = details.get(CAUSE)
+    if isinstance(recorded, str) and recorded in set(Cause):
+        circumstance = details.get(CIRCUMSTANCE)
+        gap = details.get(GAP, 0.0)
+        return Diagnosis(
+            Cause(recorded),
+            Circumstance(circumstance)
+            if isinstance(circumstance, str) and circumstance in set(Circumstance)
+            else None,
+            float(gap) if isinstance(gap, int | float) else 0.0,
+        )
     # These need no run: the record is enough.
     if failure.oracle is not None:
-        return Cause.BREAKS_A_RULE
-    if (hazard := hazard_in(failure.record.details)) is not None:
-        return CAUSE_OF_HAZARD[hazard]
+        return Diagnosis(Cause.BREAKS_A_RULE)
+    if (hazard := hazard_in(details)) is not None:
+        return Diagnosis(CAUSE_OF_HAZARD[hazard])
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
-        return known
+        return Diagnosis(known)
     try:
         others = OtherWorlds(failure.record.controller, failure.options)
-        return cause_of_run(failure.world, failure.run(), others)
+        return diagnosis_of_run(failure.world, failure.run(), others)
     except (WorldgenError, OutOfTime):
-        return Cause.UNKNOWN
+        return Diagnosis(Cause.UNKNOWN)
+
+
+def details_of(diagnosis: Diagnosis) -> dict[str, Value]:
+    """Return the details that a failure's record keeps of its diagnosis."""
+    details: dict[str, Value] = {CAUSE: diagnosis.cause.value}
+    if diagnosis.circumstance is not None:
+        details[CIRCUMSTANCE] = diagnosis.circumstance.value
+    if diagnosis.gap:
+        details[GAP] = round(diagnosis.gap, 4)
+    return details
 
 
 def cause_of_run(world: World, episode: Episode, others: OtherWorlds | None = None) -> Cause:
@@ -113,30 +158,54 @@ def cause_of_run(world: World, episode: Episode, others: OtherWorlds | None = No
     Args:
         world: World of the run.
         episode: The run, recorded.
-        others: Runs the same scenario in other worlds. If omitted, the causes that need such a run
-            are not considered.
+        others: Runs the same scenario in other worlds; only several robots need them.
     """
-    evidence = episode.evidence
-    if (known := _BY_VERDICT.get(episode.verdict)) is not None:
-        return known
     if isinstance(episode, FleetEpisode):
-        return _of_fleet(world, episode, others)
+        return _of_fleet(world, episode, others).cause
+    evidence = episode.evidence
     if episode.trace is None:
-        return Cause.UNKNOWN
+        return _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
     if isinstance(evidence, BurnedEvidence):
         entered = is_entered(world, episode.trace, evidence)
         return Cause.DRIVES_INTO_A_HAZARD if entered else Cause.CAUGHT_BY_A_CHANGE
     if isinstance(evidence, WallEvidence):
-        return _of_wall(evidence)
-    behaviour = behaviour_of(world, episode)
+        return Cause.GOES_THROUGH_A_WALL
+    seen = behaviour_of(world, episode)
     is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
-    if behaviour is None or not is_stuck:
-        return Cause.UNKNOWN
-    return _of_other_worlds(world, behaviour, others) or _of_behaviour(world, behaviour, others)
+    if seen is None or not is_stuck:
+        return _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
+    # A robot that only now and then reaches a new place may still end up repeating itself.
+    if episode.verdict == Verdict.TIMEOUT and not seen.recurs:
+        return Cause.WANDERS
+    return _of_behaviour(seen)
 
 
-def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -> Cause:
+def diagnosis_of_run(
+    world: World, episode: Episode, others: OtherWorlds | None = None
+) -> Diagnosis:
+    """Return the cause of a recorded run that did not arrive, and its circumstance.
+
+    Args:
+        world: World of the run.
+        episode: The run, recorded.
+        others: Runs the same scenario in other worlds. If omitted, the circumstances that need such
+            a run are not considered.
+    """
+    if isinstance(episode, FleetEpisode):
+        return _of_fleet(world, episode, others)
+    cause = cause_of_run(world, episode)
+    if isinstance(episode.evidence, WallEvidence):
+        return Diagnosis(cause, _how_through(episode.evidence))
+    seen = behaviour_of(world, episode)
+    if seen is None or cause not in REPEATED:
+        return Diagnosis(cause)
+    return _with_circumstance(world, cause, seen, others)
+
+
+def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -> Diagnosis:
     """Return the cause that keeps several robots from arriving, or the fault of one of them."""
+    if (cause := _BY_VERDICT.get(episode.verdict)) is not None:
+        return Diagnosis(cause)
     evidence = episode.evidence
     if isinstance(evidence, JointLoopEvidence):
         kind = standoff(evidence)
@@ -145,7 +214,7 @@ def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -
         if kind == Standoff.OSCILLATION and others is not None:
             fail_alone = [n for n in evidence.waiting if not others.arrives(world.alone(n))]
         if (known := _BY_STANDOFF.get(kind)) is not None and not fail_alone:
-            return known
+            return Diagnosis(Cause.HELD_UP_BY_ROBOTS, known)
         # No robot drives into another one, but robots may wait for each other at a distance.
         held = _held_by_others(world, episode, evidence.waiting, evidence.entry, others)
         if held is not None:
@@ -155,11 +224,11 @@ def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -
         # If nobody moves, only the robots' contacts explain why.
         trace = episode.robots[number - 1].trace
         if episode.verdict == Verdict.DEADLOCK and trace is not None:
-            return Cause.PUSHES_A_WALL if trace.bump[-1] else Cause.STANDS_STILL
+            return Diagnosis(Cause.PUSHES_A_WALL if trace.bump[-1] else Cause.STANDS_STILL)
         period = dict(evidence.periods or ()).get(number, evidence.period)
         loop = LoopEvidence(entry=evidence.entry, period=period, state_digest=evidence.state_digest)
         own = replace(episode.robots[number - 1], verdict=Verdict.LOOP, evidence=loop)
-        return cause_of_run(world.alone(number), own, others)
+        return diagnosis_of_run(world.alone(number), own, others)
     late = [
         number
         for number, one in enumerate(episode.robots, start=1)
@@ -171,7 +240,7 @@ def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -
         if held is not None:
             return held
     number = getattr(evidence, "robot", None) or late[0]
-    return cause_of_run(world.alone(number), episode.robots[number - 1], others)
+    return diagnosis_of_run(world.alone(number), episode.robots[number - 1], others)
 
 
 def _held_by_others(
@@ -180,7 +249,7 @@ def _held_by_others(
     waiting: Sequence[int],
     since: int,
     others: OtherWorlds | None,
-) -> Cause | None:
+) -> Diagnosis | None:
     """Return the cause if each robot that waits is near another one and would arrive alone.
 
     Near means that no other robot of its size would fit in between.
@@ -213,72 +282,81 @@ def _held_by_others(
         only_parked &= near <= parked
     if others is None or not all(others.arrives(world.alone(number)) for number in waiting):
         return None
-    return Cause.BLOCKED_BY_PARKED if only_parked else Cause.WAITS_FOR_OTHERS
+    return Diagnosis(Cause.HELD_UP_BY_ROBOTS, Circumstance.PARKED_ROBOT if only_parked else None)
 
 
-def _of_wall(evidence: WallEvidence) -> Cause:
+def _how_through(evidence: WallEvidence) -> Circumstance:
     # The thesis's motion names its own faulty moves. The other models have only one reason: they
     # check only where a step ends, and the step was too long for that.
     match evidence.cause:
         case None:
-            return Cause.STEPS_OVER_A_WALL
+            return Circumstance.LONG_STEP
         case "corner":
-            return Cause.CUTS_A_CORNER
+            return Circumstance.CORNER
         case _:
-            return Cause.SLIDES_INTO_A_WALL
+            return Circumstance.SLIDING
 
 
-def _of_other_worlds(world: World, seen: RepeatedPart, others: OtherWorlds | None) -> Cause | None:
-    """Return the cause, if it is one of those that only runs in changed worlds show."""
-    if others is None:
-        return None
-    try:
-        if fails_by_timing(world, others.arrives):
-            return Cause.CONFUSED_BY_CHANGES
-        # The walls that a robot touches reveal more about it than gaps that it keeps away from.
-        if seen.touching < _RARELY and needs_a_wider_gap(world, seen.closest, others.arrives):
-            return Cause.NEEDS_A_WIDER_GAP
-    except OutOfTime:
-        # Without time for these runs, the robot's behaviour is the best evidence.
-        return None
-    return None
+def _of_behaviour(seen: RepeatedPart) -> Cause:
+    """Return the motion that a run repeats."""
+    at_one_place = seen.extent <= _ONE_PLACE * seen.radius
+    turns = seen.turning >= _TURNS_AT_ALL
 
-
-def _of_behaviour(world: World, seen: RepeatedPart, others: OtherWorlds | None) -> Cause:
-    at_one_place = seen.extent <= _ONE_PLACE
-    turns_around = seen.about_faces > 0.0
-
-    # At one place, or turning all the time: it follows nothing and aims at nothing. At a wall,
-    # every robot turns, so there only a turn around counts.
-    if at_one_place and seen.touching == 1.0 and not turns_around:
+    # At one place. At a wall, every robot turns, so there only a turn around counts.
+    if at_one_place and seen.touching == 1.0 and not seen.about_faces:
         return Cause.PUSHES_A_WALL
-    # A robot that never drove passes nothing and was held by nothing on its way.
-    if seen.is_parked:
-        turns = seen.turning >= _TURNS_AT_ALL
-        return Cause.TURNS_BACK_AND_FORTH if turns else Cause.STANDS_STILL
-    restless = seen.turning >= _RESTLESS and (turns_around or seen.touching < _MOSTLY)
-    if restless or (at_one_place and turns_around):
-        return Cause.TURNS_BACK_AND_FORTH
-
-    # The robot is next to the target with nothing in between and hardly touches walls, so they are
-    # not the reason.
-    near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
-    if near and not seen.is_blocked and seen.touching < _RARELY:
-        return Cause.MISSES_THE_TARGET
+    if seen.length <= _MOVES_AT_ALL * seen.radius * seen.steps:
+        return Cause.TURNS_ON_THE_SPOT if turns else Cause.STANDS_STILL
+    if at_one_place:
+        if seen.about_faces or seen.reversals:
+            return Cause.GOES_BACK_AND_FORTH
+        return Cause.TURNS_ON_THE_SPOT if turns else Cause.STANDS_STILL
+    # Turning all the time, it follows nothing and aims at nothing.
+    if seen.turning >= _RESTLESS and (seen.about_faces or seen.touching < _MOSTLY):
+        return Cause.GOES_BACK_AND_FORTH
 
     # Along walls. A robot that follows an entire wall goes around an island, or around the target,
     # which is inside the outer wall; a robot that does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
-        return Cause.CIRCLES_A_WALL
+        return Cause.CIRCLES_AN_OBSTACLE
     if seen.touching >= _RARELY:
-        if others is None:
-            return Cause.UNKNOWN
-        gets_around = others.gets_around_walls(world)
-        return Cause.RETURNS_TO_THE_WALL if gets_around else Cause.BOUNCES_BETWEEN_WALLS
+        return Cause.RETURNS_TO_A_WALL
 
-    # Away from walls. A robot that stays near the place where it is nearest is held there.
+    # Away from walls.
+    if seen.around_island:
+        return Cause.CIRCLES_AN_OBSTACLE
+    if seen.about_faces + seen.reversals >= _OFTEN_AROUND or seen.is_retraced:
+        return Cause.GOES_BACK_AND_FORTH
+    return Cause.DRIVES_IN_CIRCLES
+
+
+def _with_circumstance(
+    world: World, cause: Cause, seen: RepeatedPart, others: OtherWorlds | None
+) -> Diagnosis:
+    """Return a motion with the circumstance in which the robot repeats it."""
+    hardly_touches = seen.touching < _RARELY
+    # Runs in other worlds show most. Without time for them, the robot's own run is the best
+    # evidence.
+    if others is not None:
+        try:
+            if fails_by_timing(world, others.arrives):
+                return Diagnosis(cause, Circumstance.AMONG_CHANGES)
+            # The walls that a robot touches reveal more about it than gaps that it keeps away from.
+            gap = gap_that_stops(world, seen.closest, others.arrives) if hardly_touches else 0.0
+            if gap:
+                # A robot can reach a target in a gap that is too narrow to drive through.
+                return Diagnosis(cause, Circumstance.AT_A_GAP, gap if gap >= 2.0 else 0.0)
+            if cause == Cause.RETURNS_TO_A_WALL and not others.gets_around_walls(world):
+                return Diagnosis(cause, Circumstance.FOLLOWS_NO_WALL)
+        except OutOfTime:
+            pass
+    # A robot that never drove passes nothing, and nothing on its way held it back.
+    if seen.is_parked or not hardly_touches:
+        return Diagnosis(cause)
+    near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
+    if near and not seen.is_blocked:
+        return Diagnosis(cause, Circumstance.AT_THE_TARGET)
+    # A robot that stays near the place where it is nearest to its target is held there.
     if seen.is_blocked and seen.farthest <= seen.nearest + _NEARBY:
-        return Cause.TRAPPED_BEHIND_A_WALL
-    if seen.about_faces >= _OFTEN_AROUND:
-        return Cause.TURNS_BACK_AND_FORTH
-    return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES
+        return Diagnosis(cause, Circumstance.BEHIND_A_WALL)
+    return Diagnosis(cause)

@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from fuzz.triage.cause import Cause
+from fuzz.triage.cause import Cause, Diagnosis
 from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.crash_bucket import FACTS, NAMED
-from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
+from fuzz.triage.diagnosis import CAUSE_OF_HAZARD, details_of, diagnosis_of_run
 from fuzz.triage.hazards import hazard_details, hazard_in
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CompiledController
@@ -169,7 +169,7 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            CAUSE: _cause(trial, found, oracle, details).value,
+            **details_of(_diagnosis(trial, found, oracle, details)),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -177,13 +177,15 @@ def judge(
     return JudgedRun(Failure(replace(world, failure=None), record), is_settled=True)
 
 
-def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:
+def _diagnosis(
+    trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]
+) -> Diagnosis:
     if not oracle.by_verdict:
-        return Cause.BREAKS_A_RULE
+        return Diagnosis(Cause.BREAKS_A_RULE)
     if (hazard := hazard_in(details)) is not None:
-        return CAUSE_OF_HAZARD[hazard]
+        return Diagnosis(CAUSE_OF_HAZARD[hazard])
     episode = trial.episode
-    return cause_of_run(
+    return diagnosis_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
         OtherWorlds(trial.controller, trial.options),

@@ -131,8 +131,8 @@ function preparePaper() {
 function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
-  const named = data.answers.flatMap((answer) => answer.causes.flatMap((cause) => [cause.cause, ...cause.parts].map((name) => ({ name, cause }))));
-  const causes = new Map(named.map(({ name, cause }) => [name, COLOURS[cause.severity]]));
+  const rows = data.answers.flatMap((answer) => answer.causes);
+  const causes = new Map(rows.map((row) => [row.cause, COLOURS[row.severity]]));
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures, causes);
   else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);

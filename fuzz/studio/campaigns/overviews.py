@@ -26,8 +26,7 @@ def ranks(causes: Iterable[str], folders: Iterable[Path]) -> dict[str, int]:
     for folder in folders:
         overview = _overview_in(folder)
         for row in () if overview is None else overview.causes:
-            for cause in row.parts or [row.cause]:
-                natural[cause] += row.natural or 0
+            natural[row.cause] += row.natural or 0
     totals = (
         CauseTotals(Cause(cause), (), {cause: count}, natural[cause])
         for cause, count in met.items()
