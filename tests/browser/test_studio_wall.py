@@ -13,8 +13,8 @@ from worldgen.files.grid import read_world, write_world
 pytestmark = pytest.mark.gate
 
 CAUSES = {
-    LOOP: "bounces-between-walls",
-    TUNNEL: "slides-into-a-wall",
+    LOOP: "returns-to-a-wall",
+    TUNNEL: "goes-through-a-wall",
     STALLED: "harmed-by-what-it-cannot-sense",
 }
 

@@ -14,7 +14,6 @@ from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import Shrunk, shrink_class
-from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import JudgedRun
 from fuzz.triage.triage import Triage
 
@@ -104,4 +103,4 @@ def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smal
     files = [WorldFile(failure, f"{9 - number}.grid") for number, failure in enumerate(equal)]
     causes = with_worlds(causes_in(equal), lambda _: files, end=0.0)
     assert [(one.file, one.smallest) for one in causes] == [("9.grid", "9.grid")]
-    assert clearest(reversed(equal), cause_of(equal[0])) is equal[0]
+    assert clearest(reversed(equal)) is equal[0]

@@ -20,9 +20,9 @@ from fuzz.search.drawn import explore, strategy_worlds
 from fuzz.shrink import KEEP, removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
-from fuzz.triage.cause import Cause
+from fuzz.triage.cause import Cause, Circumstance, Diagnosis
 from fuzz.triage.changed_worlds import OtherWorlds
-from fuzz.triage.diagnosis import cause_of, cause_of_run
+from fuzz.triage.diagnosis import cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from fuzz.triage.signature import Standoff, standoff
@@ -82,7 +82,7 @@ def test_two_robots_that_block_each_other_are_a_failure_with_a_joint_witness() -
     assert failure.verdict == Verdict.DEADLOCK
     assert failure.bucket == "deadlock-face-to-face"
     assert isinstance(failure.world.certificate, JointWitness)
-    assert cause_of(failure) == Cause.FACE_TO_FACE
+    assert diagnosis_of(failure) == Diagnosis(Cause.HELD_UP_BY_ROBOTS, Circumstance.FACE_TO_FACE)
 
 
 def test_a_deadlock_replays_from_its_bytes() -> None:
@@ -228,11 +228,14 @@ class CountingStraight(Straight):
         return super().act(observation, ())[0], (memory[0] + 1.0,)
 
 
+HELD_UP = Diagnosis(Cause.HELD_UP_BY_ROBOTS)
+
+
 def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> None:
     world = alley()
     episode = simulate(world, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
-    assert cause_of_run(world, episode, arrives(True)) == Cause.WAITS_FOR_OTHERS
+    assert diagnosis_of_run(world, episode, arrives(True)) == HELD_UP
     # If one of them fails even alone, or if they are far apart, its own cause counts.
     assert cause_of_run(world, episode, arrives(False)) == Cause.PUSHES_A_WALL
 
@@ -263,9 +266,11 @@ def test_robots_that_never_meet_do_not_give_way() -> None:
     episode = simulate(rooms, "turn-right", failure.options, record=True)
     assert episode.verdict == Verdict.LIVELOCK
     own = OtherWorlds("turn-right", failure.options)
-    assert cause_of_run(rooms, episode, own) == Cause.BOUNCES_BETWEEN_WALLS
+    assert cause_of_run(rooms, episode, own) == Cause.RETURNS_TO_A_WALL
     # Robots that would arrive alone stop each other.
-    assert cause_of_run(rooms, episode, arrives(True)) == Cause.GIVES_WAY_FOREVER
+    assert diagnosis_of_run(rooms, episode, arrives(True)) == Diagnosis(
+        Cause.HELD_UP_BY_ROBOTS, Circumstance.GIVING_WAY
+    )
 
 
 def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
@@ -275,7 +280,7 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     polite = World(room, Pose(0.15, 0.25), Target(0.25, 0.15, 0.05), others=(other,))
     episode = simulate(polite, "pibt", record=True)
     assert episode.verdict == Verdict.DEADLOCK and episode.evidence.blocked == ()
-    assert cause_of_run(polite, episode, arrives(True)) == Cause.WAITS_FOR_OTHERS
+    assert diagnosis_of_run(polite, episode, arrives(True)) == HELD_UP
     assert cause_of_run(polite, episode, arrives(False)) == Cause.STANDS_STILL
 
     # A robot that has parked in a passage stops the other one without touching it.
@@ -285,14 +290,18 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     closed = World(passage, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=(parked,))
     episode = simulate(closed, "pibt", record=True)
     assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
-    cause = cause_of_run(closed, episode, arrives(True))
-    assert cause == Cause.BLOCKED_BY_PARKED
+    found = diagnosis_of_run(closed, episode, arrives(True))
+    assert found == Diagnosis(Cause.HELD_UP_BY_ROBOTS, Circumstance.PARKED_ROBOT)
     # Of several robots, a sentence does not say "it".
-    sentences = [one.sentence_in(closed) for one in Cause]
+    sentences = [Diagnosis(one).sentence(closed) for one in Cause]
+    sentences += [
+        Diagnosis(Cause.STANDS_STILL, circumstance).sentence(closed)
+        for circumstance in Circumstance
+    ]
     assert not [text for text in sentences if text.startswith(("It ", "Its "))]
-    assert Cause.PUSHES_A_WALL.sentence_in(closed).startswith("A robot keeps driving")
+    assert Diagnosis(Cause.PUSHES_A_WALL).sentence(closed).startswith("A robot keeps driving")
     # The verdict's words must not deny what the cause's sentence says.
-    assert "another robot's way" in cause.sentence
+    assert "another robot's way" in found.sentence(closed)
     assert describe_evidence(episode).endswith(
         "never arrives, and no robot drives into another; robot 2 has parked)"
     )

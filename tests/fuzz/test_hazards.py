@@ -219,7 +219,7 @@ def test_a_plan_that_a_moved_wall_spoils_is_judged_by_what_was_read(controller, 
     scenario = Scenario.parse(f"{tmp_path}/gaps.py:{controller}")
     failure = failure_of(certified(gap_that_moves()), scenario)
     assert failure.record.verdict in ("loop", "stalled") and is_hazard(failure) is unsensed
-    cause = Cause.HARMED_UNSENSED if unsensed else Cause.CONFUSED_BY_CHANGES
+    cause = Cause.HARMED_UNSENSED if unsensed else Cause.PUSHES_A_WALL
     assert failure.record.details["cause"] == cause
     assert _run(Case(certified(gap_that_moves()), scenario))[1] == cause
     assert replay(failure).confirmed

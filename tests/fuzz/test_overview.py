@@ -23,9 +23,9 @@ from fuzz.overview.building import (
     with_own_files,
     with_worlds,
 )
-from fuzz.overview.causes import in_order, with_joined, with_natural
+from fuzz.overview.causes import in_order, with_natural
 from fuzz.overview.clearest import clearest
-from fuzz.overview.comparison import compare, with_states
+from fuzz.overview.comparison import compare
 from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview, write_overview
 from fuzz.overview.table import NaturalTally
@@ -44,22 +44,22 @@ from worldgen.support.plain_text import Styled
 
 
 def test_causes_come_by_severity_and_frequency_in_natural_worlds():
-    rare = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 900})
+    rare = CauseTotals(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 900})
     often = CauseTotals(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
-    worst = CauseTotals(Cause.STEPS_OVER_A_WALL, ("c",), {"tunnel": 1})
+    worst = CauseTotals(Cause.GOES_THROUGH_A_WALL, ("c",), {"tunnel": 1})
     assert in_order([often, rare, worst]) == [worst, rare, often]
     ordered = with_natural([often, rare, worst], {Cause.PUSHES_A_WALL: 5, Cause.WANDERS: 1})
     assert [one.cause for one in ordered] == [
-        Cause.STEPS_OVER_A_WALL,
+        Cause.GOES_THROUGH_A_WALL,
         Cause.PUSHES_A_WALL,
         Cause.WANDERS,
-        Cause.CIRCLES_A_WALL,
+        Cause.CIRCLES_AN_OBSTACLE,
     ]
 
 
 def test_a_cause_that_no_natural_world_shows_comes_late():
     burned = CauseTotals(Cause.DRIVES_INTO_A_HAZARD, ("a",), {"burned": 4})
-    tunnel = CauseTotals(Cause.STEPS_OVER_A_WALL, ("b",), {"tunnel": 1})
+    tunnel = CauseTotals(Cause.GOES_THROUGH_A_WALL, ("b",), {"tunnel": 1})
     pushes = CauseTotals(Cause.PUSHES_A_WALL, ("c",), {"loop": 145})
     assert in_order([pushes, burned, tunnel]) == [tunnel, burned, pushes]
     # An error that breaks the rules of the simulation is one wherever it happens.
@@ -76,40 +76,6 @@ def test_buckets_are_grouped_with_how_often_they_were_met():
         (Cause.PUSHES_A_WALL, ("one", "two"), 7),
         (Cause.STANDS_STILL, ("three",), 1),
     ]
-
-
-def test_two_causes_that_one_condition_explains_are_one():
-    circles = CauseTotals(Cause.CIRCLES_A_WALL, ("c", "a"), {"loop": 2}, natural=3)
-    returns = CauseTotals(Cause.RETURNS_TO_THE_WALL, ("b",), {"loop": 1, "stalled": 5}, natural=4)
-    pushes = CauseTotals(Cause.PUSHES_A_WALL, ("d",), {"loop": 8}, natural=5)
-    # Each alone keeps its name, which says more.
-    assert with_joined([circles, pushes]) == [pushes, circles]
-    assert with_joined([returns]) == [returns]
-    first, second = with_joined([circles, pushes, returns])
-    assert second == pushes
-    assert first == CauseTotals(
-        Cause.LEAVES_WALLS_WRONGLY, ("a", "b", "c"), {"stalled": 5, "loop": 3}, natural=7
-    )
-    assert first.table().parts == ["circles-a-wall", "returns-to-the-wall"]
-    assert pushes.table().parts == []
-    # A cause that only shrinking found is not joined.
-    shrunk = CauseTotals(Cause.RETURNS_TO_THE_WALL, ("b",), {"loop": 0}, natural=0)
-    assert with_joined([circles, shrunk]) == [circles, shrunk]
-
-
-def test_a_joined_cause_is_new_only_if_all_of_it_is():
-    first = CauseTotals(Cause.LEAVES_WALLS_WRONGLY, ("a", "b"), {"loop": 2})
-    now = {"a": Cause.CIRCLES_A_WALL, "b": Cause.RETURNS_TO_THE_WALL}
-    new = compare("baseline", now, {}, {})
-    known = compare("baseline", now, {"b": Cause.RETURNS_TO_THE_WALL}, {})
-    assert with_states([first], new)[0].state == "new"
-    assert with_states([first], known)[0].state == "still"
-    # The comparison names causes as the summary does.
-    assert "new: 1 cause (leaves-walls-wrongly)" in new.describe()
-    assert "still there: 1 cause (leaves-walls-wrongly)" in known.describe()
-    # What only natural worlds show was not looked for in an earlier campaign's folder.
-    (natural,) = with_natural([], {Cause.WANDERS: 1})
-    assert with_states([natural], known)[0].state == ""
 
 
 def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
@@ -139,7 +105,7 @@ def test_only_families_have_natural_worlds():
 def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
     near = found_by("Still", hall(6, 5, start=(0.32, 0.25)))
     far = found_by("Still")
-    assert near.size < far.size and clearest([near, far], Cause.STANDS_STILL) is far
+    assert near.size < far.size and clearest([near, far]) is far
 
 
 def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
@@ -148,14 +114,14 @@ def test_a_shrunk_world_is_clearer_than_one_as_found_even_if_it_is_narrow():
     shrunk = replace(narrow, record=record)
     assert shrunk.shrinking == "done"
     found = found_by("Still")
-    assert found.shrinking == "none" and clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+    assert found.shrinking == "none" and clearest([found, shrunk]) is shrunk
 
 
 def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_picture(monkeypatch):
     found = found_by("Still")
     record = replace(found.record, details={**found.record.details, "shrinking": "done"})
     shrunk = replace(found, world=certified(hall(9, 5, start=(0.75, 0.25))), record=record)
-    assert clearest([found, shrunk], Cause.STANDS_STILL) is shrunk
+    assert clearest([found, shrunk]) is shrunk
 
     def behaviour_of(world, episode):
         length = 31.0 * 9 if world.width == 9 else 1.0
@@ -163,13 +129,13 @@ def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_pi
 
     monkeypatch.setattr("fuzz.overview.clearest.behaviour_of", behaviour_of)
     assert found.world.width != 9
-    assert clearest([found, shrunk], Cause.STANDS_STILL) is found
+    assert clearest([found, shrunk]) is found
 
 
 @pytest.mark.parametrize("greedy", ["clearest", "explained"])
 def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
     still = found_by("Still")
-    names = (Cause.STANDS_STILL, Cause.CIRCLES_A_WALL, Cause.MISSES_THE_TARGET)
+    names = (Cause.STANDS_STILL, Cause.CIRCLES_AN_OBSTACLE, Cause.DRIVES_IN_CIRCLES)
     failures = {cause: still.noting(cause=cause.value) for cause in names}
     causes = causes_of({cause.value: one for cause, one in failures.items()}, {})
     seconds = [0]
@@ -447,7 +413,7 @@ def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path
 
 
 def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
-    cause = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 9})
+    cause = CauseTotals(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 9})
     headline = Headline("mine under swept", tmp_path, 107)
 
     def first_lines(arrived):
@@ -489,9 +455,9 @@ def test_counts_never_contradict_each_other(tmp_path):
     [
         (Cause.CRASHES, "its controller crashes; 1 cause"),
         (Cause.INVALID_COMMAND, "its controller sends invalid commands; 1 cause"),
-        (Cause.CUTS_A_CORNER, "goes through walls; 1 cause"),
+        (Cause.GOES_THROUGH_A_WALL, "goes through walls; 1 cause"),
         (Cause.WANDERS, "sometimes runs out of time; 1 cause"),
-        (Cause.CIRCLES_A_WALL, "does not always arrive; 1 cause"),
+        (Cause.CIRCLES_AN_OBSTACLE, "does not always arrive; 1 cause"),
         (
             Cause.CAUGHT_BY_A_CHANGE,
             "does not always arrive, and runs into a hazard that it can sense; 1 cause",
@@ -510,7 +476,7 @@ def test_each_class_has_its_page_only_if_asked_for(tmp_path):
     brief = worldgen(*options, tmp_path / "brief").out
     verbose = worldgen(*options, tmp_path / "verbose", "--verbose").out
     assert "S start" not in brief and "S start" in verbose and "strategy" in verbose
-    assert "bounces-between-walls" in verbose
+    assert "returns-to-a-wall" in verbose
 
 
 def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):

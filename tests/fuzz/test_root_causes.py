@@ -10,8 +10,8 @@ import pytest
 from fuzz.failure import Failure
 from fuzz.overview import Cause
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.cause import Circumstance, Diagnosis
+from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.proofs import certified
 from fuzz.triage.repeated_moves import describe_period
@@ -93,10 +93,7 @@ def test_local_minima_hold_a_robot_of_any_size_and_gaps_only_a_large_one():
     ("name", "weakness"),
     [
         ("wall-left/swept", Diagnosis(Cause.CIRCLES_AN_OBSTACLE)),
-        (
-            "turn-right/swept",
-            Diagnosis(Cause.RETURNS_TO_A_WALL, Circumstance.FOLLOWS_NO_WALL),
-        ),
+        ("turn-right/swept", Diagnosis(Cause.RETURNS_TO_A_WALL, Circumstance.FOLLOWS_NO_WALL)),
         ("tangent-bug/swept", Diagnosis(Cause.RETURNS_TO_A_WALL)),
     ],
 )

@@ -6,17 +6,17 @@ from fuzz.studio.campaigns.overviews import example_in, ranks
 from fuzz.triage.cause import Cause
 from tests.helpers.campaign_folder import LOOP, STALLED, campaign_folder, explain_the_loop
 
-BOUNCES = Cause.BOUNCES_BETWEEN_WALLS.value
+RETURNS = Cause.RETURNS_TO_A_WALL.value
 WANDERS = Cause.WANDERS.value
 UNSENSED = "harmed-by-what-it-cannot-sense"
 
 
 def test_causes_come_by_severity_and_what_no_robot_can_sense_comes_last(tmp_path):
-    causes = [UNSENSED, UNSENSED, WANDERS, "", BOUNCES, Cause.STEPS_OVER_A_WALL.value]
+    causes = [UNSENSED, UNSENSED, WANDERS, "", RETURNS, Cause.GOES_THROUGH_A_WALL.value]
     order = ranks(causes, [tmp_path])
     assert sorted(set(causes), key=order.__getitem__) == [
-        Cause.STEPS_OVER_A_WALL.value,
-        BOUNCES,
+        Cause.GOES_THROUGH_A_WALL.value,
+        RETURNS,
         "",
         WANDERS,
         UNSENSED,
@@ -30,9 +30,9 @@ def test_among_equally_bad_causes_the_one_of_natural_worlds_comes_first(tmp_path
     overview = json.loads(file.read_text())
     overview["causes"][0]["natural"] = 3
     file.write_text(json.dumps(overview))
-    causes = [Cause.CIRCLES_A_WALL.value] * 9 + [BOUNCES]
-    assert ranks(causes, [])[BOUNCES] == 1
-    assert ranks(causes, [folder])[BOUNCES] == 0
+    causes = [Cause.CIRCLES_AN_OBSTACLE.value] * 9 + [RETURNS]
+    assert ranks(causes, [])[RETURNS] == 1
+    assert ranks(causes, [folder])[RETURNS] == 0
 
 
 def test_only_the_example_of_a_cause_is_explained(tmp_path):
@@ -46,5 +46,5 @@ def test_only_the_example_of_a_cause_is_explained(tmp_path):
 def test_an_overview_that_cannot_be_read_hides_no_failure(tmp_path):
     folder = campaign_folder(tmp_path / "c")
     (folder / ".campaign/overview.json").write_text("{")
-    assert ranks([BOUNCES], [folder]) == {BOUNCES: 0, "": 0}
+    assert ranks([RETURNS], [folder]) == {RETURNS: 0, "": 0}
     assert example_in(folder / LOOP) is None

@@ -57,7 +57,7 @@ def campaign_folder(folder, **summary):
 def explain_the_loop(folder, changes):
     """Write an overview into the folder, with the loop as the example of its only cause."""
     cause = {
-        "cause": "bounces-between-walls", "sentence": "It bounces.", "advice": "Add memory.",
+        "cause": "returns-to-a-wall", "sentence": "It bounces.", "advice": "Add memory.",
         "severity": "never-arrives", "state": "new", "met": 17, "verdicts": {"loop": 17},
         "natural": None, "classes": ["loop-a"], "file": LOOP, "smallest": LOOP,
         "why": "arrives if some cell is free", "changes": changes,

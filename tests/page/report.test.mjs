@@ -7,7 +7,7 @@ import { makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
 import { makeOverview } from "#report/overview.js";
 
-const CAUSES = { loop: "circles-a-wall", tunnel: "steps-over-a-wall", stalled: "wanders" };
+const CAUSES = { loop: "circles-an-obstacle", tunnel: "goes-through-a-wall", stalled: "wanders" };
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
@@ -53,7 +53,7 @@ test("a card names the other causes and the number of worlds of its class", () =
 
 test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
-  makeOverview(list, FAILURES, new Map([["steps-over-a-wall", "tunnel"], ["circles-a-wall", "loop"], ["wanders", "loop"]]));
+  makeOverview(list, FAILURES, new Map([["goes-through-a-wall", "tunnel"], ["circles-an-obstacle", "loop"], ["wanders", "loop"]]));
   assert.deepEqual(headings(), ["steps over a wall 2", "circles a wall 1", "wanders 1"]);
   // A cause has one colour on the page, whatever its first failure's verdict.
   assert.deepEqual(list.querySelectorAll("h2 .dot").map((one) => one.dataset.verdict), ["tunnel", "loop", "loop"]);
@@ -62,16 +62,16 @@ test("groups of causes have the answer's order, the worst first", () => {
 test("the answer has advice for every cause, and a command if no change was tried", () => {
   const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
   const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, percent: 10, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
-  const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
+  const answer = { controller: "c", motion: "m", causes: [cause("circles-an-obstacle"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
   const shown = element("answer");
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
-  for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "Never tried: gaps of 2 to 3 robot radii; paths with no quarter turns."])
+  for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-an-obstacle.", "Mend wanders.", "worldgen explain one.grid", "Never tried: gaps of 2 to 3 robot radii; paths with no quarter turns."])
     assert.ok(shown.textContent.includes(words), words);
 });
 
 test("one cause at a time shows its example, the first until another one is chosen", () => {
   const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 3 }, natural: null, classes: ["a"], why: "", ...more });
-  const causes = [cause("circles-a-wall", { file: "one.grid" }), cause("wanders", { file: "two.grid", why: "arrives if cell (1, 1) is free" }), cause("stands-still", { file: "" })];
+  const causes = [cause("circles-an-obstacle", { file: "one.grid" }), cause("wanders", { file: "two.grid", why: "arrives if cell (1, 1) is free" }), cause("stands-still", { file: "" })];
   const failures = [failure("one", "loop", 20), failure("two", "loop", 30)];
   const shown = element("answer");
   makeAnswer(shown, { failures, extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes, natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
