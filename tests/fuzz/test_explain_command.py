@@ -124,8 +124,8 @@ def test_a_controller_that_cannot_be_run_has_neither_verdict_nor_cause():
 
 def test_another_controller_has_not_the_recorded_cause_of_a_breach():
     failure = Failure.read(BREACH).noting(cause="crashes")
-    assert explain_failure(failure).cause == "crashes"
-    assert explain_failure(failure, "turn-left").cause != "crashes"
+    assert explain_failure(failure).diagnosis.cause == "crashes"
+    assert explain_failure(failure, "turn-left").diagnosis.cause != "crashes"
 
 
 def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tmp_path):

@@ -16,6 +16,8 @@ from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
 from tests.helpers.workflow import Job, load
 
+pytestmark = pytest.mark.gate
+
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "ci"
 WORKFLOW = ".github/workflows/worldgen.yml"
