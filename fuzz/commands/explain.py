@@ -62,7 +62,7 @@ def explain(
     from fuzz.campaign.store import controller_change
     from fuzz.commands._failure_files import FailureFiles
     from fuzz.overview.explanation import explain_failure
-    from sim.runners.controller_time import Effort
+    from sim.clock.controller_time import Effort
     from sim.runners.renewal import survivors_found
 
     # Refuse a picture of several failures before the work.

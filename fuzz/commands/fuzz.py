@@ -144,7 +144,7 @@ def fuzz(
     from fuzz.corpus import Baseline, read_corpus
     from fuzz.overview.building import Conclusion
     from fuzz.report import write_report
-    from sim.runners.controller_time import Effort
+    from sim.clock.controller_time import Effort
     from worldgen.support.plain_text import counted
 
     # Refuse contradicting options before any work.

@@ -64,9 +64,9 @@ def replay(
     from fuzz.describe import describe
     from fuzz.overview.building import explained
     from fuzz.replay.answer import answer
+    from sim.clock.controller_time import Effort
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames
-    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
 
     # Check that the reports can be written.

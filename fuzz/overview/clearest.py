@@ -14,7 +14,7 @@ from fuzz.failure import Failure, ShrinkState
 from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.cause import Cause
-from sim.runners.stopping import OutOfTime
+from sim.clock.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 
 # Cells between the edges of robot and target at the start; with less, the robot seems to be there

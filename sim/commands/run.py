@@ -212,9 +212,9 @@ def _simulated(
     world: World, scenarios: list[Scenario], steps: int | None, *, record: bool
 ) -> Episode:
     """Run one robot, or all robots of a world with several."""
+    from sim.clock.controller_time import Effort
     from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
-    from sim.runners.controller_time import Effort
     from sim.runners.renewal import survivors_found
 
     began = Effort.so_far()
