@@ -10,8 +10,8 @@ from fuzz.evidence_checks.chance import check_chance
 from fuzz.failure import regardless_of_walls
 from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.noise import is_noisy
 from sim.episode import prepare, simulate
-from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS

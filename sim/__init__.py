@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from sim.motion import MOTIONS
     from sim.options.robot import RobotOptions
     from sim.options.run import RunOptions
+    from sim.options.thesis import ThesisOptions
     from sim.scenario import Scenario
-    from sim.thesis.options import ThesisOptions
     from sim.trace import Trace
 
 __getattr__, __dir__ = lazy_names(
@@ -70,8 +70,8 @@ __getattr__, __dir__ = lazy_names(
         "motion": ("MOTIONS",),
         "options.robot": ("RobotOptions",),
         "options.run": ("RunOptions",),
+        "options.thesis": ("ThesisOptions",),
         "scenario": ("Scenario",),
-        "thesis.options": ("ThesisOptions",),
         "trace": ("Trace",),
     },
 )

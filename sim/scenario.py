@@ -22,7 +22,7 @@ from sim.options.run import (
     switch_class,
     switch_sets,
 )
-from sim.thesis.options import REPAIRS, ThesisOptions
+from sim.options.thesis import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin

@@ -14,9 +14,9 @@ from fuzz.screening.batch import Batch, Seat
 from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.controller_error import ControllerError
+from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
-from sim.runners.hidden_state import hidden_state
 from sim.runners.lockstep import ControllerRaised, its_own_fault
 from sim.runners.python_loop import begun_anew
 from worldgen.support.arrays import Floats

@@ -17,8 +17,8 @@ from fuzz.triage.crash_bucket import crash_bucket
 from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.controller_error import ControllerError
+from sim.controllers.hidden_state import own_attributes
 from sim.controllers.programs.program import WantsMemory
-from sim.runners.hidden_state import own_attributes
 from sim.runners.python_act import Stops
 from sim.runners.python_loop import begun_anew, crash_of, driver_of, memory_at_start, plans
 from sim.verdict import Verdict

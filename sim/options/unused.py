@@ -9,11 +9,11 @@ from collections.abc import Iterable, Sequence
 
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController, robot_for
+from sim.controllers.noise import is_noisy
 from sim.controllers.thesis import RANDOM
-from sim.options.noise import is_noisy
 from sim.options.run import switch_class
+from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
-from sim.thesis.options import ThesisOptions
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (

@@ -17,9 +17,9 @@ from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
+from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import CoreMemory
 from sim.kernels import layout
-from sim.options.noise import is_noisy
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (

@@ -20,14 +20,14 @@ from sim.controllers.base import Memory, PythonController, VectorController, wan
 from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.crash_frames import crash_facts
+from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import WantsMemory
+from sim.controllers.timeline_reads import world_to_read
 from sim.controllers.vector import Asker
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, Workspace, most_points
-from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.python_act import Stops, act_in_core
 from sim.runners.renewal import has_shared_state_changed, reset_anew
-from sim.runners.timeline_reads import world_to_read
 from sim.verdict import Verdict
 from worldgen.plugins.user_modules import without_private_names
 from worldgen.support.arrays import Ints

@@ -4,7 +4,7 @@ import pytest
 
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from sim.options.noise import is_noisy
+from sim.controllers.noise import is_noisy
 from sim.options.unused import random_run, unused_options
 from sim.scenario import Scenario
 from worldgen.families import trap
