@@ -13,9 +13,9 @@ from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
-from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
+from sim.episode.describe import describe_evidence, describe_frames
 from sim.evidence import Evidence
 from worldgen.render import draw_terminal, wants_color
 from worldgen.render.overlay import naming

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from sim.batch import Runs, simulate_many
     from sim.controllers import (
         CONTROLLERS,
         Command,
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
         VectorController,
     )
     from sim.episode import Episode, simulate
+    from sim.episode.batch import Runs, simulate_many
     from sim.fleet import FleetEpisode
     from sim.motion import MOTIONS
     from sim.options.robot import RobotOptions
@@ -51,7 +51,6 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "batch": ("Runs", "simulate_many"),
         "controllers": (
             "CONTROLLERS",
             "Command",
@@ -66,6 +65,7 @@ __getattr__, __dir__ = lazy_names(
             "VectorController",
         ),
         "episode": ("Episode", "simulate"),
+        "episode.batch": ("Runs", "simulate_many"),
         "fleet": ("FleetEpisode",),
         "motion": ("MOTIONS",),
         "options.robot": ("RobotOptions",),

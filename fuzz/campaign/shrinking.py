@@ -14,7 +14,7 @@ from fuzz.shrink import shrink
 from fuzz.simplicity import FailureOrder
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
-from sim.runners.renewal import as_loaded
+from sim.controllers.catalogue.renewal import as_loaded
 from worldgen.errors import WorldgenError
 
 # Number of failures per class that are shrunk; the smallest result is kept.

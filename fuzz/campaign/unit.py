@@ -14,7 +14,7 @@ from fuzz.search.task import SearchTask
 from fuzz.triage.triage import Triage
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
-from sim.runners.renewal import as_loaded
+from sim.controllers.catalogue.renewal import as_loaded
 
 
 def run_unit(

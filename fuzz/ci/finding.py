@@ -12,8 +12,8 @@ from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.triage.diagnosis import cause_of
 from sim.clock.stopping import OutOfTime
-from sim.describe import describe_frames
 from sim.drawing.picture import trails_of
+from sim.episode.describe import describe_frames
 from worldgen.errors import WorldgenError
 from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal

@@ -205,7 +205,7 @@ def _begin(
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
     from fuzz.campaign.store import begin, stored_seed
-    from sim.options.unused import ineffective
+    from sim.scenario.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if options.world is not None and (options.families or options.strategies):

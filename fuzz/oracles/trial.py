@@ -9,11 +9,11 @@ from typing import Any
 
 from fuzz.evidence_checks import check_evidence, check_fleet
 from sim.controllers import CompiledController
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, prepare, simulate
 from sim.evidence import JointLoopEvidence, LoopEvidence
 from sim.fleet import FleetEpisode, fleet_traces
 from sim.options.run import MAX_RECORDED, RunOptions
-from sim.runners.renewal import as_loaded
 from sim.trace import Trace
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.world import Witness, World

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.controllers import Controller, controller_of
+from sim.controllers.base import Controller
+from sim.controllers.catalogue import controller_of
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,

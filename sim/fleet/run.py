@@ -12,6 +12,7 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.clock.stopping import OutOfTime
 from sim.controllers.base import CompiledController, Controller
+from sim.controllers.catalogue.renewal import has_shared_state_changed
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.hidden_state import HiddenState, hidden_state
@@ -25,7 +26,6 @@ from sim.runners.core_calls import Driver, memory_for
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import begun_anew, crash_of, plans
-from sim.runners.renewal import has_shared_state_changed
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld

@@ -5,8 +5,8 @@ import pytest
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.noise import is_noisy
-from sim.options.unused import random_run, unused_options
 from sim.scenario import Scenario
+from sim.scenario.unused import random_run, unused_options
 from worldgen.families import trap
 
 WORLD = trap(3, size=24)

@@ -18,7 +18,7 @@ from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.live import LiveCounts, count_in
 from fuzz.triage.proofs import certified
 from sim.clock.controller_time import Effort
-from sim.runners.try_out import EMPTY_ARENA, try_out
+from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
 

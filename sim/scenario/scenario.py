@@ -10,8 +10,8 @@ from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.library.thesis import thesis_arbitration
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
-from sim.controllers.thesis import thesis_arbitration
 from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
 from sim.options.run import (

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sim.controllers import CompiledController, Controller, controller_of
+from sim.controllers.base import CompiledController, Controller
+from sim.controllers.catalogue import controller_of
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -28,7 +30,6 @@ from sim.options.run import (
 )
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
-from sim.runners.renewal import as_loaded
 from sim.thesis.run import ThesisRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from sim.clock.stopping import OutOfTime, stopping_when
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
-from sim.controllers.base import Command, Memory, Observation
+from sim.controllers.base import Command, CompiledController, Memory, Observation
+from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.contract import check_contract
+from sim.controllers.programs.process import ProcessController
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.scenario import Scenario

@@ -7,10 +7,10 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController, robot_for
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.library.thesis import RANDOM
 from sim.controllers.noise import is_noisy
-from sim.controllers.thesis import RANDOM
 from sim.options.run import switch_class
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
