@@ -40,11 +40,11 @@ if TYPE_CHECKING:
     )
     from sim.episode import Episode, simulate
     from sim.episode.batch import Runs, simulate_many
-    from sim.fleet import FleetEpisode
     from sim.motion import MOTIONS
     from sim.options.robot import RobotOptions
     from sim.options.run import RunOptions
     from sim.options.thesis import ThesisOptions
+    from sim.outcome import FleetEpisode
     from sim.scenario import Scenario
     from sim.trace import Trace
 
@@ -66,11 +66,11 @@ __getattr__, __dir__ = lazy_names(
         ),
         "episode": ("Episode", "simulate"),
         "episode.batch": ("Runs", "simulate_many"),
-        "fleet": ("FleetEpisode",),
         "motion": ("MOTIONS",),
         "options.robot": ("RobotOptions",),
         "options.run": ("RunOptions",),
         "options.thesis": ("ThesisOptions",),
+        "outcome": ("FleetEpisode",),
         "scenario": ("Scenario",),
         "trace": ("Trace",),
     },

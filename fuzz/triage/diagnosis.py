@@ -27,7 +27,7 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.fleet import FleetEpisode
+from sim.outcome import FleetEpisode
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import World

@@ -258,7 +258,7 @@ def _csv(episode: Episode, acted: list[str]) -> str:
         episode: The run.
         acted: The behaviour that acted in each step, if the robot has behaviours.
     """
-    from sim.fleet.episode import FleetEpisode
+    from sim.outcome import FleetEpisode
 
     if not isinstance(episode, FleetEpisode):
         return "" if episode.trace is None else episode.trace.to_csv(acted)
@@ -307,7 +307,7 @@ def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
 
 def _summary(episode: Episode) -> dict[str, object]:
     from sim.evidence import evidence_table
-    from sim.fleet.episode import FleetEpisode
+    from sim.outcome import FleetEpisode
 
     robots: dict[str, object] = {}
     if isinstance(episode, FleetEpisode):
