@@ -203,10 +203,12 @@ def _scenarios(
                 name=name,
             )
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
+        # Report a class that cannot work before the long work begins.
         if not isinstance(
             CONTROLLERS.get(scenario.controller), CompiledController | ProcessController
         ):
             try_out(scenario)
+        # The label names the column, so it must be unique.
         label = scenario.label(motion, duration)
         if label in found:
             raise InvalidParameter(
