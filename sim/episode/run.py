@@ -63,7 +63,7 @@ def simulate(
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
-        The verdict and its evidence; a :class:`~sim.fleet.FleetEpisode` for several robots.
+        The verdict and its evidence; a :class:`~sim.FleetEpisode` for several robots.
 
     Raises:
         InvalidParameter: If a name or an option is unknown or of the wrong type, or the controller
