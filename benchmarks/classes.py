@@ -32,8 +32,8 @@ from fuzz.campaign.unit import run_unit
 from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
 from sim import Command, Observation, RobotOptions
+from sim.clock.controller_time import Effort
 from sim.controllers import CONTROLLERS, ProcessController
-from sim.runners.controller_time import Effort
 from sim.scenario import Scenario
 from tests.helpers.interpreted import Interpreted
 from worldgen.random_streams import RandomStream

@@ -8,10 +8,10 @@ from typing import Any
 
 from fuzz.evidence_checks.chance import check_chance
 from fuzz.failure import regardless_of_walls
-from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.noise import is_noisy
 from sim.episode import prepare, simulate
-from sim.options.noise import is_noisy
+from sim.episode.chance import explore, why_not_explored
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
@@ -66,7 +66,7 @@ def chance_of(
 ) -> Chance:
     """Return the exact outcome of a randomised run, or the reason why it cannot be computed.
 
-    :mod:`sim.chance` explores the states; independent code then checks its answer.
+    :mod:`sim.episode.chance` explores the states; independent code then checks its answer.
 
     Args:
         world: The world of the run.

@@ -12,11 +12,11 @@ from fuzz.failure import Failure, ShrinkState
 from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
-from sim.describe import describe_evidence, describe_frames
+from sim.clock.stopping import OutOfTime
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
+from sim.episode.describe import describe_evidence, describe_frames
 from sim.evidence import Evidence
-from sim.runners.stopping import OutOfTime
 from worldgen.render import draw_terminal, wants_color
 from worldgen.render.overlay import naming
 from worldgen.support.plain_text import Styled, counted, joined, shown

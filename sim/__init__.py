@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from sim.batch import Runs, simulate_many
     from sim.controllers import (
         CONTROLLERS,
         Command,
@@ -40,18 +39,18 @@ if TYPE_CHECKING:
         VectorController,
     )
     from sim.episode import Episode, simulate
-    from sim.fleet import FleetEpisode
+    from sim.episode.batch import Runs, simulate_many
     from sim.motion import MOTIONS
     from sim.options.robot import RobotOptions
     from sim.options.run import RunOptions
+    from sim.options.thesis import ThesisOptions
+    from sim.outcome import FleetEpisode
     from sim.scenario import Scenario
-    from sim.thesis.options import ThesisOptions
     from sim.trace import Trace
 
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "batch": ("Runs", "simulate_many"),
         "controllers": (
             "CONTROLLERS",
             "Command",
@@ -66,12 +65,13 @@ __getattr__, __dir__ = lazy_names(
             "VectorController",
         ),
         "episode": ("Episode", "simulate"),
-        "fleet": ("FleetEpisode",),
+        "episode.batch": ("Runs", "simulate_many"),
         "motion": ("MOTIONS",),
         "options.robot": ("RobotOptions",),
         "options.run": ("RunOptions",),
+        "options.thesis": ("ThesisOptions",),
+        "outcome": ("FleetEpisode",),
         "scenario": ("Scenario",),
-        "thesis.options": ("ThesisOptions",),
         "trace": ("Trace",),
     },
 )

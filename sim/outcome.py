@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias
 
 from sim._core import lib
-from sim.evidence import Evidence, FaultEvidence, ReachedEvidence, WallEvidence, evidence_table
+from sim.evidence import (
+    Evidence,
+    FaultEvidence,
+    JointLoopEvidence,
+    ReachedEvidence,
+    WallEvidence,
+    evidence_table,
+)
 from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
 from worldgen.lattice import exact
@@ -185,6 +192,36 @@ class Episode:
             f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
             f"driven, {self.collisions} collisions, trace {self.trace_digest}{evidence}"
         )
+
+
+@dataclass(frozen=True, repr=False)
+class FleetEpisode(Episode):
+    """What happened in one run of several robots.
+
+    ``path_length`` and ``collisions`` are sums over the robots, ``trace_digest`` is the digest of
+    the robots' digests, and ``trace`` is ``None``, because each robot has its own. The other
+    fields, such as ``verdict``, ``steps``, ``time`` and ``evidence``, describe the whole run as in
+    :class:`Episode`.
+
+    Args:
+        robots: Each robot's episode, in order. A robot that has not arrived has the run's verdict,
+            if that is about this robot, or else ``stalled`` or ``timeout``.
+        random_draws: Random numbers that all robots used.
+    """
+
+    robots: tuple[Episode, ...] = ()
+    random_draws: int = 0
+
+    @property
+    def went_into_a_wall(self) -> bool:
+        """Whether one of the robots drove into a wall."""
+        return any(one.went_into_a_wall for one in self.robots)
+
+    def blockers(self, robot: int) -> tuple[int, ...]:
+        """Return the robots that a robot drives into forever, all numbered from 1."""
+        evidence = self.evidence
+        pairs = evidence.blocked if isinstance(evidence, JointLoopEvidence) else ()
+        return tuple(other for one, other in pairs if one == robot)
 
 
 def wall_evidence(outcome: Outcome) -> WallEvidence:

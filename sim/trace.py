@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.options.robot import RobotOptions
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Bools, Floats, Ints, Words
+
+if TYPE_CHECKING:
+    from sim.options.robot import RobotOptions
 
 BEHAVIOURS = ("collide", "seek", "drive")
 """Behaviours of the thesis's robot, in the order of their numbers."""

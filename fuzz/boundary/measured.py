@@ -8,7 +8,7 @@ from fuzz.boundary.axes import AXES, Axis, Subject
 from fuzz.boundary.search import Boundary, BoundaryRuns, RecordedBoundary, nearest_boundary
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.options.noise import is_noisy
+from sim.controllers.noise import is_noisy
 from sim.scenario import Scenario
 from worldgen.files.json_file import converted
 from worldgen.world import Value

@@ -12,10 +12,10 @@ from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.names import TIME_STEPS
 from fuzz.search.registry import check_strategy
 from fuzz.triage.proofs import certified
+from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
-from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario, read_settings
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter

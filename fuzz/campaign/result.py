@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from fuzz.failure import Failure
-from sim.runners.controller_time import Effort
+from sim.clock.controller_time import Effort
 
 
 @dataclass(frozen=True)

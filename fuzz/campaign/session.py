@@ -34,8 +34,8 @@ from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
+from sim.clock.stopping import stopping_when
 from sim.controllers.contract import state_survives_reset
-from sim.runners.stopping import stopping_when
 from worldgen.cli.output import emit_json, note, say
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.json_file import plain

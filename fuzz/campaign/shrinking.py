@@ -12,9 +12,9 @@ from fuzz.campaign.deadline import Deadline
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
 from fuzz.simplicity import FailureOrder
-from sim.runners.controller_time import Effort
-from sim.runners.renewal import as_loaded
-from sim.runners.stopping import OutOfTime, check_time, stopping_when
+from sim.clock.controller_time import Effort
+from sim.clock.stopping import OutOfTime, check_time, stopping_when
+from sim.controllers.catalogue.renewal import as_loaded
 from worldgen.errors import WorldgenError
 
 # Number of failures per class that are shrunk; the smallest result is kept.

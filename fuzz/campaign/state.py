@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from fuzz.campaign.result import SearchState
 from fuzz.failure import Failure
-from sim.runners.controller_time import Effort
+from sim.clock.controller_time import Effort
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from fuzz.search.plan import planned_strategy
 from fuzz.search.registry import strategy_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.triage import Triage
-from sim.runners.controller_time import Effort
-from sim.runners.renewal import as_loaded
-from sim.runners.stopping import OutOfTime, check_time, stopping_when
+from sim.clock.controller_time import Effort
+from sim.clock.stopping import OutOfTime, check_time, stopping_when
+from sim.controllers.catalogue.renewal import as_loaded
 
 
 def run_unit(

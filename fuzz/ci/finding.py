@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.triage.diagnosis import diagnosis_of
-from sim.describe import describe_frames
+from sim.clock.stopping import OutOfTime
 from sim.drawing.picture import trails_of
-from sim.runners.stopping import OutOfTime
+from sim.episode.describe import describe_frames
 from worldgen.errors import WorldgenError
 from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal

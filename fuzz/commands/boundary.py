@@ -99,8 +99,8 @@ def _subject(
 ) -> Subject:
     from fuzz.boundary import Subject
     from fuzz.failure import Failure
+    from sim.episode.try_out import try_out
     from sim.options.run import RunOptions
-    from sim.runners.try_out import try_out
     from sim.scenario import Scenario
     from worldgen.files.worlds import read_whole_world
 

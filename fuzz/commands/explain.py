@@ -62,8 +62,8 @@ def explain(
     from fuzz.campaign.store import controller_change
     from fuzz.commands._failure_files import FailureFiles
     from fuzz.overview.explanation import explain_failure
-    from sim.runners.controller_time import Effort
-    from sim.runners.renewal import survivors_found
+    from sim.clock.controller_time import Effort
+    from sim.controllers.catalogue.renewal import survivors_found
 
     # Refuse a picture of several failures before the work.
     check_out("--picture", picture, *_PICTURES, force=force)

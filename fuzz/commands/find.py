@@ -243,7 +243,7 @@ def _pose(text: str) -> Pose:
 def _try_out(config: FindConfig) -> None:
     """Draw a world and take two steps, so that mismatches show before the search."""
     from fuzz.find import draw
-    from sim.runners.try_out import EMPTY_ARENA, try_out
+    from sim.episode.try_out import EMPTY_ARENA, try_out
 
     drawn = draw(config)
     for target in config.targets:

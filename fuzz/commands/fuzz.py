@@ -144,7 +144,7 @@ def fuzz(
     from fuzz.corpus import Baseline, read_corpus
     from fuzz.overview.building import Conclusion
     from fuzz.report import write_report
-    from sim.runners.controller_time import Effort
+    from sim.clock.controller_time import Effort
     from worldgen.support.plain_text import counted
 
     # Refuse contradicting options before any work.
@@ -205,7 +205,7 @@ def _begin(
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
     from fuzz.campaign.store import begin, stored_seed
-    from sim.options.unused import ineffective
+    from sim.scenario.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if options.world is not None and (options.families or options.strategies):

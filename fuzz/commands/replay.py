@@ -64,10 +64,10 @@ def replay(
     from fuzz.describe import describe
     from fuzz.overview.building import explained
     from fuzz.replay.answer import answer
-    from sim.controllers.programs.transcript import transcribed
-    from sim.describe import describe_frames
-    from sim.runners.controller_time import Effort
-    from sim.runners.renewal import survivors_found
+    from sim.clock.controller_time import Effort
+    from sim.controllers.catalogue.renewal import survivors_found
+    from sim.episode.describe import describe_frames
+    from sim.episode.transcript import transcribed
 
     # Check that the reports can be written.
     reports = Outputs(**outputs, force=force)

@@ -102,8 +102,8 @@ def shrink(
     from fuzz.describe import describe
     from fuzz.failure import Failure, ShrinkState
     from fuzz.shrink import snippet
-    from sim.runners.controller_time import Effort
-    from sim.runners.renewal import survivors_found
+    from sim.clock.controller_time import Effort
+    from sim.controllers.catalogue.renewal import survivors_found
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:

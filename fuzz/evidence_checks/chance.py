@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
+from sim.episode.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
 from sim.trace import Trace
 from sim.verdict import UNENDED, Verdict
 

@@ -17,7 +17,7 @@ from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.search.features import decode_world
 from fuzz.search.layout_bytes import LAYOUT_BYTES
-from sim.runners.stopping import OutOfTime, stopping_when
+from sim.clock.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream

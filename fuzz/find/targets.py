@@ -11,9 +11,9 @@ import statistics
 from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.noise import is_noisy
 from sim.episode import prepare, simulate
 from sim.evidence import LoopEvidence
-from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import FAILURES, STUCK, UNENDED, Verdict

@@ -9,11 +9,11 @@ from typing import Any
 
 from fuzz.evidence_checks import check_evidence, check_fleet
 from sim.controllers import CompiledController
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, prepare, simulate
 from sim.evidence import JointLoopEvidence, LoopEvidence
-from sim.fleet import FleetEpisode, fleet_traces
 from sim.options.run import MAX_RECORDED, RunOptions
-from sim.runners.renewal import as_loaded
+from sim.outcome import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.world import Witness, World
@@ -109,6 +109,8 @@ class Trial:
         recorded = self.recorded_run
         traces: Sequence[Trace | None] = [one.trace for one in getattr(recorded, "robots", ())]
         if isinstance(episode.evidence, JointLoopEvidence):
+            from sim.fleet.episode import fleet_traces  # noqa: PLC0415 - loaded for fleets only
+
             # Only a second period proves a loop, and the episode has already ended by then.
             traces = fleet_traces(
                 self.world,

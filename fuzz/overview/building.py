@@ -29,8 +29,8 @@ from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts
+from sim.clock.stopping import OutOfTime, stopping_when
 from sim.evidence import FaultEvidence
-from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its

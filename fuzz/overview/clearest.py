@@ -15,7 +15,7 @@ from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.cause import Circumstance
 from fuzz.triage.diagnosis import diagnosis_of
-from sim.runners.stopping import OutOfTime
+from sim.clock.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 
 # Cells between the edges of robot and target at the start; with less, the robot seems to be there

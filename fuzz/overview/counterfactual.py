@@ -24,13 +24,13 @@ from fuzz.boundary import (
     subject_of,
 )
 from fuzz.failure import Failure
+from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue import own_words
 from sim.controllers.learning import LEARNED
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
-from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import with_options
@@ -196,7 +196,7 @@ def counterfactuals(
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
 
-    Deterministic, unless :func:`sim.runners.stopping.stopping_when` ends it before all changes are
+    Deterministic, unless :func:`sim.clock.stopping.stopping_when` ends it before all changes are
     tried: equal failures give equal answers, on every machine.
 
     Args:

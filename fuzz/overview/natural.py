@@ -23,8 +23,8 @@ from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.hazards import could_not_know
 from fuzz.triage.proofs import certified
+from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import Episode, simulate
-from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import bottleneck

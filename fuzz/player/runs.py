@@ -19,9 +19,9 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.fleet import FleetEpisode
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.run import RunOptions
+from sim.outcome import FleetEpisode
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT

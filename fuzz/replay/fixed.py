@@ -9,8 +9,8 @@ from fuzz.oracles import Oracle, Trial, verdict_oracle
 from fuzz.triage.judging import oracle_of, violation_in
 from fuzz.triage.proofs import certificate_fault, certified
 from sim.controllers.contract import check_contract
-from sim.describe import describe_evidence
 from sim.episode import Episode
+from sim.episode.describe import describe_evidence
 from sim.options.run import RunOptions, step_budget
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED

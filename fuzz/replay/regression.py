@@ -15,9 +15,9 @@ from fuzz.replay.answer import State, answer
 from fuzz.replay.fixed import Checked, RegressionRun, arrives, is_fixed, who_drives
 from fuzz.triage.judging import failure_of
 from sim.controllers.contract import check_contract
-from sim.describe import describe_evidence
 from sim.drawing.picture import trails_of
 from sim.episode import Episode, simulate
+from sim.episode.describe import describe_evidence
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError

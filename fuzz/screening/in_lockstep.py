@@ -11,14 +11,14 @@ import numpy as np
 
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import Batch, Seat
+from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.controller_error import ControllerError
+from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
-from sim.runners.hidden_state import hidden_state
 from sim.runners.lockstep import ControllerRaised, its_own_fault
 from sim.runners.python_loop import begun_anew
-from sim.runners.stopping import OutOfTime, check_time
 from worldgen.support.arrays import Floats
 from worldgen.support.ccall import writable
 from worldgen.support.results import only_results_on_stdout

@@ -14,13 +14,13 @@ from fuzz._core import ffi, lib
 from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
 from fuzz.triage.crash_bucket import crash_bucket
+from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.controller_error import ControllerError
+from sim.controllers.hidden_state import own_attributes
 from sim.controllers.programs.program import WantsMemory
-from sim.runners.hidden_state import own_attributes
 from sim.runners.python_act import Stops
 from sim.runners.python_loop import begun_anew, crash_of, driver_of, memory_at_start, plans
-from sim.runners.stopping import OutOfTime, is_out_of_time
 from sim.verdict import Verdict
 from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
@@ -64,7 +64,7 @@ class OneByOne:
         """Run in the next worlds.
 
         The controller's prints go to stderr, and its exceptions end a run as a crash. Once the time
-        is over (:mod:`sim.runners.stopping`), the remaining worlds are not run.
+        is over (:mod:`sim.clock.stopping`), the remaining worlds are not run.
 
         Args:
             worlds: Maximum number of worlds to run; the rest of the batch is marked as not run.

@@ -26,9 +26,9 @@ from fuzz.search.features import decode_world
 from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.search.task import SearchTask
 from fuzz.triage.proofs import certified
+from sim.clock.stopping import OutOfTime, check_time
 from sim.episode import Episode
 from sim.outcome import Outcome
-from sim.runners.stopping import OutOfTime, check_time
 from sim.scenario import Scenario
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.random_streams import RandomStream

@@ -28,9 +28,9 @@ from fuzz.search.names import LAYOUT_STRATEGIES, SEALED
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import SearchTask
 from fuzz.strategies import family_worlds, layouts, scenarios_in
+from sim.clock.stopping import OutOfTime, check_time
 from sim.episode import prepare, simulate
 from sim.options.run import COVER, RunOptions
-from sim.runners.stopping import OutOfTime, check_time
 from sim.scenario import Scenario
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidWorld

@@ -20,9 +20,9 @@ from fuzz.search.features import decode_scene
 from fuzz.search.layout_bytes import SCENE_BYTES
 from fuzz.search.task import SearchTask
 from sim._core import lib
+from sim.clock.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
-from sim.runners.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bytes
 from worldgen.world import DEFAULT_CELL_SIZE

@@ -19,10 +19,10 @@ from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import CIRCUMSTANCE, GAP
 from fuzz.triage.hazards import HAZARD_DETAILS
 from fuzz.triage.judging import failure_of, oracle_of
+from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import simulate
 from sim.evidence import WallEvidence
 from sim.options.run import MAX_STEPS
-from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.support.bounds import check_choice

@@ -42,9 +42,9 @@ from fuzz.studio.running import chart_message, check_record, check_registered, s
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.controllers.behaviours.arbitration import Arbitration
-from sim.describe import describe_evidence, describe_unreachable
 from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
+from sim.episode.describe import describe_evidence, describe_unreachable
 from sim.evidence import FaultEvidence
 from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions, step_budget

@@ -23,8 +23,8 @@ from sim.controllers.base import Controller
 from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
+from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
-from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS

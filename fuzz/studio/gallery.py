@@ -25,8 +25,8 @@ from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
-from sim.describe import describe_evidence
 from sim.episode import simulate
+from sim.episode.describe import describe_evidence
 from sim.motion import MOTIONS
 from worldgen import errors
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.runners.stopping import check_time
+from sim.clock.stopping import check_time
 from sim.trace import Trace
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.timeline import CellState

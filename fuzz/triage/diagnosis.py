@@ -18,6 +18,7 @@ from fuzz.triage.cause import Cause, Circumstance, Diagnosis
 from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
 from fuzz.triage.hazards import Hazard, hazard_in
 from fuzz.triage.signature import Standoff, is_entered, standoff
+from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
@@ -26,8 +27,7 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.fleet import FleetEpisode
-from sim.runners.stopping import OutOfTime
+from sim.outcome import FleetEpisode
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, World

@@ -10,13 +10,13 @@ from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing
 from fuzz.triage.signature import is_entered
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
 from sim.controllers.base import DEFAULT_SENSES, robot_for
+from sim.controllers.timeline_reads import noting_reads
 from sim.episode import Episode, simulate
 from sim.evidence import BurnedEvidence
-from sim.fleet import FleetEpisode
 from sim.options.disturbances import Doubt, why_arrival_is_not_certain
 from sim.options.robot import RobotOptions
+from sim.outcome import FleetEpisode
 from sim.runners.python_loop import plans
-from sim.runners.timeline_reads import noting_reads
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError

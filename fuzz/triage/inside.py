@@ -14,7 +14,7 @@ from fuzz.failure import Failure
 from fuzz.triage.repeated_moves import last_part
 from sim.controllers.base import Observation
 from sim.episode import Episode
-from sim.runners.watched import StateValues, WatchedPart, watched_part
+from sim.episode.watched import StateValues, WatchedPart, watched_part
 from worldgen.plugins.counted_code import CodeFunction
 from worldgen.support.plain_text import rounded_angle, shown
 

@@ -19,13 +19,13 @@ from fuzz.triage.crash_bucket import FACTS, NAMED
 from fuzz.triage.diagnosis import CAUSE_OF_HAZARD, details_of, diagnosis_of_run
 from fuzz.triage.hazards import hazard_details, hazard_in
 from fuzz.triage.proofs import certificate_fault
+from sim.clock.controller_time import count_survivors
 from sim.controllers import CompiledController
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
-from sim.runners.controller_time import count_survivors
-from sim.runners.renewal import as_loaded
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzz.triage.contacts import WallBearings
+from sim.clock.stopping import in_time
 from sim.episode import Episode
 from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
-from sim.runners.stopping import in_time
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import counted, in_degrees, rounded

@@ -10,8 +10,8 @@ from fuzz.failure import Failure
 from fuzz.triage.inside import Inside, inside
 from fuzz.triage.reactions import Reactions
 from fuzz.triage.repeated_moves import describe_period
+from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
-from sim.runners.stopping import OutOfTime
 
 
 @dataclass(frozen=True)

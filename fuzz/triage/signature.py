@@ -18,7 +18,7 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.fleet import FleetEpisode
+from sim.outcome import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.support.arrays import Floats

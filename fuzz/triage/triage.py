@@ -15,9 +15,9 @@ from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket
 from fuzz.triage.judging import judge
 from fuzz.triage.proofs import certified
+from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
-from sim.runners.stopping import OutOfTime, check_time, stopping_when
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import InvalidParameter

@@ -111,7 +111,7 @@ def compare(
     from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
-    from sim.options.unused import ineffective
+    from sim.scenario.unused import ineffective
 
     # Refuse bad output before the work.
     check_out("--picture", picture, ".png", force=force)
@@ -180,9 +180,11 @@ def _scenarios(
     controllers: Sequence[str], motion: str, time_step: float | None, seed: int
 ) -> dict[str, Scenario]:
     """Return columns by label."""
-    from sim.controllers import CONTROLLERS, CompiledController, ProcessController, names_in
+    from sim.controllers.base import CompiledController
+    from sim.controllers.catalogue import CONTROLLERS, names_in
+    from sim.controllers.programs.process import ProcessController
+    from sim.episode.try_out import try_out
     from sim.options.run import RunOptions
-    from sim.runners.try_out import try_out
     from sim.scenario import Scenario
     from worldgen.errors import InvalidParameter
 
@@ -201,10 +203,12 @@ def _scenarios(
                 name=name,
             )
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
+        # Report a class that cannot work before the long work begins.
         if not isinstance(
             CONTROLLERS.get(scenario.controller), CompiledController | ProcessController
         ):
             try_out(scenario)
+        # The label names the column, so it must be unique.
         label = scenario.label(motion, duration)
         if label in found:
             raise InvalidParameter(

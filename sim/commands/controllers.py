@@ -39,7 +39,7 @@ def controllers(name: str | None, as_json: bool) -> None:
 
     With NAME, such as bug2 or ./mine.py:Robot, list only that one.
     """
-    from sim.controllers import CONTROLLERS
+    from sim.controllers.catalogue import CONTROLLERS
 
     names = CONTROLLERS.names() if name is None else [name]
     rows = [_facts(one, CONTROLLERS.get(one)) for one in names]

@@ -104,12 +104,12 @@ def run(
     """
     from sim.controllers.behaviours.arbitration import shares
     from sim.controllers.contract import check_contract
-    from sim.controllers.programs.transcript import check_transcript, transcribed
-    from sim.describe import describe_frames
+    from sim.episode.describe import describe_frames
+    from sim.episode.transcript import check_transcript, transcribed
     from sim.fleet.assignment import controllers_in
     from sim.options.run import MAX_RECORDED, RunOptions
-    from sim.options.unused import ineffective
     from sim.scenario import Scenario
+    from sim.scenario.unused import ineffective
     from worldgen.files.grid import read_world
 
     # Read the world and the controllers.
@@ -212,10 +212,10 @@ def _simulated(
     world: World, scenarios: list[Scenario], steps: int | None, *, record: bool
 ) -> Episode:
     """Run one robot, or all robots of a world with several."""
+    from sim.clock.controller_time import Effort
+    from sim.controllers.catalogue.renewal import survivors_found
     from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
-    from sim.runners.controller_time import Effort
-    from sim.runners.renewal import survivors_found
 
     began = Effort.so_far()
     options = [one.options(world, steps) for one in scenarios]
@@ -258,7 +258,7 @@ def _csv(episode: Episode, acted: list[str]) -> str:
         episode: The run.
         acted: The behaviour that acted in each step, if the robot has behaviours.
     """
-    from sim.fleet.episode import FleetEpisode
+    from sim.outcome import FleetEpisode
 
     if not isinstance(episode, FleetEpisode):
         return "" if episode.trace is None else episode.trace.to_csv(acted)
@@ -299,7 +299,7 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
 
 def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
     """Return the note about a run that failed and has no witness."""
-    from sim.describe import describe_unreachable
+    from sim.episode.describe import describe_unreachable
 
     sentence = describe_unreachable(world, undecided=reachable is None, proof=proof)
     return sentence if reachable is None else f"{sentence}; `worldgen verify` explains why"
@@ -307,7 +307,7 @@ def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
 
 def _summary(episode: Episode) -> dict[str, object]:
     from sim.evidence import evidence_table
-    from sim.fleet.episode import FleetEpisode
+    from sim.outcome import FleetEpisode
 
     robots: dict[str, object] = {}
     if isinstance(episode, FleetEpisode):
@@ -327,7 +327,7 @@ def _summary(episode: Episode) -> dict[str, object]:
 
 
 def _sentence(episode: Episode) -> str:
-    from sim.describe import describe_evidence
+    from sim.episode.describe import describe_evidence
     from worldgen.support.plain_text import counted
 
     left = ""
@@ -341,7 +341,7 @@ def _sentence(episode: Episode) -> str:
 
 
 def _picture(world: World, episode: Episode, controller: str, title: str, suffix: str) -> bytes:
-    from sim.controllers import CONTROLLERS
+    from sim.controllers.catalogue import CONTROLLERS
     from sim.drawing.picture import drives_of, remembered_at_the_end, trails_of
     from worldgen import render
 

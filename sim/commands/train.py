@@ -72,7 +72,7 @@ def train(
 
     PATHS are worlds, or folders of them, such as the failures of a campaign.
     """
-    from sim.controllers import CONTROLLERS
+    from sim.controllers.catalogue import CONTROLLERS
     from sim.controllers.learning import learned_text
     from sim.controllers.taught import learning_of
     from sim.drawing.curve import curve_svg

@@ -15,12 +15,13 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sim.controllers import CONTROLLERS, CompiledController, Controller
+from sim.controllers.base import CompiledController, Controller
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.noise import is_noisy
 from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS, THESIS
-from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED, Verdict

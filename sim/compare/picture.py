@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sim.compare.comparison import Comparison, ComparisonCell
 from sim.compare.report import describe_outcome
-from sim.controllers import CONTROLLERS
+from sim.controllers.catalogue import CONTROLLERS
 from sim.drawing.picture import trails_of
 from sim.episode import simulate
 from sim.verdict import ARRIVALS

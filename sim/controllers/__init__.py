@@ -1,6 +1,6 @@
 """Controllers: observation and memory in, command and memory out.
 
-Contents:
+Contents, each imported when it is first used:
     CompiledController, PythonController, VectorController, ProcessController: Bring your own
         controller as one of these.
     Observation, Command: A controller's input and output, for one robot.
@@ -13,19 +13,45 @@ Contents:
     in_plain_place: Normalises the path in a controller's name.
 """
 
-from sim.controllers.base import (
-    Command,
-    Commands,
-    CompiledController,
-    Controller,
-    Observation,
-    Observations,
-    PythonController,
-    VectorController,
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from worldgen.support.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from sim.controllers.base import (
+        Command,
+        Commands,
+        CompiledController,
+        Controller,
+        Observation,
+        Observations,
+        PythonController,
+        VectorController,
+    )
+    from sim.controllers.catalogue import CONTROLLERS, controller_of, in_plain_place, names_in
+    from sim.controllers.memory_view import MemoryField, MemoryMap
+    from sim.controllers.programs.process import ProcessController
+
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "base": (
+            "Command",
+            "Commands",
+            "CompiledController",
+            "Controller",
+            "Observation",
+            "Observations",
+            "PythonController",
+            "VectorController",
+        ),
+        "catalogue": ("CONTROLLERS", "controller_of", "in_plain_place", "names_in"),
+        "memory_view": ("MemoryField", "MemoryMap"),
+        "programs.process": ("ProcessController",),
+    },
 )
-from sim.controllers.catalogue import CONTROLLERS, controller_of, in_plain_place, names_in
-from sim.controllers.memory_view import MemoryField, MemoryMap
-from sim.controllers.programs.process import ProcessController
 
 __all__ = [
     "CONTROLLERS",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from sim.runners.hidden_state import SharedVariables
+from sim.controllers.hidden_state import SharedVariables
 from worldgen.plugins.registry import user_code
 
 

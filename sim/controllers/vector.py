@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from sim.clock.controller_time import timed
+from sim.clock.stopping import breakable
 from sim.controllers.base import (
     Command,
     Commands,
@@ -17,8 +19,6 @@ from sim.controllers.base import (
 )
 from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.kernels import layout
-from sim.runners.controller_time import timed
-from sim.runners.stopping import breakable
 from worldgen.support.arrays import Floats
 
 

@@ -11,9 +11,9 @@ from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
-from sim.fleet.episode import FleetEpisode
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
+from sim.outcome import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.lattice import exact

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from sim._core import lib
+from sim.clock.controller_time import timed
+from sim.clock.stopping import OutOfTime, breakable, check_time
 from sim.controllers.base import (
     CompiledController,
     Controller,
@@ -26,11 +28,9 @@ from sim.controllers.vector import Asker
 from sim.fleet.core_calls import CoreFleet
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
-from sim.runners.controller_time import timed
 from sim.runners.core_calls import Workspace
 from sim.runners.python_act import settled
 from sim.runners.python_loop import crash_of
-from sim.runners.stopping import OutOfTime, breakable, check_time
 from sim.verdict import Verdict
 from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import counted

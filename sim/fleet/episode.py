@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.controllers import Controller, controller_of
+from sim.controllers.base import Controller
+from sim.controllers.catalogue import controller_of
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -21,43 +22,13 @@ from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
 from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions
-from sim.outcome import LIMIT, Episode, Outcome, area_of, wall_evidence
+from sim.outcome import LIMIT, Episode, FleetEpisode, Outcome, area_of, wall_evidence
 from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import JointWitness, World
 
 Named = str | Controller | type
-
-
-@dataclass(frozen=True, repr=False)
-class FleetEpisode(Episode):
-    """What happened in one run of several robots.
-
-    ``path_length`` and ``collisions`` are sums over the robots, ``trace_digest`` is the digest of
-    the robots' digests, and ``trace`` is ``None``, because each robot has its own. The other
-    fields, such as ``verdict``, ``steps``, ``time`` and ``evidence``, describe the whole run as in
-    :class:`Episode`.
-
-    Args:
-        robots: Each robot's episode, in order. A robot that has not arrived has the run's verdict,
-            if that is about this robot, or else ``stalled`` or ``timeout``.
-        random_draws: Random numbers that all robots used.
-    """
-
-    robots: tuple[Episode, ...] = ()
-    random_draws: int = 0
-
-    @property
-    def went_into_a_wall(self) -> bool:
-        """Whether one of the robots drove into a wall."""
-        return any(one.went_into_a_wall for one in self.robots)
-
-    def blockers(self, robot: int) -> tuple[int, ...]:
-        """Return the robots that a robot drives into forever, all numbered from 1."""
-        evidence = self.evidence
-        pairs = evidence.blocked if isinstance(evidence, JointLoopEvidence) else ()
-        return tuple(other for one, other in pairs if one == robot)
 
 
 def simulate_fleet(

@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi, lib
+from sim.clock.stopping import OutOfTime
 from sim.controllers.base import CompiledController, Controller
+from sim.controllers.catalogue.renewal import has_shared_state_changed
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
+from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.controllers.programs.process import ProcessController
 from sim.fleet.apart import separate_loops
 from sim.fleet.asking import FleetAskers, message_not_finite, own_controllers
@@ -20,12 +23,9 @@ from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
 from sim.runners.core_calls import Driver, memory_for
-from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import begun_anew, crash_of, plans
-from sim.runners.renewal import has_shared_state_changed
-from sim.runners.stopping import OutOfTime
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld

@@ -15,7 +15,7 @@ import numpy as np
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
-from sim.thesis.options import ThesisOptions
+from sim.options.thesis import ThesisOptions
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact

@@ -17,9 +17,9 @@ from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
+from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import CoreMemory
 from sim.kernels import layout
-from sim.options.noise import is_noisy
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (
@@ -38,7 +38,6 @@ from sim.runners.core_calls import (
 )
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
-from sim.runners.python_loop import PythonLoop
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
 from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
@@ -214,6 +213,8 @@ class LatticeRun:
         )
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, record)
+        from sim.runners.python_loop import PythonLoop  # noqa: PLC0415 - loaded for Python only
+
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
         recording = loop.recording()

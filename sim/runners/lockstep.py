@@ -11,15 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
+from sim.clock.stopping import OutOfTime
 from sim.controllers.base import VectorController
+from sim.controllers.catalogue.renewal import has_shared_state_changed
+from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
 from sim.runners.core_calls import REPORT, Driver
-from sim.runners.hidden_state import hidden_state
 from sim.runners.lattice import LatticeRun
 from sim.runners.python_loop import begun_anew
-from sim.runners.renewal import has_shared_state_changed
-from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from sim._core import ffi, lib
+from sim.clock.controller_time import MEASURED_EVERY, timed
+from sim.clock.stopping import breakable, portions
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.contract import flat_memory, no_command, no_memory
-from sim.runners.controller_time import MEASURED_EVERY, timed
-from sim.runners.stopping import breakable, portions
 
 # Speed, turn rate, and whether the random number was used.
 _COMMAND = struct.Struct("3d")
@@ -65,7 +65,7 @@ def act_in_core(
         stops: The run.
         memory: The controller's memory at the start, as floats.
         is_measured: Whether its time counts as the controller's own
-            (:mod:`sim.runners.controller_time`).
+            (:mod:`sim.clock.controller_time`).
 
     Returns:
         The memory after the last step.

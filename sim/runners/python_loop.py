@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi, lib
+from sim.clock.controller_time import timed
+from sim.clock.stopping import OutOfTime, breakable, in_time
 from sim.controllers.base import Memory, PythonController, VectorController, wants_world
+from sim.controllers.catalogue.renewal import has_shared_state_changed, reset_anew
 from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.crash_frames import crash_facts
+from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import WantsMemory
+from sim.controllers.timeline_reads import world_to_read
 from sim.controllers.vector import Asker
-from sim.runners.controller_time import timed
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, Workspace, most_points
-from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.python_act import Stops, act_in_core
-from sim.runners.renewal import has_shared_state_changed, reset_anew
-from sim.runners.stopping import OutOfTime, breakable, in_time
-from sim.runners.timeline_reads import world_to_read
 from sim.verdict import Verdict
 from worldgen.plugins.user_modules import without_private_names
 from worldgen.support.arrays import Ints
@@ -157,7 +157,7 @@ def plans(controller: PythonController | VectorController) -> bool:
 
 
 def begun_anew(controller: Any, world: World | None) -> tuple[Any, Memory]:
-    """Reset a controller for a run; see :func:`sim.runners.renewal.reset_anew`.
+    """Reset a controller for a run; see :func:`sim.controllers.catalogue.renewal.reset_anew`.
 
     Args:
         controller: The controller.

@@ -20,6 +20,7 @@ from sim._core import ffi, lib
 from sim.evidence import BudgetEvidence
 from sim.options.robot import SIGNALS
 from sim.options.run import RunOptions, check_step_length
+from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
 from sim.thesis.core_calls import (
@@ -32,7 +33,6 @@ from sim.thesis.core_calls import (
     new_rows,
     signal_map,
 )
-from sim.thesis.options import ARBITERS, ThesisOptions
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld

@@ -28,8 +28,8 @@ from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
 from fuzz.triage.triage import Triage
 from sim import Command, simulate
+from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import prepare
-from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import generate

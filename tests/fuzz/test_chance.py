@@ -19,8 +19,8 @@ from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
 from sim import RobotOptions, simulate, simulate_many
-from sim.chance import ARRIVED, explore
 from sim.controllers.base import CompiledController
+from sim.episode.chance import ARRIVED, explore
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

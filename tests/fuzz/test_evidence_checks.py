@@ -8,8 +8,8 @@ import pytest
 
 from fuzz.evidence_checks import check_evidence
 from sim import MOTIONS, Command, simulate
-from sim.describe import describe_evidence
 from sim.episode import prepare
+from sim.episode.describe import describe_evidence
 from sim.evidence import BurnedEvidence
 from sim.options.run import RunOptions
 from worldgen import CellState, Event, Pose, Target, Timeline, Witness, World

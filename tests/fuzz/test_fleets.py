@@ -28,7 +28,7 @@ from fuzz.triage.proofs import certified
 from fuzz.triage.signature import Standoff, standoff
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
-from sim.describe import describe_evidence
+from sim.episode.describe import describe_evidence
 from sim.evidence import JointLoopEvidence
 from sim.fleet import fleet_traces
 from sim.motion import MOTIONS

@@ -15,9 +15,9 @@ from fuzz.oracles import Trial
 from fuzz.screening import evaluate
 from fuzz.search.native import scenes
 from sim import simulate
-from sim.chance import ENDED, explore
 from sim.controllers import CONTROLLERS
 from sim.controllers.shared import guarded
+from sim.episode.chance import ENDED, explore
 from sim.options.run import RunOptions
 from sim.outcome import LIMIT
 from sim.runners.edited import CellEdit, EditedRuns, EditKind, Wanted

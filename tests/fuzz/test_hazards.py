@@ -18,9 +18,9 @@ from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim import simulate
 from sim.controllers import CONTROLLERS
+from sim.controllers.timeline_reads import noting_reads, world_to_read
 from sim.options.disturbances import Doubt
 from sim.options.robot import RobotOptions
-from sim.runners.timeline_reads import noting_reads, world_to_read
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World

@@ -397,5 +397,5 @@ class Rude(int):
 
 
 def test_a_run_that_is_too_long_is_not_run_again(robot, monkeypatch):
-    monkeypatch.setattr("sim.runners.watched._MOST_STEPS", 399)
+    monkeypatch.setattr("sim.episode.watched._MOST_STEPS", 399)
     assert seen(robot(BOUNCES)) is None

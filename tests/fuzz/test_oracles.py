@@ -18,8 +18,8 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim.options.run import RunOptions
+from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
-from sim.thesis.options import ThesisOptions
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import CellState, Event, Pose, Target, Timeline, World, generate

@@ -33,7 +33,7 @@ from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.proofs import certified
-from sim.runners.stopping import is_out_of_time, stopping_when
+from sim.clock.stopping import is_out_of_time, stopping_when
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.faulty_robots import HERE, found_by, hall

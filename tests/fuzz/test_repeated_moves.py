@@ -10,7 +10,7 @@ from fuzz.triage import contacts, repeated_moves
 from fuzz.triage.contacts import WallBearings
 from fuzz.triage.repeated_moves import describe_period
 from sim import Command, simulate
-from sim.runners.stopping import OutOfTime, stopping_when
+from sim.clock.stopping import OutOfTime, stopping_when
 from worldgen import Pose, Target, World, generate
 
 HERE = "tests.fuzz.test_repeated_moves"

@@ -18,9 +18,9 @@ from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim.options.run import RunOptions
+from sim.options.thesis import ThesisOptions
 from sim.runners.edited import has_sure_path
 from sim.scenario import Scenario
-from sim.thesis.options import ThesisOptions
 from tests.helpers.raising import raises
 from worldgen import (
     CellState,

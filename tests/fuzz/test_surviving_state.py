@@ -9,8 +9,8 @@ from fuzz.replay.answer import State, answer
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
 from sim import simulate
+from sim.clock import controller_time
 from sim.controllers import CONTROLLERS
-from sim.runners import controller_time
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import cup, hall

@@ -131,7 +131,7 @@ FAULTS = (
     Fault(
         "start-of-another",
         "many runs are the single runs, bit for bit",
-        "sim/batch.py",
+        "sim/episode/batch.py",
         "starts = poses or (world.start,)",
         "starts = poses or (worlds[0].start,)",
         ("tests/sim/test_batch.py",),

@@ -96,7 +96,7 @@ def folder(tmp_path_factory):
     for point in points_of("worldgen.formats"):
         point.load()
     importlib.import_module("fuzz.ci")
-    importlib.import_module("sim.batch")
+    importlib.import_module("sim.episode.batch")
     (folder / "program.py").write_text(PROGRAM)
     # Files that no reader accepts; each error quotes its fault.
     good = (folder / f"named{NAME}.grid").read_bytes()

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim import CompiledController, RobotOptions, RunOptions, simulate, simulate_many
-from sim.batch import VERDICTS
 from sim.controllers import CONTROLLERS
+from sim.episode.batch import VERDICTS
 from sim.runners.lattice import LatticeRun
 from sim.runners.many import run_many
 from tests.helpers.raising import raises

@@ -20,7 +20,7 @@ from sim.compare.picture import draw_comparison
 from sim.compare.published import agreement, read_figures
 from sim.compare.report import as_csv, as_text, describe_outcome
 from sim.controllers import names_in
-from sim.fleet import FleetEpisode
+from sim.outcome import FleetEpisode
 from tests.helpers.command_line import worldgen
 from tests.helpers.fleets import EAST, WEST, fleet_world, passage
 from tests.helpers.fleets import hall as empty_hall

@@ -12,7 +12,7 @@ from sim import Observation, RunOptions, simulate
 from sim.controllers.examples.python import Example
 from sim.controllers.programs.process import ProcessController, observation_line, read_command
 from sim.evidence import evidence_table
-from sim.host import serve
+from sim.host.__main__ import serve
 from worldgen import generate
 
 ROOT = Path(__file__).parents[2]

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from fuzz.evidence_checks import check_evidence
 from sim import Command, RunOptions, simulate, simulate_many
-from sim.chance import why_not_explored
 from sim.controllers import CONTROLLERS
 from sim.drawing.picture import trail_of
 from sim.episode import prepare
+from sim.episode.chance import why_not_explored
 from sim.evidence import CoveredEvidence
 from sim.motion import MOTIONS
 from sim.scenario import Scenario

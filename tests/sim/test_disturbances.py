@@ -254,7 +254,7 @@ def test_observations_name_no_disturbance():
 
 
 def test_a_run_with_pushes_is_not_explored_as_if_it_had_none():
-    from sim.chance import why_not_explored
+    from sim.episode.chance import why_not_explored
 
     world = generate("trap", 3)
     options = RunOptions(robot=RobotOptions(coin=4, lattice=8, pushes=(1.0, 0.1, 0.0, 0.0)))

@@ -5,9 +5,9 @@ import itertools
 import pytest
 
 from sim import Command, RunOptions, simulate
+from sim.clock import controller_time as module
+from sim.clock.controller_time import Effort, timed
 from sim.episode import prepare
-from sim.runners import controller_time as module
-from sim.runners.controller_time import Effort, timed
 from worldgen import generate
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
-from sim.describe import describe_evidence
 from sim.episode import prepare
+from sim.episode.describe import describe_evidence
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
 from worldgen import (

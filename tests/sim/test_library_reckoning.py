@@ -8,8 +8,8 @@ import pytest
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.library.reckoning import signal_three_layer_robot
-from sim.options.unused import unused_options
 from sim.scenario import Scenario
+from sim.scenario.unused import unused_options
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, Pose, Target, World
 from worldgen.families import cave, rooms, trap

@@ -4,9 +4,9 @@ import pytest
 
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from sim.options.noise import is_noisy
-from sim.options.unused import random_run, unused_options
+from sim.controllers.noise import is_noisy
 from sim.scenario import Scenario
+from sim.scenario.unused import random_run, unused_options
 from worldgen.families import trap
 
 WORLD = trap(3, size=24)

@@ -5,8 +5,8 @@ import signal
 import pytest
 
 from sim import Command, simulate
-from sim.runners.stopping import OutOfTime, breakable, steps_broken_off, stopping_when, unbreakable
-from sim.runners.try_out import try_out
+from sim.clock.stopping import OutOfTime, breakable, steps_broken_off, stopping_when, unbreakable
+from sim.episode.try_out import try_out
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from sim import simulate
 from sim.options.robot import RobotOptions
+from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.thesis.core_calls import STATE_FIELDS, WALL, ThesisSetup, signal_map
-from sim.thesis.options import ARBITERS, ThesisOptions
 from sim.thesis.run import signal_in
 from tests.helpers import thesis_parts
 from tests.helpers.raising import raises

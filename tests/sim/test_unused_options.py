@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sim import simulate
-from sim.options.unused import coarse_forces, missing_beams, random_run, unused_options
 from sim.scenario import Scenario
+from sim.scenario.unused import coarse_forces, missing_beams, random_run, unused_options
 from tests.helpers.command_line import worldgen
 from worldgen.world import Pose, Target, World
 

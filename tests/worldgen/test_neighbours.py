@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from sim.controllers import CONTROLLERS
-from sim.runners.hidden_state import hidden_state
+from sim.controllers.hidden_state import hidden_state
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 

@@ -17,8 +17,8 @@ from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.live import LiveCounts, count_in
 from fuzz.triage.proofs import certified
-from sim.runners.controller_time import Effort
-from sim.runners.try_out import EMPTY_ARENA, try_out
+from sim.clock.controller_time import Effort
+from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
 

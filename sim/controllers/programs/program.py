@@ -14,11 +14,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim.clock.controller_time import timed
+from sim.clock.stopping import unbreakable
 from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended, rule_of
 from sim.controllers.programs.crash_report import report_of
 from sim.evidence import evidence_table
-from sim.runners.controller_time import timed
-from sim.runners.stopping import unbreakable
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value

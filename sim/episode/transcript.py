@@ -6,7 +6,8 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from sim.controllers import CONTROLLERS, ProcessController
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.programs.process import ProcessController
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import check_output
 

@@ -12,17 +12,18 @@ import os
 import sys
 from typing import Any, BinaryIO
 
-from sim.controllers import (
-    CONTROLLERS,
+from sim.controllers.base import (
     Command,
     CompiledController,
+    Neighbour,
     Observation,
-    ProcessController,
     PythonController,
     VectorController,
+    wants_world,
 )
-from sim.controllers.base import Neighbour, wants_world
+from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.contract import ContractBroken, no_memory
+from sim.controllers.programs.process import ProcessController
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.support.results import only_results_on_stdout

@@ -26,7 +26,7 @@ from sim.controllers.behaviours.library import IDLE, TURN_WORDS, TURNS, collide,
 from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.controllers.memory_view import MemoryField
 from sim.kernels.layout import place
-from sim.thesis.options import ThesisOptions
+from sim.options.thesis import ThesisOptions
 from worldgen.support.arrays import Floats, Ints
 
 # The thesis's numbers for its rules.

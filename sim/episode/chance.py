@@ -18,11 +18,11 @@ from typing import TypeAlias
 import numpy as np
 
 from sim._core import ffi, lib
-from sim.controllers import CompiledController, Controller, controller_of
-from sim.controllers.base import robot_for, senses_of
+from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
+from sim.controllers.catalogue import controller_of
+from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import ControllerDied
 from sim.motion import MOTIONS
-from sim.options.noise import is_noisy
 from sim.options.run import TARGET, RunOptions
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace

@@ -11,7 +11,6 @@ from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
-from sim.controllers.thesis import thesis_arbitration
 from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
@@ -22,7 +21,7 @@ from sim.options.run import (
     switch_class,
     switch_sets,
 )
-from sim.thesis.options import REPAIRS, ThesisOptions
+from sim.options.thesis import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin
@@ -60,6 +59,8 @@ class Scenario:
         rule = controller.thesis_rule if isinstance(controller, CompiledController) else 0
         # Under ``stepped`` the thesis's own program runs its robots, with options for each part.
         if rule and MOTIONS.get(self.run.motion).kernel == THESIS:
+            from sim.controllers.library.thesis import thesis_arbitration  # noqa: PLC0415 - of these robots only
+
             return thesis_arbitration(rule, self.run.thesis)
         found: Arbitration | None = getattr(controller, "arbitration", None)
         return found

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
-from sim.controllers.base import Command, Memory, Observation
+from sim.clock.stopping import OutOfTime, stopping_when
+from sim.controllers.base import Command, CompiledController, Memory, Observation
+from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.contract import check_contract
+from sim.controllers.programs.process import ProcessController
 from sim.episode import prepare
 from sim.outcome import Outcome
-from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Target, World

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sim.controllers import CompiledController, Controller, controller_of
+from sim.controllers.base import CompiledController, Controller
+from sim.controllers.catalogue import controller_of
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -16,7 +18,6 @@ from sim.evidence import (
     ReachedEvidence,
 )
 from sim.fleet.assignment import assigned
-from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS, THESIS
 from sim.options.run import (
     TARGET,
@@ -28,8 +29,6 @@ from sim.options.run import (
 )
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
-from sim.runners.renewal import as_loaded
-from sim.thesis.run import ThesisRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
@@ -64,7 +63,7 @@ def simulate(
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
-        The verdict and its evidence; a :class:`~sim.fleet.FleetEpisode` for several robots.
+        The verdict and its evidence; a :class:`~sim.FleetEpisode` for several robots.
 
     Raises:
         InvalidParameter: If a name or an option is unknown or of the wrong type, or the controller
@@ -74,6 +73,8 @@ def simulate(
     check_world(world)
     options = options_from(world, options, settings)
     if world.others:
+        from sim.fleet.episode import simulate_fleet  # noqa: PLC0415 - loaded for fleets only
+
         return simulate_fleet(world, controller, options, record=record)
     named: list[str | Controller | type] = assigned(controller, 1)
     found = controller_of(named[0])
@@ -113,6 +114,8 @@ def prepare(
             at_terminal=True,
             name=motion.name,
         )
+    from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
+
     return ThesisRun(world, found.thesis_rule, options)
 
 
@@ -145,15 +148,15 @@ def _loop(
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    if (
+    is_thesis = MOTIONS.get(options.motion).kernel == THESIS
+    if is_thesis and outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence):
+        from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
+
         # A stalled run of the thesis's robot is more informative if the cells that confine it are
         # known.
-        outcome.verdict == Verdict.STALLED
-        and isinstance(evidence, BudgetEvidence)
-        and isinstance(run, ThesisRun)
-    ):
-        check_recordable(outcome.steps)
-        evidence = run.with_confinement(evidence, outcome.steps)
+        if isinstance(run, ThesisRun):
+            check_recordable(outcome.steps)
+            evidence = run.with_confinement(evidence, outcome.steps)
     return _episode(outcome.verdict, world, outcome, options, evidence)
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.runners.timeline_reads import ignoring_pickles
+from sim.controllers.timeline_reads import ignoring_pickles
 from worldgen.plugins.user_modules import neighbours_of
 
 _Cached = type(functools.cache(len))

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import lib
-from sim.controllers import CompiledController, Controller, VectorController
+from sim.controllers.base import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import simulate
 from sim.motion import LATTICE, MOTIONS

@@ -7,13 +7,13 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController, robot_for
-from sim.controllers.thesis import RANDOM
-from sim.options.noise import is_noisy
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.library.thesis import RANDOM
+from sim.controllers.noise import is_noisy
 from sim.options.run import switch_class
+from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
-from sim.thesis.options import ThesisOptions
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (

@@ -16,11 +16,9 @@ from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
-from sim.controllers.behaviours.composition import composition_named
 from sim.controllers.instances import InstanceOrigin, instance_of, remember
 from sim.controllers.learning import LEARNED, is_learned_name, learned_file, read_learned
 from sim.controllers.programs.process import ProcessController, is_process_name
-from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
 from sim.controllers.taught import with_numbers
 from sim.controllers.variants import Variants
@@ -78,6 +76,8 @@ class ControllerRegistry(Registry[Controller]):
         if is_library_name(name):
             check_code(name)
             if name not in self._loaded:
+                from sim.controllers.shared.library import library_controller  # noqa: PLC0415 - for lib: only
+
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
         # A registered controller or a user's class may have its own options.
@@ -254,6 +254,8 @@ def _classes_in(file: Path) -> list[str]:
 
 def _recomposable(name: str) -> Controller:
     """Return a composition, whose parts in Python are new."""
+    from sim.controllers.behaviours.composition import composition_named  # noqa: PLC0415 - for these only
+
     made = composition_named(name)
     if not isinstance(made, CompiledController):
         again = functools.partial(composition_named, name)

@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from sim.clock.controller_time import Effort, count_survivors
 from sim.controllers.base import Controller, Memory
 from sim.controllers.catalogue import CONTROLLERS, own_words
 from sim.controllers.contract import state_survives_reset
+from sim.controllers.hidden_state import HiddenState, hidden_state, own_attributes
 from sim.controllers.instances import InstanceOrigin, origin_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
-from sim.runners.controller_time import Effort, count_survivors
-from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
 from worldgen.errors import Message
 from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read

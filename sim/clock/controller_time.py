@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ParamSpec, Self, TypeVar
 
-from sim.runners.stopping import steps_broken_off
+from sim.clock.stopping import steps_broken_off
 
 P = ParamSpec("P")
 T = TypeVar("T")

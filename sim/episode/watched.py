@@ -15,13 +15,13 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from sim.controllers import CONTROLLERS
 from sim.controllers.base import Observation
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.catalogue.renewal import as_loaded
+from sim.controllers.hidden_state import attributes
 from sim.controllers.instances import origin_of
 from sim.episode import Episode, prepare
 from sim.options.run import RunOptions
-from sim.runners.hidden_state import attributes
-from sim.runners.renewal import as_loaded
 from worldgen.errors import WorldgenError
 from worldgen.plugins.counted_code import CountedCode, counted_module
 from worldgen.plugins.registry import user_code

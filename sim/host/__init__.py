@@ -1,0 +1,1 @@
+"""A Python controller served as a program: ``python -m sim.host ./mine.py:Robot``."""
