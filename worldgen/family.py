@@ -16,19 +16,19 @@ from typing import Any, cast
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
-from worldgen.lattice import in_cells
-from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
-from worldgen.plugins.entry_points import points_of
-from worldgen.plugins.registry import Registry
-from worldgen.random_streams import RandomStream, Seed, seed_of
-from worldgen.reach import REACHABLE, Decision, decide
-from worldgen.support.bounds import (
+from worldgen.inputs.bounds import (
     Bounds,
     check_at_least,
     check_between,
     check_choice,
     check_positive,
 )
+from worldgen.lattice import in_cells
+from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
+from worldgen.plugins.entry_points import points_of
+from worldgen.plugins.registry import Registry
+from worldgen.random_streams import RandomStream, Seed, seed_of
+from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.support.progress import Work, working
 from worldgen.world import JointWitness, Provenance, Value, Witness, World
 

@@ -394,7 +394,7 @@ class World(HoldsFrozen):
 
     def _check_fleet(self) -> None:
         """Reject robots that cannot be in one world."""
-        from worldgen.support.robot_pairs import pair_fault
+        from worldgen.inputs.robot_pairs import pair_fault
 
         robots = self.robots
         if len(robots) > MAX_ROBOTS:

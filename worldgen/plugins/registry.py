@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
+from worldgen.inputs.known_names import unknown_name
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.trust import check_code
@@ -28,7 +29,6 @@ from worldgen.plugins.user_modules import (
     sources_read,
     without_private_names,
 )
-from worldgen.support.known_names import unknown_name
 from worldgen.support.progress import say_once
 from worldgen.support.results import only_results_on_stdout
 

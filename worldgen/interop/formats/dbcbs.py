@@ -14,6 +14,7 @@ from pathlib import Path
 
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError
+from worldgen.inputs.bounds import check_between
 from worldgen.interop.foreign_map import (
     FLOOR_ROBOT,
     ForeignMap,
@@ -26,7 +27,6 @@ from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
-from worldgen.support.bounds import check_between
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
 _MAX_YAML_BYTES = 8 << 20
