@@ -15,7 +15,6 @@ from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.parts.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
 from worldgen.inputs.bounds import (
     Bounds,
     check_at_least,
@@ -29,6 +28,7 @@ from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
 from worldgen.reach import REACHABLE, Decision, decide
+from worldgen.reach.joint.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
 from worldgen.support.progress import Work, working
 from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
@@ -74,7 +74,7 @@ ROBOTS_PARAMETER = Parameter(
     Bounds(1, MAX_ROBOTS),
 )
 # Provenance of worlds with several robots also names the version of the code that places them and
-# plans their witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some
+# plans their witness: the modules in ``reach/joint``. Raise it whenever some
 # seed then yields another world of several robots.
 PLANNER = "planner"
 PLANNER_VERSION = 1

@@ -20,8 +20,8 @@ from sim.controllers.shared.object_file import is_library_name
 from sim.runners.controller_time import Effort, count_survivors
 from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
 from worldgen.errors import Message
-from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
+from worldgen.support.paths import expanded
 
 _SHARED = "a variable of its class or module"
 

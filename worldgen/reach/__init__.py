@@ -19,12 +19,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from worldgen.reach.confinement import Confinement
+from worldgen.reach.deadline import decide_in_time, latest_start, until
 from worldgen.reach.deciding import decide, decide_many
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, Swap
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Confinement, Decision, Swap
+from worldgen.reach.single.widest import widest_disc
 from worldgen.reach.still.cells import coverage_tour, reachable_cells
-from worldgen.reach.still.widest import widest_disc
-from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from worldgen.reach.decision import UNDECIDED, Decision, check_margin, check_radius, unread_reason
 from worldgen.reach.joint.decide import decide_joint
-from worldgen.reach.still import prove
+from worldgen.reach.single import prove
 from worldgen.world import World
 
 
