@@ -28,7 +28,7 @@ from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
 from worldgen.reach import REACHABLE, Decision, decide
-from worldgen.reach.joint.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
+from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
 from worldgen.support.progress import Work, working
 from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
@@ -212,6 +212,8 @@ class Family:
         self, world: World, rng: RandomStream, robots: int, margin: float, work: Work
     ) -> tuple[World, Decision]:
         """Return the world with more robots, and whether all of them can arrive."""
+        from worldgen.reach.joint.placing import place_robots  # noqa: PLC0415 - few worlds need it
+
         if robots > FEW_ROBOTS:
             placed = place_robots(world, rng, robots, self.name, margin=margin)
             return placed, _decided(placed, margin)
