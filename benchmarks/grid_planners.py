@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from worldgen.interop.census import cell_at
 from worldgen.lattice import radius_in_cells
-from worldgen.support.grid_search import squared_distances
+from worldgen.reach.still.grid_search import squared_distances
 from worldgen.world import World
 
 Labels = npt.NDArray[np.int32]

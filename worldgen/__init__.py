@@ -23,6 +23,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from worldgen.support.lazy import lazy_names
+from worldgen.support.world_methods import world_methods
 
 if TYPE_CHECKING:
     __version__: str
@@ -89,6 +90,20 @@ def __getattr__(name: str) -> Any:
         return version("worldgen")
     return _lazy(name)
 
+
+def _digest(world: World) -> str:
+    from worldgen.files.grid import world_digest
+
+    return world_digest(world)
+
+
+def _picture(world: World) -> bytes:
+    from worldgen.render import draw_png
+
+    return draw_png(world)
+
+
+world_methods.update(digest=_digest, picture=_picture)
 
 __all__ = [
     "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed",

@@ -15,20 +15,20 @@ from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.parts.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
-from worldgen.lattice import in_cells
-from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
-from worldgen.plugins.entry_points import points_of
-from worldgen.plugins.registry import Registry
-from worldgen.random_streams import RandomStream, Seed, seed_of
-from worldgen.reach import REACHABLE, Decision, decide
-from worldgen.support.bounds import (
+from worldgen.inputs.bounds import (
     Bounds,
     check_at_least,
     check_between,
     check_choice,
     check_positive,
 )
+from worldgen.lattice import in_cells
+from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
+from worldgen.plugins.entry_points import points_of
+from worldgen.plugins.registry import Registry
+from worldgen.random_streams import RandomStream, Seed, seed_of
+from worldgen.reach import REACHABLE, Decision, decide
+from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
 from worldgen.support.progress import Work, working
 from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
@@ -74,7 +74,7 @@ ROBOTS_PARAMETER = Parameter(
     Bounds(1, MAX_ROBOTS),
 )
 # Provenance of worlds with several robots also names the version of the code that places them and
-# plans their witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some
+# plans their witness: the modules in ``reach/joint``. Raise it whenever some
 # seed then yields another world of several robots.
 PLANNER = "planner"
 PLANNER_VERSION = 1
@@ -212,6 +212,8 @@ class Family:
         self, world: World, rng: RandomStream, robots: int, margin: float, work: Work
     ) -> tuple[World, Decision]:
         """Return the world with more robots, and whether all of them can arrive."""
+        from worldgen.reach.joint.placing import place_robots  # noqa: PLC0415 - few worlds need it
+
         if robots > FEW_ROBOTS:
             placed = place_robots(world, rng, robots, self.name, margin=margin)
             return placed, _decided(placed, margin)

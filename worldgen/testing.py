@@ -23,9 +23,9 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES, MARGIN, Family, Parameter
 from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
+from worldgen.plugins.workers import WorkerPool
 from worldgen.reach import check_certificate, witness_margin
 from worldgen.support.plain_text import quote
-from worldgen.support.workers import WorkerPool
 from worldgen.timeline import CellState
 from worldgen.world import JointWitness, Value, Witness, World
 

@@ -24,8 +24,10 @@ from worldgen.domain import (
     speed_fault,
 )
 from worldgen.errors import InvalidWorld
+from worldgen.inputs.robot_pairs import pair_fault
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
+from worldgen.support.world_methods import world_methods
 from worldgen.timeline import CellState, Timeline
 
 __all__ = [
@@ -394,8 +396,6 @@ class World(HoldsFrozen):
 
     def _check_fleet(self) -> None:
         """Reject robots that cannot be in one world."""
-        from worldgen.support.robot_pairs import pair_fault
-
         robots = self.robots
         if len(robots) > MAX_ROBOTS:
             raise InvalidWorld(
@@ -567,9 +567,8 @@ class World(HoldsFrozen):
     @property
     def digest(self) -> str:
         """SHA-256 of the world's canonical file without provenance and failure: the world's id."""
-        from worldgen.files.grid import world_digest
-
-        return world_digest(self)
+        digest: str = world_methods["digest"](self)
+        return digest
 
     def __repr__(self) -> str:
         made = self.provenance
@@ -592,9 +591,8 @@ class World(HoldsFrozen):
 
     def _repr_png_(self) -> bytes:
         """Return the picture shown in a notebook."""
-        from worldgen.render import draw_png
-
-        return draw_png(self)
+        picture: bytes = world_methods["picture"](self)
+        return picture
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, World):

@@ -15,7 +15,7 @@ from fuzz.campaign.deadline import TO_HAND_IN
 from fuzz.campaign.executors import Executor
 from fuzz.campaign.schedule import Schedule
 from sim.scenario import Scenario
-from worldgen.support.workers import LISTEN
+from worldgen.plugins.workers import LISTEN
 
 # Seconds after the end of the time in which results may still arrive.
 _GRACE = 1.0

@@ -141,9 +141,9 @@ def _shrink(known: list[Path], folder: Path) -> None:
     from fuzz.campaign.executors import local_executor
     from fuzz.campaign.shrinking import Shrinking, shrunk_or_same
     from fuzz.failure import Failure
+    from worldgen.plugins.workers import LISTEN
     from worldgen.support.plain_text import counted
     from worldgen.support.progress import working
-    from worldgen.support.workers import LISTEN
 
     # Small failures shrink fastest, so begin with these.
     waiting = sorted(((Failure.read(path), path) for path in known), key=lambda one: one[0].order)

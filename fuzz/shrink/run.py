@@ -25,7 +25,7 @@ from sim.evidence import WallEvidence
 from sim.options.run import MAX_STEPS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.support.bounds import check_choice
+from worldgen.inputs.bounds import check_choice
 from worldgen.world import Value, World
 
 KEEP = ("verdict", "class")

@@ -60,7 +60,7 @@ from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, Decision, check_certificate, decide
-from worldgen.reach.still.widest import widest_disc
+from worldgen.reach.single.widest import widest_disc
 from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, JointWitness, Value, Witness, World

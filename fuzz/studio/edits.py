@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
 from worldgen.plugins.user_modules import digest_of_source, sources_read
+from worldgen.support.paths import expanded
 
 UNKNOWN = "?"
 """Digest of code that was read at an unknown time during an edit; no file's contents equal it."""

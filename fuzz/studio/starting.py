@@ -13,9 +13,9 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.archives import is_archive
 from worldgen.files.grid import read_world
-from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 from worldgen.interop import read_map
+from worldgen.support.paths import expanded
 
 _MAKES_NAMES = {
     "*",

@@ -21,7 +21,7 @@ from fuzz.studio.folder import Folder
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
 from worldgen.plugins.trust import Inherited
-from worldgen.support.workers import become_worker, sigint_blocked
+from worldgen.plugins.workers import become_worker, sigint_blocked
 
 if TYPE_CHECKING:
     from fuzz.studio.messages import SendPart

@@ -16,8 +16,8 @@ from fuzz.triage.repeated_moves import last_part
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.trace import Trace
+from worldgen.reach.still.grid_search import components
 from worldgen.support.arrays import Bools, Floats, Ints
-from worldgen.support.grid_search import components
 from worldgen.world import World
 
 # Radians in one step: more than 160 degrees turns the robot around.

@@ -19,8 +19,8 @@ from msgspec import Meta
 
 from worldgen.errors import InvalidParameter
 from worldgen.files.json_file import converted, faulty_field
-from worldgen.files.whole import expanded
 from worldgen.support.arrays import Floats
+from worldgen.support.paths import expanded
 
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""

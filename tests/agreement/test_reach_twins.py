@@ -22,7 +22,9 @@ from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach import check_certificate
 from worldgen.reach.deciding import decide_many
-from worldgen.reach.still import lattice_graph, path, prove
+from worldgen.reach.single import prove
+from worldgen.reach.single.prove import decide
+from worldgen.reach.still import lattice_graph, path
 from worldgen.reach.still.coarse import walk_squares
 from worldgen.reach.still.cut import find_chain, rim_cells
 from worldgen.reach.still.disc import Disc, beyond, is_away, parts, target_disc
@@ -36,7 +38,6 @@ from worldgen.reach.still.lattice_graph import (
     neighbour_shifts,
 )
 from worldgen.reach.still.path import clearance_sq, shorten
-from worldgen.reach.still.prove import decide
 from worldgen.reach.still.target_poses import deciding_poses, plain_poses
 from worldgen.reach.still.walls import Walls, segment_box_sq
 from worldgen.support.ccall import check, pointer

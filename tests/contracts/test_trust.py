@@ -629,7 +629,7 @@ def test_a_family_is_an_argument_after_a_record_was_read(stranger, ran, record):
 
 
 def test_workers_know_what_their_parent_may_run(stranger, ran, record):
-    from worldgen.support.workers import WorkerPool
+    from worldgen.plugins.workers import WorkerPool
 
     with trust.command_rule(None):
         trust.admit("./odd.py:X")

@@ -28,7 +28,7 @@ from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.reach import decide, widest_disc
 from worldgen.reach.still.disc import target_disc
-from worldgen.support.grid_search import by_distance, squared_distances
+from worldgen.reach.still.grid_search import by_distance, squared_distances
 from worldgen.world import Pose, Target, Witness, World
 
 every_family = pytest.mark.parametrize("name", FAMILIES.names())

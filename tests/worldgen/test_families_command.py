@@ -8,7 +8,7 @@ import pytest
 
 import worldgen.sets.making
 from tests.helpers.command_line import worldgen as run
-from worldgen.commands.family_command import family_command
+from worldgen.cli.family_command import family_command
 from worldgen.difficulty import with_metrics
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES

@@ -15,7 +15,7 @@ from worldgen.families.builtin.fire import FIREBREAK, fire
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide
-from worldgen.support.grid_search import free_windows, shortest_path
+from worldgen.reach.still.grid_search import free_windows, shortest_path
 from worldgen.timeline import CellState, Timeline
 
 SEEDS = st.integers(0, 2**64 - 1)

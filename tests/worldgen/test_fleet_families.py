@@ -11,13 +11,12 @@ from tests.helpers.raising import raises
 from worldgen.compose.sources import of_family
 from worldgen.difficulty import measure
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.parts import placing
 from worldgen.family import CROWD_PLANNER_VERSION, FAMILIES, PLANNER_VERSION, family
 from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.reach import UNDECIDED, check_certificate, decide
-from worldgen.reach.joint import plan, question
+from worldgen.reach.joint import placing, plan, question
 from worldgen.render import draw_svg
 from worldgen.support.progress import Work, display_on_stderr
 from worldgen.world import World

@@ -35,8 +35,8 @@ from worldgen.interop import (
     write_export,
 )
 from worldgen.interop.exporting import frozen_at
-from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import decimal
+from worldgen.interop.format.foreign_map import origin_of
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 

@@ -17,7 +17,7 @@ from tests.helpers.damages import damages
 from tests.helpers.foreign_samples import READABLE, samples
 from worldgen.errors import WorldgenError
 from worldgen.interop import find_format, import_world, read_map
-from worldgen.interop.foreign_map import MAX_CELLS
+from worldgen.interop.format.foreign_map import MAX_CELLS
 
 _LARGEST = 2_000  # largest damaged map, in cells, in which a robot is placed
 

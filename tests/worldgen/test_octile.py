@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.helpers.octile_twin import octile_length
-from worldgen.interop.octile import octile_lengths, octile_moves
+from worldgen.interop.geometry.octile import octile_lengths, octile_moves
 
 
 def drawn(*rows):

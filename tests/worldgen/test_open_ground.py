@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from tests.reference.worldgen import ground as ground_reference
 from worldgen.families.parts.open_ground import covered, dig_from, far_poses, in_sight
 from worldgen.random_streams import RandomStream
-from worldgen.support.grid_search import components, free_windows, shortest_path, steps_from
+from worldgen.reach.still.grid_search import components, free_windows, shortest_path, steps_from
 
 
 def ground(seed, side=40, rock=0.35):

@@ -10,8 +10,8 @@ import pytest
 from worldgen import family
 from worldgen.cli.output import ask_user
 from worldgen.errors import GenerationFailed
-from worldgen.families.parts import placing
 from worldgen.generation import generate
+from worldgen.reach.joint import placing
 from worldgen.support import progress
 from worldgen.support.progress import Display, display_on_stderr, set_verbosity, working
 

@@ -30,9 +30,9 @@ from worldgen.reach import (
     until,
     witness_margin,
 )
+from worldgen.reach.deadline import retime
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.timed import confine
-from worldgen.reach.timed.deadline import retime
 from worldgen.reach.timed.earliest import find_timed_path
 from worldgen.reach.timed.latest import find_latest_start
 from worldgen.reach.timed.spans import ChangingWalls, Spans

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from worldgen.support.workers import WorkerPool, ctrl_c_held_back
+from worldgen.plugins.workers import WorkerPool, ctrl_c_held_back
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 

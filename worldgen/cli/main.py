@@ -106,7 +106,7 @@ class LazyGroup(click.Group):
         ):
             # Such as ./mine.py:my_family or ./recipe.toml.
             admit_typed([cmd_name], "")
-            from worldgen.commands.family_command import family_command
+            from worldgen.cli.family_command import family_command
 
             return family_command(cmd_name)
         return None

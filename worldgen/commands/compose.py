@@ -10,7 +10,7 @@ class _Recipes(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of a recipe."""
-        from worldgen.commands.family_command import family_command
+        from worldgen.cli.family_command import family_command
         from worldgen.errors import InvalidParameter
 
         if cmd_name.startswith("-"):

@@ -130,7 +130,7 @@ def _make(
     force: bool,
     as_json: bool,
 ) -> None:
-    from worldgen.commands.set_output import told, workers_for
+    from worldgen.cli.set_output import told, workers_for
     from worldgen.sets import SetDiffers, regenerate_set, restore_set
 
     place = known.place

@@ -26,7 +26,7 @@ from worldgen.compose.where import DRAWN
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, MARGIN, Bounds, Build, Family, family
 from worldgen.files.grid import loads
-from worldgen.interop.foreign_map import read_bounded
+from worldgen.interop.format.foreign_map import read_bounded
 from worldgen.parameters import find_parameter
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from worldgen.errors import InvalidParameter
+from worldgen.inputs.expressions import Language, Node, evaluate, parse_number, variables_in
 from worldgen.random_streams import RandomStream
-from worldgen.support.expressions import Language, Node, evaluate, parse_number, variables_in
 
 Scalar: TypeAlias = bool | int | float | str
 

@@ -1,6 +1,6 @@
 """Measure how hard a world is, and search for worlds of a given difficulty.
 
-Contents:
+Contents, each imported when it is first used:
     measure, with_metrics: the metrics of a world; a world with the metrics in its provenance.
     Metrics, METRICS, Metric: what is measured, in which unit, and which direction is harder.
     parse, Expression: constraints on metrics.
@@ -11,16 +11,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from worldgen.difficulty.expression import Expression, parse
-from worldgen.difficulty.measuring import measure, with_metrics
-from worldgen.difficulty.metrics import METRICS, Metric, Metrics
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from worldgen.difficulty.expression import Expression, parse
+    from worldgen.difficulty.measuring import measure, with_metrics
+    from worldgen.difficulty.metrics import METRICS, Metric, Metrics
     from worldgen.difficulty.search import Search, search_world
 
-# This import needs the families.
-__getattr__, __dir__ = lazy_names(__name__, {"search": ("Search", "search_world")})
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "expression": ("Expression", "parse"),
+        "measuring": ("measure", "with_metrics"),
+        "metrics": ("METRICS", "Metric", "Metrics"),
+        "search": ("Search", "search_world"),
+    },
+)
 
 __all__ = [
     "METRICS",

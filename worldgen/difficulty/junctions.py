@@ -20,9 +20,9 @@ import numpy as np
 
 from worldgen import _core
 from worldgen.difficulty.nodes import Nodes
+from worldgen.reach.still.grid_search import squared_distances
 from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
-from worldgen.support.grid_search import squared_distances
 
 
 def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:

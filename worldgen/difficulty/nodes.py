@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from worldgen.lattice import UNIT, radius_in_cells
+from worldgen.reach.still.grid_search import squared_distances
 from worldgen.reach.still.lattice_graph import Graph, build_graph
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.grid_search import squared_distances
 from worldgen.world import World
 
 # Half a cell, in 1/1024 cell.

@@ -22,10 +22,10 @@ from worldgen import _core
 from worldgen.difficulty.nodes import HALF, Nodes
 from worldgen.difficulty.path import WitnessPath
 from worldgen.reach.still.disc import Disc
+from worldgen.reach.still.grid_search import by_distance
 from worldgen.reach.still.lattice_graph import nodes_within
 from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer, writable
-from worldgen.support.grid_search import by_distance
 
 
 def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] | None:

@@ -66,14 +66,6 @@ def check_writable(path: Path, folder: Path) -> None:
         )
 
 
-def expanded(path: str | Path) -> Path:
-    """Return a path with ``~`` or ``~user`` replaced; unchanged if there is no such user."""
-    try:
-        return Path(path).expanduser()
-    except RuntimeError:
-        return Path(path)
-
-
 def read_text(path: Path, most: int = _MOST_BYTES) -> str:
     """Return the text of a small file.
 

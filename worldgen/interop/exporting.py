@@ -10,8 +10,8 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import FORMATS, HELD, ROBOT_FACTS, Destination, Format
+from worldgen.interop.format.foreign_map import origin_of
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
 from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline

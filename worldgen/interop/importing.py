@@ -9,8 +9,8 @@ from pathlib import Path
 
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.format import ROBOT_FACTS
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone

@@ -25,10 +25,10 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import Floods
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.reach.still.walls import Walls, point_box_sq
 from worldgen.support.arrays import Bools
-from worldgen.support.grid_search import Floods
 
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.

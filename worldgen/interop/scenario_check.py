@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import without_file
+from worldgen.interop.format.foreign_map import without_file
 from worldgen.interop.formats.movingai import (
     GROUND,
     TREES,
@@ -21,7 +21,7 @@ from worldgen.interop.formats.movingai import (
     read_terrain,
     scenario_contents,
 )
-from worldgen.interop.octile import octile_lengths
+from worldgen.interop.geometry.octile import octile_lengths
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.plain_text import Styled, aligned, counted, stacked

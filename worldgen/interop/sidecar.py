@@ -14,7 +14,6 @@ from typing import TypeAlias
 from worldgen.errors import FormatError
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.toml_text import value_text
-from worldgen.interop.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
 from worldgen.interop.format import (
     HELD,
     LENGTHS,
@@ -25,6 +24,7 @@ from worldgen.interop.format import (
     held_values,
     robot_values,
 )
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
 from worldgen.world import Robot, Value, World
 
 SUFFIX = ".worldgen.toml"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from worldgen.errors import InvalidParameter
-from worldgen.files.whole import expanded
+from worldgen.support.paths import expanded
 from worldgen.support.progress import say_once
 
 FILE = "pyproject.toml"

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
-from worldgen.files.whole import expanded
+from worldgen.inputs.known_names import unknown_name
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.trust import check_code
@@ -28,7 +28,7 @@ from worldgen.plugins.user_modules import (
     sources_read,
     without_private_names,
 )
-from worldgen.support.known_names import unknown_name
+from worldgen.support.paths import expanded
 from worldgen.support.progress import say_once
 from worldgen.support.results import only_results_on_stdout
 

@@ -28,9 +28,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from worldgen.errors import InvalidParameter
-from worldgen.files.whole import expanded
 from worldgen.parameters import split_headed, without_class_options
 from worldgen.plugins.project import has_trusted_owner, named_in_settings, owners
+from worldgen.support.paths import expanded
 from worldgen.support.plain_text import shown
 
 _HERE = Path(__file__).resolve().parents[2]

@@ -3,12 +3,12 @@
 Contents:
     decide, decide_many: prove it, in one world and in many.
     Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
-    decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
     Confinement: the proof that a deadline cannot be met.
     Swap: the proof that two robots cannot both arrive.
     reachable_cells, coverage_tour: which cells' centres the disc can reach, and a tour of them.
+Imported when they are first used, because few need them, and the checkers load shapely:
+    decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
     widest_disc: the largest disc that gets through.
-Imported when they are first used, because they load shapely:
     check_certificate, CheckReport: check a proof.
     check_confinement: check the proof about a deadline.
     check_swap: check the proof about two robots that cannot pass each other.
@@ -19,12 +19,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from worldgen.reach.confinement import Confinement
 from worldgen.reach.deciding import decide, decide_many
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, Swap
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Confinement, Decision, Swap
 from worldgen.reach.still.cells import coverage_tour, reachable_cells
-from worldgen.reach.still.widest import widest_disc
-from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
@@ -32,6 +29,8 @@ if TYPE_CHECKING:
     from worldgen.reach.check.confinement import check_confinement
     from worldgen.reach.check.margin import delayed, witness_margin
     from worldgen.reach.check.swap import check_swap
+    from worldgen.reach.deadline import decide_in_time, latest_start, until
+    from worldgen.reach.single.widest import widest_disc
 
 __getattr__, __dir__ = lazy_names(
     __name__,
@@ -40,6 +39,8 @@ __getattr__, __dir__ = lazy_names(
         "check.confinement": ("check_confinement",),
         "check.swap": ("check_swap",),
         "check.margin": ("delayed", "witness_margin"),
+        "deadline": ("decide_in_time", "latest_start", "until"),
+        "single.widest": ("widest_disc",),
     },
 )
 

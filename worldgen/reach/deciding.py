@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from worldgen.reach.decision import UNDECIDED, Decision, check_margin, check_radius, unread_reason
-from worldgen.reach.joint.decide import decide_joint
-from worldgen.reach.still import prove
+from worldgen.reach.single import prove
 from worldgen.world import World
 
 
@@ -42,6 +41,8 @@ def decide(
     if radius is not None:
         check_radius(radius, world.cell_size)
     check_margin(margin)
+    from worldgen.reach.joint.decide import decide_joint
+
     return decide_joint(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
 
 

@@ -9,6 +9,7 @@ from worldgen.reach.check.certificate import CheckReport, check_certificate
 from worldgen.reach.check.confinement import check_confinement
 from worldgen.reach.check.margin import witness_margin
 from worldgen.reach.check.swap import check_swap
+from worldgen.reach.deadline import decide_in_time, latest_start, until
 from worldgen.reach.deciding import decide
 from worldgen.reach.decision import (
     BLOCKED,
@@ -18,7 +19,6 @@ from worldgen.reach.decision import (
     check_deadline,
     check_radius,
 )
-from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.world import Cut, Witness, World
 
 

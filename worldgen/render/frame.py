@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.inputs.bounds import check_between
 from worldgen.support.arrays import Floats
-from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 DEFAULT_PIXELS = 900

@@ -18,7 +18,7 @@ from worldgen.difficulty import measure
 from worldgen.errors import GenerationFailed, WorldgenError
 from worldgen.files.grid import dumps, world_digest
 from worldgen.generation import generate
-from worldgen.support.workers import LISTEN, WorkerPool, ctrl_c_held_back
+from worldgen.plugins.workers import LISTEN, WorkerPool, ctrl_c_held_back
 from worldgen.world import Provenance, Value, World
 
 # Area that a process gets at a time, square metres: some tenths of a second of work.

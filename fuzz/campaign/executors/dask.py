@@ -17,7 +17,7 @@ from fuzz.campaign.executors.executor import WorkersLost
 from fuzz.campaign.executors.remote import RemoteJob
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
-from worldgen.support.workers import ctrl_c_held_back
+from worldgen.plugins.workers import ctrl_c_held_back
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -20,7 +20,7 @@ from fuzz.triage.proofs import certified
 from sim.clock.controller_time import Effort
 from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
-from worldgen.support.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
+from worldgen.plugins.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
 
 P = ParamSpec("P")
 T = TypeVar("T")

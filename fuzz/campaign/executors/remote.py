@@ -26,9 +26,9 @@ from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.files.whole import expanded
 from worldgen.plugins.registry import Registry, lend
 from worldgen.plugins.trust import admit
+from worldgen.support.paths import expanded
 
 P = ParamSpec("P")
 T = TypeVar("T")

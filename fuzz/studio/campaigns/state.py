@@ -21,8 +21,8 @@ from fuzz.studio.running import names_of
 from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
 from worldgen.files.locks import holder
-from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
+from worldgen.support.paths import expanded
 
 _TOTALS = (
     "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",

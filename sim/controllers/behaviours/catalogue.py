@@ -14,6 +14,7 @@ from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.controllers.instances import instance_of, origin_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.inputs.bounds import Bounds
 from worldgen.parameters import (
     Parameter,
     parameters_of_fields,
@@ -22,7 +23,6 @@ from worldgen.parameters import (
     split_options,
 )
 from worldgen.plugins.registry import Registry, user_code
-from worldgen.support.bounds import Bounds
 
 PREFIX = "behaviours"
 ARBITERS = ("priority", "vote", "learning")

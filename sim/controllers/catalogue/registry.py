@@ -24,10 +24,10 @@ from sim.controllers.taught import with_numbers
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
-from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.plugins.trust import admit_argument, check_code, same_origin
+from worldgen.support.paths import expanded
 
 _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*")
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)

@@ -20,8 +20,8 @@ from sim.controllers.programs.process import ProcessController
 from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
 from worldgen.errors import Message
-from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
+from worldgen.support.paths import expanded
 
 _SHARED = "a variable of its class or module"
 

@@ -26,8 +26,8 @@ from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
+from worldgen.inputs.bounds import Bounds
 from worldgen.support.arrays import Floats
-from worldgen.support.bounds import Bounds
 
 AT = fields_of("WgGestaltMemory")
 

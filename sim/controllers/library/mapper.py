@@ -27,8 +27,8 @@ from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_o
 from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
+from worldgen.inputs.bounds import check_between
 from worldgen.support.arrays import Floats
-from worldgen.support.bounds import check_between
 
 AT = fields_of("WgMapperMemory")
 

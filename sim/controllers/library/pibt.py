@@ -33,9 +33,9 @@ from sim.controllers.base import Command, Memory, Neighbour, Observation
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.lattice import radius_in_cells
+from worldgen.reach.still.grid_search import steps_from
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.support.arrays import Bools
-from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
 Node = tuple[int, int]

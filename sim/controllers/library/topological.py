@@ -31,8 +31,8 @@ from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
+from worldgen.inputs.bounds import Bounds
 from worldgen.support.arrays import Floats
-from worldgen.support.bounds import Bounds
 
 MOST = place("WgTopologicalMemory", "most")
 MODE = place("WgTopologicalMemory", "mode")

@@ -36,9 +36,9 @@ from sim.controllers.programs.program import (
 )
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
+from worldgen.inputs.bounds import check_between
 from worldgen.parameters import split_headed, split_options
 from worldgen.support.arrays import Floats, Ints
-from worldgen.support.bounds import check_between
 
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")

@@ -19,8 +19,8 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers.shared import guarded
 from worldgen.errors import InvalidParameter, Message
-from worldgen.files.whole import expanded
 from worldgen.plugins.trust import check_code
+from worldgen.support.paths import expanded
 
 _PREFIX = "lib:"
 # Suffix of the function that describes a controller.

@@ -11,8 +11,8 @@ from worldgen.families.parts.layout import CHOSEN, Arena, CellSize, RobotRadius,
 from worldgen.families.parts.open_ground import covered, dig_from, easiest_joints, far_poses
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import components, free_windows
 from worldgen.support.arrays import Bools, Bytes
-from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
 Shape: TypeAlias = Literal["caverns", "columns", "galleries"]

@@ -16,8 +16,8 @@ from worldgen.families.parts.planting import disc_cells, plant
 from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import components, free_windows
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
 Growth: TypeAlias = Literal["even", "thickets", "rows"]

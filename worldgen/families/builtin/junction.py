@@ -15,9 +15,9 @@ from worldgen.families.parts.layout import (
     Size,
     Width,
 )
-from worldgen.families.parts.placing import Box
 from worldgen.family import family
 from worldgen.random_streams import RandomStream
+from worldgen.reach.joint.placing import Box
 from worldgen.world import World
 
 Shape: TypeAlias = Literal["X", "T"]

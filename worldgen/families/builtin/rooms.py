@@ -22,7 +22,7 @@ from worldgen.families.parts.layout import (
 from worldgen.families.parts.open_ground import far_poses
 from worldgen.family import family
 from worldgen.random_streams import RandomStream
-from worldgen.support.grid_search import free_windows
+from worldgen.reach.still.grid_search import free_windows
 from worldgen.world import World
 
 

@@ -26,8 +26,8 @@ from worldgen.families.parts.noise import smooth_noise
 from worldgen.families.parts.open_ground import FAR, dig_from
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import free_windows, steps_from
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.grid_search import free_windows, steps_from
 from worldgen.world import World
 
 Collapse: TypeAlias = Literal["quake", "blast", "wing"]

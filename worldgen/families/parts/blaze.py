@@ -17,8 +17,8 @@ import numpy as np
 from worldgen.families.parts.noise import smooth_noise
 from worldgen.lattice import exact, in_cells, radius_in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import free_windows, shortest_path, window_at
 from worldgen.support.arrays import Bools, Indices, Ints
-from worldgen.support.grid_search import free_windows, shortest_path, window_at
 from worldgen.world import World
 
 # Cells around the robot's start that never burn, so that it can wait there.

@@ -8,9 +8,9 @@ import numpy as np
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.families.parts.layout import Arena
-from worldgen.families.parts.placing import Box, place_in_boxes
 from worldgen.family import Bounds
 from worldgen.random_streams import RandomStream
+from worldgen.reach.joint.placing import Box, place_in_boxes
 from worldgen.support.arrays import Bools
 from worldgen.world import World
 

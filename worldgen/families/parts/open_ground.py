@@ -17,9 +17,9 @@ from worldgen import _core
 from worldgen.families.parts.disjoint_sets import joining
 from worldgen.families.parts.layout import STEPS
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import free_windows, steps_from
 from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.ccall import check, writable
-from worldgen.support.grid_search import free_windows, steps_from
 
 Numbers: TypeAlias = npt.NDArray[np.int32]
 

@@ -21,8 +21,8 @@ from worldgen.families.parts.raster import (
     turned,
 )
 from worldgen.random_streams import RandomStream
+from worldgen.reach.still.grid_search import free_windows
 from worldgen.support.arrays import Bools, Ints
-from worldgen.support.grid_search import free_windows
 
 
 @dataclass(frozen=True)

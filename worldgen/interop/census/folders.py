@@ -11,7 +11,7 @@ from pathlib import Path
 
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.interop.census.case import CensusMap, Ends, Refused
-from worldgen.interop.foreign_map import ForeignMap, without_file
+from worldgen.interop.format.foreign_map import ForeignMap, without_file
 from worldgen.interop.formats.movingai import read_scenario, scenario_contents
 from worldgen.interop.recognising import find_format, looks_like_a_map, read_map
 from worldgen.lattice import UNIT, lattice_to_metres

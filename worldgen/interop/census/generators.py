@@ -21,7 +21,7 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.census.case import CensusMap, Ends, Refused, cell_ends
-from worldgen.interop.foreign_map import check_sides
+from worldgen.interop.format.foreign_map import check_sides
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen.errors import Note
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.interop.readers.gazebo_world import MAX_BYTES, OURS, grid_line, read_gazebo_world
 from worldgen.lattice import exact

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, SupportsFloat, TypeAlias
 
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
 from worldgen.interop.readers.gltf_tree import GLTF_HARMLESS
 from worldgen.interop.readers.mesh_slice import metric_reader

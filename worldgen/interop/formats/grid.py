@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 from worldgen.files.grid import read_world
-from worldgen.interop.foreign_map import ForeignMap, origin_of, read_bounded
 from worldgen.interop.format import HELD, Format
+from worldgen.interop.format.foreign_map import ForeignMap, origin_of, read_bounded
 from worldgen.world import Value
 
 

@@ -12,8 +12,8 @@ from fractions import Fraction
 from typing import Literal
 
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry import raster
 from worldgen.interop.geometry.placed_boxes import PlacedBox, solid_boxes
 from worldgen.interop.geometry.solid_scene import TIMESTEPS

@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import (
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
     read_bounded,
     unix_text,
 )
-from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows

@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows

@@ -17,7 +17,8 @@ import numpy as np
 
 from worldgen.errors import FormatError, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import (
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
@@ -25,7 +26,6 @@ from worldgen.interop.foreign_map import (
     read_bounded,
     unix_text,
 )
-from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
 from worldgen.support.arrays import Bytes, Floats, Ints
@@ -471,7 +471,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the map is written; the scenario file gets ``.scen`` after that name.
     """
-    from worldgen.interop.octile import octile_moves
+    from worldgen.interop.geometry.octile import octile_moves
 
     # Draw the map.
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))

@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import ForeignMap, check_sides, read_bounded
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, box_writer
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World

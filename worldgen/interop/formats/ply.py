@@ -7,8 +7,8 @@ Source: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994; bin
 
 from __future__ import annotations
 
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Format, held_lines
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writer
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import (
     KEYS,

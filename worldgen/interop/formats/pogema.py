@@ -17,14 +17,14 @@ from typing import Literal
 import numpy as np
 
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
-from worldgen.interop.foreign_map import (
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     ForeignRobot,
     read_bounded,
     unix_text,
 )
-from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells, equal_rows
 from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_configuration
 from worldgen.support.arrays import Bools, Bytes

@@ -19,8 +19,8 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_choice
-from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
 from worldgen.interop.readers.places_text import (
     KEYS,

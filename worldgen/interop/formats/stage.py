@@ -11,7 +11,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import (
     HELD,
     Destination,
@@ -21,6 +20,7 @@ from worldgen.interop.format import (
     decimal_text,
     degrees_text,
 )
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.interop.geometry.solid_scene import numbered
 from worldgen.interop.readers.grey_image import walls_png

@@ -8,8 +8,8 @@ from __future__ import annotations
 import base64
 import struct
 
-from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import Destination, Format, decimal
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writer
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World

@@ -16,6 +16,7 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
+from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import (
     HELD,
     Destination,
@@ -30,7 +31,6 @@ from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polyg
 from worldgen.lattice import exact
 from worldgen.render import palette
 from worldgen.render.caption import printable
-from worldgen.support.bounds import check_between
 from worldgen.world import Witness, World
 
 _STYLE = (

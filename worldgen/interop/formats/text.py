@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows

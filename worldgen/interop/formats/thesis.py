@@ -19,8 +19,8 @@ from typing import Literal
 import numpy as np
 
 from worldgen.errors import FormatError, InvalidWorld, Note
-from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.readers.java_stream import Ints, read_ints, stream_bytes, write_ints
 from worldgen.lattice import (
     UNIT,

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
-from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, PlacedBox, box_writer
 from worldgen.interop.readers.mesh_slice import Plane, read_slice
 from worldgen.world import World

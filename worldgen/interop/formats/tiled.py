@@ -20,8 +20,8 @@ import numpy as np
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
+from worldgen.interop.format.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
     TiledPart,

@@ -14,11 +14,11 @@ import numpy as np
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import InvalidWorld
+from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import Destination, Exported
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.lattice import exact
 from worldgen.support.arrays import Ints
-from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))

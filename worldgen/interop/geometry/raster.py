@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import MAX_CELLS
+from worldgen.interop.format.foreign_map import MAX_CELLS
 from worldgen.interop.geometry.boxes import merged_boxes
 from worldgen.support.arrays import Bools, Floats, Ints
 

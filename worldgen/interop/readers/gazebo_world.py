@@ -18,8 +18,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import Destination, decimal_text
+from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml

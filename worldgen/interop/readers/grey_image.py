@@ -20,7 +20,7 @@ from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
 from worldgen.interop.account import report_unread
-from worldgen.interop.foreign_map import check_sides, digest, naming, read_bounded
+from worldgen.interop.format.foreign_map import check_sides, digest, naming, read_bounded
 from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows

@@ -15,7 +15,7 @@ import numpy as np
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, read_bounded, sibling_file
+from worldgen.interop.format.foreign_map import ForeignMap, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_picture_file

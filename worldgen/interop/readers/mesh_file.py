@@ -23,7 +23,7 @@ import trimesh
 
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.interop.account import report_unread
-from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
+from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.interop.readers.threemf_file import read_threemf
 from worldgen.support.arrays import Floats, Ints

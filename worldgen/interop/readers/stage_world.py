@@ -16,8 +16,8 @@ import numpy as np
 
 from worldgen.errors import FormatError
 from worldgen.interop.account import report_unread
-from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded, sibling_file
 from worldgen.interop.format import radians
+from worldgen.interop.format.foreign_map import ForeignMap, naming, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import painted
 from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file

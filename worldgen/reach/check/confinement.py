@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from worldgen.reach.check.certificate import CheckReport, blocked_spans
-from worldgen.reach.confinement import NEVER_ENDS, Confinement
+from worldgen.reach.decision.confinement import NEVER_ENDS, Confinement
 from worldgen.world import World
 
 # Tolerance in tiles: a robot that is late by less than this counts as in time, and a tile that is

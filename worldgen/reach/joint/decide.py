@@ -9,7 +9,7 @@ from worldgen.reach.joint.plan import find_plan
 from worldgen.reach.joint.question import joint_question
 from worldgen.reach.joint.swap import find_swap
 from worldgen.reach.joint.witness import make_joint_witness
-from worldgen.reach.still.prove import decide
+from worldgen.reach.single.prove import decide
 from worldgen.world import Cut, World
 
 _FINER = 4  # nodes per cell side if half cells have no plan

@@ -15,10 +15,10 @@ from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, in_cells, lattice_units
 from worldgen.reach.joint.apart import conflict_limits, stay_apart
 from worldgen.reach.joint.rasters import Rasters, make_rasters
+from worldgen.reach.single.prove import links
 from worldgen.reach.still.disc import Disc, disc_of, is_away, lattice_centre
 from worldgen.reach.still.lattice_graph import Graph, nodes_within
 from worldgen.reach.still.path import ticks_per_second, travel_ticks
-from worldgen.reach.still.prove import links
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import Spans
 from worldgen.support.arrays import Bools, Ints

@@ -18,7 +18,7 @@ import numpy as np
 
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.decision import Swap
-from worldgen.support.grid_search import components
+from worldgen.reach.still.grid_search import components
 from worldgen.world import World
 
 # Limit on the pairs examined.

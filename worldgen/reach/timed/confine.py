@@ -16,7 +16,7 @@ import numpy as np
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import exact, in_cells
-from worldgen.reach.confinement import NEVER_ENDS, Confinement
+from worldgen.reach.decision.confinement import NEVER_ENDS, Confinement
 from worldgen.reach.still.walls import Cell
 from worldgen.reach.timed.intervals import CellSpans, Intervals, safe_intervals
 from worldgen.reach.timed.spans import FOREVER, Spans

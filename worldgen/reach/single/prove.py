@@ -30,8 +30,6 @@ from worldgen.reach.still.path import make_witness, root_up, shorten
 from worldgen.reach.still.pinch import bridges
 from worldgen.reach.still.target_poses import deciding_poses
 from worldgen.reach.still.walls import Cell, ExactPoint, Walls
-from worldgen.reach.timed.earliest import find_timed_path, make_timed_witness, shorten_timed
-from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check
 from worldgen.timeline import Timeline
@@ -84,6 +82,10 @@ def decide(
 
 
 def _decide_changing(world: World, radius: float, margin: float) -> Decision:
+    # Most worlds are static and need none of this.
+    from worldgen.reach.timed.earliest import find_timed_path, make_timed_witness, shorten_timed
+    from worldgen.reach.timed.spans import ChangingWalls, Spans
+
     # The start must be clear at time 0.
     spans = Spans(world, margin)
     still = replace(world, timeline=Timeline(), certificate=None)

@@ -1,4 +1,4 @@
-"""The worlds at a path: in a file, a folder or an archive."""
+"""Read the worlds at a path: in a file, a folder or an archive."""
 
 from __future__ import annotations
 

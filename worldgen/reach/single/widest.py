@@ -5,7 +5,7 @@ from __future__ import annotations
 from worldgen.domain import RADII
 from worldgen.errors import InvalidParameter
 from worldgen.reach.decision import REACHABLE
-from worldgen.reach.still.prove import decide
+from worldgen.reach.single.prove import decide
 from worldgen.world import World
 
 

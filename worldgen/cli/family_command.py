@@ -20,9 +20,9 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
+from worldgen.cli.set_output import Output, make_many
 from worldgen.cli.usage import ConditionalCommand, missing
-from worldgen.commands.set_output import Output, make_many
-from worldgen.commands.wanted_worlds import (
+from worldgen.cli.wanted_worlds import (
     CONSTRAINT_OPTIONS,
     WorldQuery,
     flag_of,

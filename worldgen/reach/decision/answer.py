@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
-from worldgen.reach.confinement import Confinement
-from worldgen.support.bounds import check_between
+from worldgen.inputs.bounds import check_between
+from worldgen.reach.decision.confinement import Confinement
 from worldgen.world import Certificate
 
 REACHABLE = "reachable"

@@ -22,16 +22,12 @@ from worldgen.lattice import (
 )
 from worldgen.random_streams import RandomStream
 from worldgen.reach.joint.crowd import Crowd
+from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
 from worldgen.reach.joint.question import fits_graph
 from worldgen.reach.still.lattice_graph import build_graph, flood
 from worldgen.support.arrays import Bools, Ints
 from worldgen.support.progress import Work, working
 from worldgen.world import Pose, Robot, Target, World
-
-# Up to this many robots are all placed before their paths are planned, so that each may have to
-# make way for any other. More are placed one by one at first, each
-# with a path around those before it.
-FEW_ROBOTS = 10
 
 _HALF = UNIT // 2
 # Cells that robots keep between their discs, if there is room; otherwise they may touch.
@@ -44,9 +40,6 @@ _DRAWS = 4
 _REDRAWS = 20
 # Placements of all robots to try, one robot by one, as long as some robot finds no room.
 _PLACEMENTS = 4
-# Limit on robots whose paths are searched together if a search one by one finds none. The search
-# rarely succeeds with more.
-MOST_TOGETHER = 50
 
 Box: TypeAlias = tuple[int, int, int, int]
 """Cells (first column, first row, last column, last row) of a rectangle."""

@@ -8,9 +8,9 @@ from dataclasses import replace
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import deciding
 from worldgen.reach.decision import BLOCKED, UNDECIDED, Decision, check_deadline, check_radius
+from worldgen.reach.single.prove import decide
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.path import travel_ticks
-from worldgen.reach.still.prove import decide
 from worldgen.reach.still.walls import ExactPoint
 from worldgen.reach.timed.confine import confine
 from worldgen.reach.timed.earliest import TimedPath, make_timed_witness

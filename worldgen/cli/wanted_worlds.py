@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from worldgen.cli.output import draw_seed, emit_data, emit_json, note
-from worldgen.commands.set_output import Output, make_many
+from worldgen.cli.set_output import Output, make_many
 from worldgen.errors import GenerationFailed
 from worldgen.support.progress import working
 

@@ -1,0 +1,33 @@
+"""What the prover answers, with the proofs that a file cannot store.
+
+Contents:
+    REACHABLE, BLOCKED, UNDECIDED, Decision, Swap, Confinement: The answer and its proofs.
+    check_radius, check_margin, check_deadline: Reject invalid questions.
+    unread_reason: Why nothing is decided on a map of which something was not read.
+"""
+
+from worldgen.reach.decision.answer import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Decision,
+    Swap,
+    check_deadline,
+    check_margin,
+    check_radius,
+    unread_reason,
+)
+from worldgen.reach.decision.confinement import Confinement
+
+__all__ = [
+    "BLOCKED",
+    "REACHABLE",
+    "UNDECIDED",
+    "Confinement",
+    "Decision",
+    "Swap",
+    "check_deadline",
+    "check_margin",
+    "check_radius",
+    "unread_reason",
+]

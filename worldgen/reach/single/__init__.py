@@ -1,0 +1,1 @@
+"""Proofs for one robot, in worlds that are static or change."""
