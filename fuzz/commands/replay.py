@@ -61,8 +61,8 @@ def replay(
     """
     from fuzz.ci import CiFinding, FindingState, Outputs, Report
     from fuzz.commands._failure_files import FailureFiles
-    from fuzz.describe import describe
     from fuzz.overview.building import explained
+    from fuzz.overview.describe import describe
     from fuzz.replay.answer import answer
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames

@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fuzz.evidence_checks import check_breach
+from fuzz.facts.proofs import walled_off
+from fuzz.facts.signature import failure_class
 from fuzz.oracles.oracle import Oracle
 from fuzz.oracles.trial import Trial
-from fuzz.triage.proofs import walled_off
-from fuzz.triage.signature import failure_class
 from fuzz.violation import Violation
 from sim.evidence import WallEvidence
 from sim.motion import THESIS

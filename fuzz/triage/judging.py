@@ -11,14 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from fuzz.facts.changed_worlds import OtherWorlds
+from fuzz.facts.crash_bucket import FACTS, NAMED
+from fuzz.facts.hazards import hazard_details, hazard_in
+from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import OtherWorlds
-from fuzz.triage.crash_bucket import FACTS, NAMED
 from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
-from fuzz.triage.hazards import hazard_details, hazard_in
-from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CompiledController
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.facts.changed_worlds import OtherWorlds
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run
-from fuzz.triage.proofs import certified
 from sim import simulate
 from tests.helpers.faulty_robots import HERE, found_by, gap, hall
 from worldgen import Pose, Target, World

@@ -16,7 +16,7 @@ def test_import_contracts_hold():
 
 def test_a_campaign_begins_without_what_only_some_strategies_need():
     heavy = ["hypothesis", "scipy.special", "pytest"]
-    modules = "fuzz.campaign.session, fuzz.campaign.unit, fuzz.ci, fuzz.report"
+    modules = "fuzz.commands._session, fuzz.campaign.unit, fuzz.ci, fuzz.report"
     code = f"import sys, {modules}; print(sorted(set({heavy}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"

@@ -10,9 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from fuzz.campaign.answer import Answer, AnswerNumbers, answer_of
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import LiveState, Phase, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -25,15 +23,17 @@ from fuzz.campaign.summary import (
     summary_of,
 )
 from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
-from fuzz.describe import describe
+from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Cause, Overview
 from fuzz.overview.building import Conclusion, answer_numbers, build_overview
 from fuzz.overview.counterfactual import Counterfactuals
+from fuzz.overview.describe import describe
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
-from fuzz.search.names import DATABASE
-from fuzz.triage.hazards import hazard_words, is_hazard
+from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
+from fuzz.unit.live import LiveState, Phase, shown_in
+from fuzz.unit.names import DATABASE
 from sim.controllers.contract import state_survives_reset
 from sim.runners.stopping import stopping_when
 from worldgen.cli.output import emit_json, note, say
