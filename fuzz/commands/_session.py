@@ -9,6 +9,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
@@ -22,7 +23,7 @@ from fuzz.campaign.summary import (
     describe_units,
     summary_of,
 )
-from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
+from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Cause, Overview
@@ -43,6 +44,9 @@ from worldgen.render import wants_color
 from worldgen.support.plain_text import counted, shown
 from worldgen.support.progress import is_verbose, working
 from worldgen.support.results import results
+
+if TYPE_CHECKING:
+    from fuzz.ci import Report
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
@@ -515,6 +519,8 @@ class CampaignSession:
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""
+        from fuzz.ci import CiFinding, FindingState, Report
+
         state = self._campaign.state
         scenario = self._config.scenario
         answer, reason = self._answer

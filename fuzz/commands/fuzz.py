@@ -134,7 +134,6 @@ def fuzz(
     from fuzz.commands._session import CampaignSession
     from fuzz.corpus import Baseline, read_corpus
     from fuzz.overview.building import Conclusion
-    from fuzz.report import write_report
     from sim.runners.controller_time import Effort
     from worldgen.support.plain_text import counted
 
@@ -185,6 +184,8 @@ def fuzz(
         # Search, then write the report.
         code = session.run()
         if report is not None:
+            from fuzz.report import write_report
+
             write_report([campaign_run.store.out], report, force=force, with_code=not no_code)
             note(f"wrote {report}")
     raise SystemExit(code)

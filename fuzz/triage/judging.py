@@ -11,14 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.crash_bucket import FACTS, NAMED
-from fuzz.facts.hazards import hazard_details, hazard_in
 from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from fuzz.triage.cause import Cause
-from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
 from sim.controllers import CompiledController
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
@@ -156,6 +152,10 @@ def judge(
         return JudgedRun(None, is_settled=True)
     if not _holds(trial, found) or not _comes_again(trial, found, oracle):
         return JudgedRun(None, is_settled=False)
+    # Only what follows needs these modules, so a replay does not load them.
+    from fuzz.facts.hazards import hazard_details  # noqa: PLC0415
+    from fuzz.triage.diagnosis import CAUSE  # noqa: PLC0415
+
     if oracle.by_verdict:
         run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
         details = {**hazard_details(trial.world, run, scenario), **details}
@@ -169,7 +169,7 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            CAUSE: _cause(trial, found, oracle, details).value,
+            CAUSE: _cause(trial, found, oracle, details),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -177,17 +177,23 @@ def judge(
     return JudgedRun(Failure(replace(world, failure=None), record), is_settled=True)
 
 
-def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:
+def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> str:
+    """Return the name of a new failure's cause; a replay finds it in the file."""
+    from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
+    from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
+    from fuzz.triage.cause import Cause  # noqa: PLC0415
+    from fuzz.triage.diagnosis import CAUSE_OF_HAZARD, cause_of_run  # noqa: PLC0415
+
     if not oracle.by_verdict:
-        return Cause.BREAKS_A_RULE
+        return Cause.BREAKS_A_RULE.value
     if (hazard := hazard_in(details)) is not None:
-        return CAUSE_OF_HAZARD[hazard]
+        return CAUSE_OF_HAZARD[hazard].value
     episode = trial.episode
     return cause_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
         OtherWorlds(trial.controller, trial.options),
-    )
+    ).value
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:

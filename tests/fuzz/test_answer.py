@@ -7,7 +7,10 @@ import pytest
 
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import read_summary
-from fuzz.ci import Report, junit, markdown, sarif
+from fuzz.ci import Report
+from fuzz.ci.junit import junit
+from fuzz.ci.markdown import markdown
+from fuzz.ci.sarif import sarif
 from fuzz.overview import Cause, CauseTotals, Overview
 from fuzz.overview.building import answer_numbers
 from fuzz.overview.natural import NaturalRuns
