@@ -20,16 +20,16 @@ from typing import Any
 
 import click
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import cluster_executor
-from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Budget, begin
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
+from fuzz.shrink.queue import shrunk_or_same
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState, UnitResult
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it.

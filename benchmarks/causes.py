@@ -36,13 +36,13 @@ import click
 from benchmarks.finding import tells
 from benchmarks.searchers import strategies
 from fuzz.campaign import unit
-from fuzz.campaign.config import CampaignConfig
+from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage import triage
 from fuzz.triage.cause import joined
 from fuzz.triage.diagnosis import cause_of
-from fuzz.triage.hazards import is_hazard
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it.

@@ -27,10 +27,10 @@ import numpy as np
 
 from benchmarks.as_classes import AsClass
 from benchmarks.worlds import documented
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
+from fuzz.unit.config import CampaignConfig
 from sim import Command, Observation, RobotOptions
 from sim.clock.controller_time import Effort
 from sim.controllers import CONTROLLERS, ProcessController

@@ -20,8 +20,8 @@ import click
 
 from benchmarks.finding import shows
 from benchmarks.searchers import strategies
-from fuzz.campaign.config import CampaignConfig
 from fuzz.faults import FAULTS
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it.

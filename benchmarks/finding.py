@@ -31,13 +31,13 @@ import numpy as np
 
 from benchmarks.finding_tables import summary, tables
 from benchmarks.searchers import SEARCHERS, strategies
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import UnitResult
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS, Fault
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of, replay
-from fuzz.triage.proofs import certified
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import UnitResult
 from sim.episode import simulate
 from sim.evidence import evidence_table
 from sim.options.run import step_budget

@@ -18,8 +18,8 @@ from dataclasses import asdict, dataclass
 import click
 
 from benchmarks.library import controllers
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from worldgen.family import FAMILIES
 

@@ -30,10 +30,10 @@ import numpy as np
 
 from benchmarks.simulator import maze
 from benchmarks.worlds import documented
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
+from fuzz.unit.config import CampaignConfig
 from sim import RunOptions, simulate_many
 from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController

@@ -24,13 +24,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import count
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.unit import run_unit
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
-from fuzz.triage.proofs import certified
+from fuzz.facts.proofs import certified
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
 from fuzz.triage.triage import Triage
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState, UnitResult
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.options.run import step_budget

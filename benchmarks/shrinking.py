@@ -5,7 +5,7 @@ with fixed seeds, shrinks each, and prints the table of ``docs/howto/keep-failur
 prints one object. ``--each N`` is the most failures of a case (default 6), ``--hypothesis N`` the
 most that Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 
-Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure
+Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.layouts.features`) that the failure
 was drawn from, through public calls only: its property fails if the layout's world fails with the
 same verdict. So it never leaves the layouts.
 """
@@ -25,14 +25,14 @@ import click
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.database import InMemoryExampleDatabase
 
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import layouts
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError

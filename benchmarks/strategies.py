@@ -16,10 +16,10 @@ from dataclasses import asdict, dataclass, replace
 
 import click
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it.

@@ -26,22 +26,22 @@ except ModuleNotFoundError:
     raise
 
 if TYPE_CHECKING:
-    from fuzz.campaign.config import CampaignConfig
     from fuzz.campaign.run import Campaign
     from fuzz.failure import Failure
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
     from fuzz.triage.judging import Replay, failure_of, replay
+    from fuzz.unit.config import CampaignConfig
 
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "campaign.config": ("CampaignConfig",),
         "campaign.run": ("Campaign",),
         "failure": ("Failure",),
         "shrink.run": ("Shrunk",),
         "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
         "triage.judging": ("Replay", "failure_of", "replay"),
+        "unit.config": ("CampaignConfig",),
     },
 )
 

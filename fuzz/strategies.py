@@ -1,7 +1,7 @@
 """Hypothesis strategies for worlds, per family and combined, and strategies for scenarios.
 
 A scenario is a world and the run in it. The strategies draw structure, never raw cells: a family's
-parameters and seed, or the bytes of a feature layout (:mod:`fuzz.search.features`). Everything
+parameters and seed, or the bytes of a feature layout (:mod:`fuzz.layouts.features`). Everything
 shrinks towards small worlds with few, straight walls.
 """
 
@@ -15,9 +15,9 @@ from typing import Any
 from hypothesis import reject
 from hypothesis import strategies as st
 
-from fuzz.campaign.variation import Variation, applied
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.variation import Variation, applied
 from sim.scenario import Scenario
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, ROBOTS, ROBOTS_PARAMETER, Parameter
@@ -29,7 +29,7 @@ from worldgen.world import Value, Witness, World
 
 
 def layouts() -> st.SearchStrategy[bytes]:
-    """Draw the byte strings that :func:`fuzz.search.features.decode_world` turns into worlds.
+    """Draw the byte strings that :func:`fuzz.layouts.features.decode_world` turns into worlds.
 
     Each is a single Hypothesis choice, which keeps drawing fast.
     """

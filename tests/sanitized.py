@@ -13,8 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
+from fuzz.unit.config import CampaignConfig
 from sim import RunOptions, simulate, simulate_many
 from sim.scenario import Scenario
 from worldgen import check_certificate, decide, generate, read_world, write_world

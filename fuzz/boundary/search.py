@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import msgspec
 
 from fuzz.boundary.axes import Axis, Subject
-from fuzz.triage.proofs import certified
+from fuzz.facts.proofs import certified
 from sim.controllers import CONTROLLERS
 from sim.episode import Episode, prepare, simulate
 from sim.outcome import Outcome

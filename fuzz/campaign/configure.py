@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import fields
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.options import MOST_ROBOTS, CampaignOptions, SearchOptions
-from fuzz.campaign.variation import Variation
+from fuzz.facts.proofs import certified
+from fuzz.layouts.variation import Variation
 from fuzz.oracles import NamedOracle, Trial
-from fuzz.search.names import TIME_STEPS
 from fuzz.search.registry import check_strategy
-from fuzz.triage.proofs import certified
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.names import TIME_STEPS
+from fuzz.unit.options import MOST_ROBOTS, CampaignOptions, SearchOptions
 from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS

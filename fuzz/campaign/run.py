@@ -11,18 +11,18 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.live import LiveCounts, LiveState, Phase, not_arrived
-from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Beginning, Schedule
-from fuzz.campaign.shrinking import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
 from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
 from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.failure import SHRINKING, Failure, ShrinkState
+from fuzz.shrink.queue import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
+from fuzz.unit.result import SearchState, UnitResult
 
 
 class Campaign(UnitSearch[UnitResult, Progress]):

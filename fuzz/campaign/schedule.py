@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from fuzz.campaign.deadline import NO_DEADLINE, Deadline, now
+from fuzz.unit.deadline import NO_DEADLINE, Deadline, now
 
 # Share of the time after which shrinking takes precedence.
 _SEARCH = 0.75
@@ -124,7 +124,7 @@ class Schedule:
     def for_shrinking(self, failures: int, workers: int) -> tuple[float | None, float]:
         """Return the seconds for the next failure, and the time by which it must be proved.
 
-        The second is a time by :func:`fuzz.campaign.deadline.now`.
+        The second is a time by :func:`fuzz.unit.deadline.now`.
 
         Args:
             failures: Number of failures to shrink, including this one.

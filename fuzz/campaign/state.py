@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from fuzz.campaign.result import SearchState
 from fuzz.failure import Failure
+from fuzz.unit.result import SearchState
 from sim.clock.controller_time import Effort
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from msgspec import UNSET
 
-from fuzz.campaign.answer import AnswerNumbers, answer_of
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY, Archive, BucketTotals, Status, StrategyTotals, Summary
 from fuzz.search.archive import archive_table
+from fuzz.unit.answer import AnswerNumbers, answer_of
+from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.files.json_file import converted
 from worldgen.support.plain_text import aligned, counted

@@ -5,13 +5,13 @@ Any worker can do any of them.
 
 from __future__ import annotations
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import NO_DEADLINE, Deadline
-from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.search.plan import planned_strategy
 from fuzz.search.registry import strategy_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.triage import Triage
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import NO_DEADLINE, Deadline
+from fuzz.unit.result import SearchState, UnitResult
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded

@@ -11,9 +11,9 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
 
-from fuzz.campaign.deadline import TO_HAND_IN
 from fuzz.campaign.executors import Executor
 from fuzz.campaign.schedule import Schedule
+from fuzz.unit.deadline import TO_HAND_IN
 from sim.scenario import Scenario
 from worldgen.plugins.workers import LISTEN
 

@@ -1,31 +1,33 @@
 """Report failures to CI services: JUnit, SARIF and a summary in Markdown.
 
-Contents:
+Contents (each name is imported on first use):
     CiFinding, FindingState, Report: The results of a command.
     Outputs, NO_OUTPUTS: The report files that a user requests, checked before the work starts and
         written after it.
-    junit, sarif, markdown: Convert a report to text.
     place_of, repository: Locate a controller's source in the repository.
 
+The modules ``junit``, ``sarif`` and ``markdown`` convert a report to text.
 ``docs/tutorials/ci.md`` describes these reports for users.
 """
 
-from fuzz.ci.finding import CiFinding, FindingState, Report
-from fuzz.ci.junit import junit
-from fuzz.ci.markdown import markdown
-from fuzz.ci.outputs import NO_OUTPUTS, Outputs
-from fuzz.ci.place import place_of, repository
-from fuzz.ci.sarif import sarif
+from __future__ import annotations
 
-__all__ = [
-    "NO_OUTPUTS",
-    "CiFinding",
-    "FindingState",
-    "Outputs",
-    "Report",
-    "junit",
-    "markdown",
-    "place_of",
-    "repository",
-    "sarif",
-]
+from typing import TYPE_CHECKING
+
+from worldgen.support.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from fuzz.ci.finding import CiFinding, FindingState, Report
+    from fuzz.ci.outputs import NO_OUTPUTS, Outputs
+    from fuzz.ci.place import place_of, repository
+
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "finding": ("CiFinding", "FindingState", "Report"),
+        "outputs": ("NO_OUTPUTS", "Outputs"),
+        "place": ("place_of", "repository"),
+    },
+)
+
+__all__ = ["NO_OUTPUTS", "CiFinding", "FindingState", "Outputs", "Report", "place_of", "repository"]

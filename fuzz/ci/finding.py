@@ -8,8 +8,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
+from fuzz.overview.describe import run_to_draw
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.clock.stopping import OutOfTime
 from sim.drawing.picture import trails_of

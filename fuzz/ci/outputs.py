@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from fuzz.ci.finding import Report
-from fuzz.ci.junit import junit
-from fuzz.ci.markdown import markdown
-from fuzz.ci.place import repository
-from fuzz.ci.sarif import sarif
 from worldgen.errors import OutputError
 from worldgen.files.whole import check_output, refused_writes, write_bytes
+
+if TYPE_CHECKING:
+    from fuzz.ci.finding import Report
 
 
 @dataclass(frozen=True)
@@ -73,11 +72,19 @@ class Outputs:
         Raises:
             OutputError: If a file cannot be written.
         """
+        # Each report loads only what it needs; most commands write none.
         if self.junit is not None:
+            from fuzz.ci.junit import junit
+
             write_bytes(self.junit, junit(report), force=self.force)
         if self.sarif is not None:
+            from fuzz.ci.place import repository
+            from fuzz.ci.sarif import sarif
+
             write_bytes(self.sarif, sarif(report, repository()), force=self.force)
         if self.summary is not None:
+            from fuzz.ci.markdown import markdown
+
             with (
                 refused_writes(self.summary),
                 self.summary.open("a", encoding="utf-8", newline="\n") as stream,

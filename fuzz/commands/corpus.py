@@ -120,8 +120,8 @@ def show(
     --picture draws all of them on one sheet instead. This runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
-    from fuzz.describe import describe
     from fuzz.failure import Failure
+    from fuzz.overview.describe import describe
     from worldgen.errors import WorldgenError
 
     # Draw the contact sheet.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import budget_options, declared_options, seconds_of
+from fuzz.unit.options import CampaignOptions
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.cli.output import (
     PATH,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import (
     budget_options,
     code_option,
@@ -16,6 +15,7 @@ from fuzz.commands._options import (
     output_options,
     seconds_of,
 )
+from fuzz.unit.options import BASELINE_HELP, CampaignOptions
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,
@@ -80,16 +80,7 @@ def _unless_resumed(given: Mapping[str, Any]) -> str:
     "--budget.",
 )
 @click.option("--report", type=PATH, metavar="PAGE", help="Write an HTML report of the failures.")
-@click.option(
-    "--baseline",
-    multiple=True,
-    type=PATH,
-    metavar="DIR|ARCHIVE",
-    help=(
-        "Known failures. Their classes are counted, but not shrunk or written, and do not affect "
-        "the exit code. May be repeated."
-    ),
-)
+@click.option("--baseline", multiple=True, type=PATH, metavar="DIR|ARCHIVE", help=BASELINE_HELP)
 @click.option(
     "--count-hazards",
     is_flag=True,
@@ -139,8 +130,8 @@ def fuzz(
     from fuzz.campaign import store
     from fuzz.campaign.executors import cluster_executor, local_executor
     from fuzz.campaign.schedule import Beginning
-    from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
+    from fuzz.commands._session import CampaignSession
     from fuzz.corpus import Baseline, read_corpus
     from fuzz.overview.building import Conclusion
     from fuzz.report import write_report
@@ -194,6 +185,8 @@ def fuzz(
         # Search, then write the report.
         code = session.run()
         if report is not None:
+            from fuzz.report import write_report
+
             write_report([campaign_run.store.out], report, force=force, with_code=not no_code)
             note(f"wrote {report}")
     raise SystemExit(code)

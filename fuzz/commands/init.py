@@ -77,9 +77,9 @@ def init(
     from fuzz.campaign import store
     from fuzz.campaign.configure import configure
     from fuzz.campaign.executors import local_executor
-    from fuzz.campaign.options import CampaignOptions
-    from fuzz.campaign.session import NO_ANSWER, CampaignSession
     from fuzz.ci.project import SEED, Project
+    from fuzz.commands._session import NO_ANSWER, CampaignSession
+    from fuzz.unit.options import CampaignOptions
     from worldgen.files.whole import write_bytes
     from worldgen.support.results import results_to
 
@@ -139,8 +139,8 @@ def _shrink(known: list[Path], folder: Path) -> None:
     from concurrent.futures import FIRST_COMPLETED, Future, wait
 
     from fuzz.campaign.executors import local_executor
-    from fuzz.campaign.shrinking import Shrinking, shrunk_or_same
     from fuzz.failure import Failure
+    from fuzz.shrink.queue import Shrinking, shrunk_or_same
     from worldgen.plugins.workers import LISTEN
     from worldgen.support.plain_text import counted
     from worldgen.support.progress import working

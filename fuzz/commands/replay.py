@@ -12,6 +12,7 @@ from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
+    from fuzz.ci import CiFinding
     from fuzz.replay.answer import State
 
 
@@ -59,10 +60,8 @@ def replay(
     now arrives), with 2 if PATH or DIR holds no failure, if a file cannot be read, or if the
     controller cannot be loaded. Other worlds in a folder are only counted.
     """
-    from fuzz.ci import CiFinding, FindingState, Outputs, Report
+    from fuzz.ci import Outputs
     from fuzz.commands._failure_files import FailureFiles
-    from fuzz.describe import describe
-    from fuzz.overview.building import explained
     from fuzz.replay.answer import answer
     from sim.clock.controller_time import Effort
     from sim.controllers.catalogue.renewal import survivors_found
@@ -104,10 +103,15 @@ def replay(
         if not as_json:
             say(f"{path}: {now.words}")
             if with_picture and confirmed:
+                from fuzz.overview.building import explained
+                from fuzz.overview.describe import describe
+
                 say(describe(failure, path, why=explained(failure.driven_by(controller))))
             elif now.episode is not None:
                 say(describe_frames(now.episode.evidence), nl=False)
         if reports:
+            from fuzz.ci import CiFinding, FindingState
+
             findings.append(
                 CiFinding.of(
                     failure,
@@ -120,7 +124,10 @@ def replay(
     for sentence in dict.fromkeys(surviving):
         note(f"note: {sentence}")
     # Write the reports and the summary; the exit code tells whether all are confirmed.
-    reports.write(Report("replay", tuple(findings)))
+    if reports:
+        from fuzz.ci import Report
+
+        reports.write(Report("replay", tuple(findings)))
     _summarise(results, states, files.others, as_json=as_json)
     if not all(result["confirmed"] for result in results):
         raise SystemExit(1)

@@ -99,8 +99,8 @@ def shrink(
     numbers, until nothing more can be removed; the result is checked independently. Ctrl-C keeps
     the smallest world so far.
     """
-    from fuzz.describe import describe
     from fuzz.failure import Failure, ShrinkState
+    from fuzz.overview.describe import describe
     from fuzz.shrink import snippet
     from sim.clock.controller_time import Effort
     from sim.controllers.catalogue.renewal import survivors_found

@@ -2,7 +2,7 @@
 // reach the target.
 //
 // A row of cells is one word: bit ix + WG_MARGIN of row iy + WG_MARGIN is 1 if the cell is solid.
-// Everything around a world is solid. fuzz/search/features.py defines the meaning of the bytes;
+// Everything around a world is solid. fuzz/layouts/features.py defines the meaning of the bytes;
 // both agree bit for bit.
 
 #ifndef WG_LAYOUTS_H

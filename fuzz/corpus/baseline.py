@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzz.corpus.entry import CorpusEntry, Facts
+from fuzz.facts.crash_bucket import has_facts
+from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
-from fuzz.triage.crash_bucket import has_facts
 from fuzz.triage.judging import failure_of, oracle_of
-from fuzz.triage.proofs import certificate_fault
 from sim.controllers import in_plain_place
 from sim.evidence import FaultEvidence
 from sim.scenario import Scenario

@@ -8,43 +8,33 @@ Contents:
     check_evidence: Finds errors in an episode's verdict, of any kind.
     check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
-    EVIDENCE_CHECKS: The checks by verdict.
-    budget, burned, covered, loop, reached, walls: Modules, one for each kind of verdict.
+    budget, burned, covered, loop, reached, walls: Modules, one for each kind of verdict; each is
+        imported when a run has that verdict.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fuzz.evidence_checks.breach import check_breach
-from fuzz.evidence_checks.budget import check_stalled, check_timeout
-from fuzz.evidence_checks.burned import check_burned
-from fuzz.evidence_checks.covered import check_covered
-from fuzz.evidence_checks.fleet import check_fleet
-from fuzz.evidence_checks.loop import check_loop
-from fuzz.evidence_checks.reached import check_reached
-from fuzz.evidence_checks.walls import check_overlap, check_tunnel
 from sim.evidence import Evidence
 from sim.motion import Motion
 from sim.trace import Trace
 from sim.verdict import Verdict
+from worldgen.support.lazy import lazy_names
 from worldgen.world import World
 
-__all__ = ["EVIDENCE_CHECKS", "check_breach", "check_evidence", "check_fleet"]
+if TYPE_CHECKING:
+    from fuzz.evidence_checks.breach import check_breach
+    from fuzz.evidence_checks.fleet import check_fleet
+
+__getattr__, __dir__ = lazy_names(
+    __name__, {"breach": ("check_breach",), "fleet": ("check_fleet",)}
+)
+
+__all__ = ["check_breach", "check_evidence", "check_fleet"]
 
 EvidenceCheck = Callable[[World, Trace, Any, Motion], str]
-
-EVIDENCE_CHECKS: dict[Verdict, EvidenceCheck] = {
-    Verdict.BURNED: check_burned,
-    Verdict.COVERED: check_covered,
-    Verdict.LOOP: check_loop,
-    Verdict.OVERLAP: check_overlap,
-    Verdict.REACHED: check_reached,
-    Verdict.STALLED: check_stalled,
-    Verdict.TIMEOUT: check_timeout,
-    Verdict.TUNNEL: check_tunnel,
-}
 
 
 def check_evidence(
@@ -61,5 +51,34 @@ def check_evidence(
         evidence: The claim's evidence.
         motion: The motion model, which states how much overlap is tolerated.
     """
-    check = EVIDENCE_CHECKS.get(verdict)
+    check = _check_of(verdict)
     return check(world, trace, evidence, motion) if check else ""
+
+
+def _check_of(verdict: Verdict) -> EvidenceCheck | None:
+    """Import the check for a verdict; a command needs few of them."""
+    if verdict == Verdict.BURNED:
+        from fuzz.evidence_checks.burned import check_burned
+
+        return check_burned
+    if verdict == Verdict.COVERED:
+        from fuzz.evidence_checks.covered import check_covered
+
+        return check_covered
+    if verdict == Verdict.LOOP:
+        from fuzz.evidence_checks.loop import check_loop
+
+        return check_loop
+    if verdict == Verdict.REACHED:
+        from fuzz.evidence_checks.reached import check_reached
+
+        return check_reached
+    if verdict in (Verdict.STALLED, Verdict.TIMEOUT):
+        from fuzz.evidence_checks.budget import check_stalled, check_timeout
+
+        return check_stalled if verdict == Verdict.STALLED else check_timeout
+    if verdict in (Verdict.OVERLAP, Verdict.TUNNEL):
+        from fuzz.evidence_checks.walls import check_overlap, check_tunnel
+
+        return check_overlap if verdict == Verdict.OVERLAP else check_tunnel
+    return None

@@ -9,14 +9,14 @@ import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from fuzz.campaign.deadline import Deadline
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
+from fuzz.unit.deadline import Deadline
 from sim.clock.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for

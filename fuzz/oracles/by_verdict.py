@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fuzz.evidence_checks import check_breach
+from fuzz.facts.proofs import walled_off
+from fuzz.facts.signature import failure_class
 from fuzz.oracles.oracle import Oracle
 from fuzz.oracles.trial import Trial
-from fuzz.triage.proofs import walled_off
-from fuzz.triage.signature import failure_class
 from fuzz.violation import Violation
 from sim.evidence import WallEvidence
 from sim.motion import THESIS
@@ -44,6 +43,8 @@ class BreachOracle(Oracle):
 
     def check(self, trial: Trial) -> Violation | None:
         """Return the breach; its evidence names the step in which the robot would arrive."""
+        from fuzz.evidence_checks.breach import check_breach  # noqa: PLC0415 - breaches are rare
+
         wall = trial.episode.evidence
         is_through_a_wall = trial.episode.verdict == Verdict.TUNNEL and isinstance(
             trial.world.certificate, Cut

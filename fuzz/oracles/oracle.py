@@ -5,8 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+from fuzz.facts.proofs import certified
 from fuzz.oracles.trial import Trial
-from fuzz.triage.proofs import certified
 from fuzz.violation import Violation
 from worldgen.world import World
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from fuzz.evidence_checks import check_evidence, check_fleet
+from fuzz.evidence_checks import check_evidence
 from sim.controllers import CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, prepare, simulate
@@ -104,6 +104,8 @@ class Trial:
 
     def _flaw_of_fleet(self, episode: FleetEpisode) -> str:
         """Return why the recordings of several robots do not support the evidence."""
+        from fuzz.evidence_checks.fleet import check_fleet  # noqa: PLC0415 - only fleets need it
+
         if episode.verdict in BY_THE_CONTROLLER:
             return ""
         recorded = self.recorded_run

@@ -8,12 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
-from fuzz.campaign.answer import FEWEST, AnswerNumbers
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.constraint import Constraint
-from fuzz.campaign.deadline import now
-from fuzz.campaign.live import not_arrived
-from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
@@ -24,11 +18,17 @@ from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import NATURAL, NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview
+from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts
+from fuzz.unit.answer import FEWEST, AnswerNumbers
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.constraint import Constraint
+from fuzz.unit.deadline import now
+from fuzz.unit.live import not_arrived
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError

@@ -15,14 +15,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fuzz.campaign.variation import Variation, applied, generated
+from fuzz.facts.changed_worlds import OtherWorlds
+from fuzz.facts.hazards import could_not_know
+from fuzz.facts.proofs import certified
+from fuzz.layouts.variation import Variation, applied, generated
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run
-from fuzz.triage.hazards import could_not_know
-from fuzz.triage.proofs import certified
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario

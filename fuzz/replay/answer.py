@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.replay.fixed import is_fixed
 from fuzz.triage.judging import Replay, replay
-from fuzz.triage.proofs import certificate_fault
 from sim.episode import Episode
 from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
 from sim.verdict import ARRIVALS, Verdict

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fuzz.facts.proofs import certificate_fault, certified
 from fuzz.failure import Failure
 from fuzz.oracles import Oracle, Trial, verdict_oracle
 from fuzz.triage.judging import oracle_of, violation_in
-from fuzz.triage.proofs import certificate_fault, certified
 from sim.controllers.contract import check_contract
 from sim.episode import Episode
 from sim.episode.describe import describe_evidence

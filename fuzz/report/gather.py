@@ -8,8 +8,8 @@ from pathlib import Path
 
 from fuzz.campaign.store import MEMORY, Summary, controller_change, read_summary
 from fuzz.corpus import CorpusEntry, distinct, read_corpus
-from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
+from fuzz.overview.describe import run_to_draw
 from fuzz.triage.judging import Replay, replay
 from sim.episode import Episode
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError

@@ -7,8 +7,8 @@ from typing import NamedTuple, TypeAlias
 
 from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
-from fuzz.describe import describe_seeds
 from fuzz.failure import SHRINKING, ShrinkState
+from fuzz.overview.describe import describe_seeds
 from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
 from sim.evidence import JointLoopEvidence, LoopEvidence
 from worldgen.support.plain_text import counted, describe_value

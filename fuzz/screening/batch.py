@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz._core import ffi, lib
-from fuzz.search import layout_bytes
-from fuzz.search.features import TARGET_RADII, decode_world
+from fuzz.layouts import layout_bytes
+from fuzz.layouts.features import TARGET_RADII, decode_world
 from sim._core import ffi as sim_ffi
 from sim.controllers.shared.guarded import PRIVATE, CoreMemory
 from sim.runners.core_calls import Driver, headings, ray_table

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz._core import lib
+from fuzz.layouts import layout_bytes
+from fuzz.layouts.features import RADII, decode_scene, decode_world
 from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
 from fuzz.screening.guarded import look_guarded
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
-from fuzz.search import layout_bytes
-from fuzz.search.features import RADII, decode_scene, decode_world
 from sim.controllers import (
     CONTROLLERS,
     CompiledController,

@@ -9,8 +9,8 @@ import zlib
 from dataclasses import replace
 
 from fuzz._core import ffi, lib
+from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.screening.batch import CRASH, HANG, Batch, Seat
-from fuzz.triage.crash_bucket import crash_bucket
 from sim.controllers.shared.cage import Cage
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.verdict import Verdict

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from fuzz._core import ffi, lib
+from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
-from fuzz.triage.crash_bucket import crash_bucket
 from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.controller_error import ControllerError

@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.campaign.result import Elite
+from fuzz.layouts.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.screening import Screening
-from fuzz.search.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.search.native import look_through, pace_of, scenes
 from fuzz.search.task import SearchTask
+from fuzz.unit.result import Elite
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bytes, Floats, Ints

@@ -21,11 +21,11 @@ from fuzz.boundary import (
     nearest_boundary,
     subject_of,
 )
-from fuzz.campaign.variation import applied, generated
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.facts.proofs import certified
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.variation import applied, generated
 from fuzz.search.task import SearchTask
-from fuzz.triage.proofs import certified
 from sim.clock.stopping import OutOfTime, check_time
 from sim.episode import Episode
 from sim.outcome import Outcome

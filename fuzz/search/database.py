@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hypothesis.database import DirectoryBasedExampleDatabase, ExampleDatabase
 
-from fuzz.campaign.config import CampaignConfig
+from fuzz.unit.config import CampaignConfig
 from worldgen.files.grid import world_digest
 from worldgen.files.whole import refused_writes
 

@@ -18,16 +18,16 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
-from fuzz.campaign.config import CampaignConfig, radii_on
-from fuzz.campaign.variation import map_provenance
 from fuzz.failure import regardless_of_walls
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.variation import map_provenance
 from fuzz.search.database import Failed, exception_of, remembered
-from fuzz.search.features import decode_world
 from fuzz.search.fleets import fleet_worlds
-from fuzz.search.names import LAYOUT_STRATEGIES, SEALED
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import SearchTask
 from fuzz.strategies import family_worlds, layouts, scenarios_in
+from fuzz.unit.config import CampaignConfig, radii_on
+from fuzz.unit.names import LAYOUT_STRATEGIES, SEALED
 from sim.clock.stopping import OutOfTime, check_time
 from sim.episode import prepare, simulate
 from sim.options.run import COVER, RunOptions

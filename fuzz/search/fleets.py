@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import reject
 from hypothesis import strategies as st
 
-from fuzz.campaign.config import radius_next_to
+from fuzz.unit.config import radius_next_to
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
 from worldgen.support.arrays import Ints

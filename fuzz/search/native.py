@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.live import count_live
-from fuzz.campaign.variation import applied
+from fuzz.layouts.features import decode_scene
+from fuzz.layouts.layout_bytes import SCENE_BYTES
+from fuzz.layouts.variation import applied
 from fuzz.screening import Screening, can_screen, evaluate
-from fuzz.search.features import decode_scene
-from fuzz.search.layout_bytes import SCENE_BYTES
 from fuzz.search.task import SearchTask
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.live import count_live
 from sim._core import lib
 from sim.clock.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fuzz.boundary import is_bounded, subject_of
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState, StrategyYield
 from fuzz.search.archive import ARCHIVE
 from fuzz.search.boundary import BOUNDARY
-from fuzz.search.names import DATABASE, SEALED, can_breach
 from fuzz.search.native import NATIVE
 from fuzz.search.native import fits as fits_native
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.names import DATABASE, SEALED, can_breach
+from fuzz.unit.result import SearchState, StrategyYield
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 
 _DRAWN = (

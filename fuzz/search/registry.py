@@ -16,9 +16,9 @@ from collections.abc import Callable
 from fuzz.boundary import is_bounded
 from fuzz.screening import can_screen
 from fuzz.search import archive, boundary, native
-from fuzz.search.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
 from fuzz.search.plan import strategies_for
 from fuzz.search.task import SearchTask
+from fuzz.unit.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES

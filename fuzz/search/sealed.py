@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import FEATURE_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import FEATURE_BYTES
 from worldgen.world import World
 
 # Width, height, form, wall, bend; start and target across and along the wall; heading; number of
@@ -38,7 +38,7 @@ def decode_sealed(data: bytes) -> World:
     """Return the world that a layout string describes; any ``SEALED_BYTES`` bytes describe one.
 
     A wall of one cell, straight from side to side or bent around the target's corner, separates the
-    target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` are
+    target from the start. Boxes, cups and the other features of :mod:`fuzz.layouts.features` are
     scattered around.
 
     Returns:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState
 from fuzz.triage.triage import Triage
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState
 from sim.controllers import CONTROLLERS, Controller
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream

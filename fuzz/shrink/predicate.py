@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
+from fuzz.facts.crash_bucket import crash_bucket, has_facts
+from fuzz.facts.signature import standoff
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
-from fuzz.triage.crash_bucket import crash_bucket, has_facts
 from fuzz.triage.judging import oracle_of
-from fuzz.triage.signature import standoff
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, JointLoopEvidence, WallEvidence

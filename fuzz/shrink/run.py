@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from fuzz.campaign.constraint import Constraint
 from fuzz.chance import chance_details
+from fuzz.facts.hazards import HAZARD_DETAILS
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
@@ -17,8 +17,8 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import CIRCUMSTANCE, GAP
-from fuzz.triage.hazards import HAZARD_DETAILS
 from fuzz.triage.judging import failure_of, oracle_of
+from fuzz.unit.constraint import Constraint
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import simulate
 from sim.evidence import WallEvidence

@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from fuzz.campaign.constraint import Constraint
+from fuzz.facts.proofs import certified
 from fuzz.oracles import VERDICT
 from fuzz.shrink.edits import edited
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, simplicity
-from fuzz.triage.proofs import certified
+from fuzz.unit.constraint import Constraint
 from sim._core import lib
 from sim.controllers import CompiledController
 from sim.motion import MOTIONS, THESIS

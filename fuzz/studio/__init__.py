@@ -12,7 +12,7 @@ Contents:
 """
 
 from fuzz.studio.app import Studio, make_app
-from fuzz.studio.folder import Folder
 from fuzz.studio.gate import Gate
+from fuzz.studio.requests.folder import Folder
 
 __all__ = ["Folder", "Gate", "Studio", "make_app"]

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY
-from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
+from fuzz.overview.describe import run_to_draw
 from fuzz.player import drawn_robots, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate, drawn_others
@@ -25,10 +25,10 @@ from fuzz.studio.catalogue import catalogue
 from fuzz.studio.comparing import CompareAnswers
 from fuzz.studio.driving import HandDriven
 from fuzz.studio.exchange import ExchangeAnswers
-from fuzz.studio.folder import digest_of
 from fuzz.studio.gallery import WallAnswers
-from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
-from fuzz.studio.messages import (
+from fuzz.studio.requests.folder import digest_of
+from fuzz.studio.requests.limits import MOST_ROBOTS, MOST_STEPS
+from fuzz.studio.requests.messages import (
     Request,
     SendPart,
     field,
@@ -38,7 +38,7 @@ from fuzz.studio.messages import (
     seed_of,
     world_of,
 )
-from fuzz.studio.running import chart_message, check_record, check_registered, scenario_of
+from fuzz.studio.requests.running import chart_message, check_record, check_registered, scenario_of
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.controllers.behaviours.arbitration import Arbitration

@@ -18,10 +18,10 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.edits import Edits
-from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
-from fuzz.studio.limits import limits
+from fuzz.studio.requests.edits import Edits
+from fuzz.studio.requests.folder import Folder
+from fuzz.studio.requests.limits import limits
 from fuzz.studio.session import PROTOCOL, Session
 from fuzz.studio.workers import WORKER_OF, Worker
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED

@@ -15,8 +15,8 @@ from typing import Any
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.campaigns.fuzz_arguments import options
-from fuzz.studio.folder import KNOWN
-from fuzz.studio.refusals import refusal
+from fuzz.studio.requests.folder import KNOWN
+from fuzz.studio.requests.refusals import refusal
 from fuzz.triage.cause import Cause
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fuzz.studio.folder import Opened
-from fuzz.studio.limits import MOST_COMPARED, MOST_SEEDS, MOST_STEPS, MOST_WORLDS
-from fuzz.studio.messages import Request, SendPart, field, restored, seed_of
-from fuzz.studio.running import check_registered, scenario_of
+from fuzz.studio.requests.folder import Opened
+from fuzz.studio.requests.limits import MOST_COMPARED, MOST_SEEDS, MOST_STEPS, MOST_WORLDS
+from fuzz.studio.requests.messages import Request, SendPart, field, restored, seed_of
+from fuzz.studio.requests.running import check_registered, scenario_of
 from sim.compare.comparison import Comparison, ComparisonCell, NamedWorld, Total, compare, standing
 from sim.compare.report import describe_detail
 from sim.options.run import step_budget

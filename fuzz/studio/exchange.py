@@ -14,12 +14,19 @@ from typing import Any
 
 import msgspec
 
-from fuzz.studio.folder import Folder, Opened, digest_of
-from fuzz.studio.limits import MOST_DROPPED
-from fuzz.studio.messages import Request, SendPart, checked, opened_message, restored, seed_of
-from fuzz.studio.messages import field as part_of
-from fuzz.studio.refusals import describe_note, hide
-from fuzz.studio.running import check_registered
+from fuzz.studio.requests.folder import Folder, Opened, digest_of
+from fuzz.studio.requests.limits import MOST_DROPPED
+from fuzz.studio.requests.messages import (
+    Request,
+    SendPart,
+    checked,
+    opened_message,
+    restored,
+    seed_of,
+)
+from fuzz.studio.requests.messages import field as part_of
+from fuzz.studio.requests.refusals import describe_note, hide
+from fuzz.studio.requests.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.whole import check_output
 from worldgen.files.worlds import is_world_file, read_whole_world

@@ -10,18 +10,18 @@ from typing import Any
 from fuzz.boundary import describe_boundaries
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
-from fuzz.describe import describe_seeds
+from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.failure import Failure, ShrinkState, regardless_of_walls
 from fuzz.overview.counterfactual import named_cells
+from fuzz.overview.describe import describe_seeds
 from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.campaigns.overviews import example_in, ranks
-from fuzz.studio.folder import KNOWN, MOST_FAILURES, Opened
-from fuzz.studio.messages import Request, SendPart
-from fuzz.studio.messages import field as part_of
-from fuzz.studio.running import check_record, check_registered, from_anywhere
+from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
+from fuzz.studio.requests.messages import Request, SendPart
+from fuzz.studio.requests.messages import field as part_of
+from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
 from fuzz.triage.cause import Cause
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS

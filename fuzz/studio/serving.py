@@ -11,7 +11,7 @@ from collections.abc import Callable
 import uvicorn
 
 from fuzz.studio.app import Studio, make_app
-from fuzz.studio.limits import MOST_MESSAGE
+from fuzz.studio.requests.limits import MOST_MESSAGE
 from worldgen.errors import InvalidParameter, Message
 
 

@@ -15,9 +15,9 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.edits import Edits
 from fuzz.studio.gate import SUBPROTOCOL
-from fuzz.studio.refusals import our_fault, refusal
+from fuzz.studio.requests.edits import Edits
+from fuzz.studio.requests.refusals import our_fault, refusal
 from fuzz.studio.workers import WORKER_OF, Ended, Worker
 from worldgen.errors import Message
 

@@ -16,15 +16,15 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzz.studio.edits import edited_files, loaded_files
-from fuzz.studio.folder import Folder
-from fuzz.studio.refusals import our_fault, refusal
+from fuzz.studio.requests.edits import edited_files, loaded_files
+from fuzz.studio.requests.folder import Folder
+from fuzz.studio.requests.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
 from worldgen.plugins.trust import Inherited
 from worldgen.plugins.workers import become_worker, sigint_blocked
 
 if TYPE_CHECKING:
-    from fuzz.studio.messages import SendPart
+    from fuzz.studio.requests.messages import SendPart
 
 _NICE = 5  # gives the page priority
 _RUN = ("run", "compare")  # requests whose results depend on the user's code
@@ -180,7 +180,7 @@ class Worker:
 def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
     """Answer requests in the process until the server ends."""
     from fuzz.studio.answers import Answers  # noqa: PLC0415 - expensive, needed only here
-    from fuzz.studio.running import allow_only  # noqa: PLC0415
+    from fuzz.studio.requests.running import allow_only  # noqa: PLC0415
 
     allow_only(named)
     answers = Answers(Folder(Path(folder)), named)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzz.triage.contacts import walls_at_the_end, winding_number
+from fuzz.facts.contacts import walls_at_the_end, winding_number
 from fuzz.triage.repeated_moves import last_part
 from sim.episode import Episode
 from sim.evidence import LoopEvidence

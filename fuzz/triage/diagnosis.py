@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
+from fuzz.facts.hazards import Hazard, hazard_in
+from fuzz.facts.signature import Standoff, is_entered, standoff
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause, Circumstance, Diagnosis
-from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
-from fuzz.triage.hazards import Hazard, hazard_in
-from fuzz.triage.signature import Standoff, is_entered, standoff
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (

@@ -11,14 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from fuzz.facts.crash_bucket import FACTS, NAMED
+from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from fuzz.triage.cause import Cause, Diagnosis
-from fuzz.triage.changed_worlds import OtherWorlds
-from fuzz.triage.crash_bucket import FACTS, NAMED
-from fuzz.triage.diagnosis import CAUSE_OF_HAZARD, details_of, diagnosis_of_run
-from fuzz.triage.hazards import hazard_details, hazard_in
-from fuzz.triage.proofs import certificate_fault
 from sim.clock.controller_time import count_survivors
 from sim.controllers import CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
@@ -156,6 +152,9 @@ def judge(
         return JudgedRun(None, is_settled=True)
     if not _holds(trial, found) or not _comes_again(trial, found, oracle):
         return JudgedRun(None, is_settled=False)
+    # Only what follows needs these modules, so a replay does not load them.
+    from fuzz.facts.hazards import hazard_details  # noqa: PLC0415
+
     if oracle.by_verdict:
         run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
         details = {**hazard_details(trial.world, run, scenario), **details}
@@ -169,7 +168,7 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            **details_of(_diagnosis(trial, found, oracle, details)),
+            **_diagnosis(trial, found, oracle, details),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -179,17 +178,24 @@ def judge(
 
 def _diagnosis(
     trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]
-) -> Diagnosis:
+) -> dict[str, Value]:
+    """Return the details that hold a new failure's cause; a replay finds them in the file."""
+    from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
+    from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
+    from fuzz.triage import diagnosis  # noqa: PLC0415
+    from fuzz.triage.cause import Cause, Diagnosis  # noqa: PLC0415
+
     if not oracle.by_verdict:
-        return Diagnosis(Cause.BREAKS_A_RULE)
+        return diagnosis.details_of(Diagnosis(Cause.BREAKS_A_RULE))
     if (hazard := hazard_in(details)) is not None:
-        return Diagnosis(CAUSE_OF_HAZARD[hazard])
+        return diagnosis.details_of(Diagnosis(diagnosis.CAUSE_OF_HAZARD[hazard]))
     episode = trial.episode
-    return diagnosis_of_run(
+    seen = diagnosis.diagnosis_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
         OtherWorlds(trial.controller, trial.options),
     )
+    return diagnosis.details_of(seen)
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:

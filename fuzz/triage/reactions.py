@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fuzz.triage.contacts import nearest_walls
+from fuzz.facts.contacts import nearest_walls
 from fuzz.triage.repeated_moves import reacts_at_once
 from sim.trace import Trace
 from worldgen.support.arrays import Bools, Floats, Ints

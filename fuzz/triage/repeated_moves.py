@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzz.triage.contacts import WallBearings
+from fuzz.facts.contacts import WallBearings
 from sim.clock.stopping import in_time
 from sim.episode import Episode
 from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence

@@ -6,15 +6,15 @@ import contextlib
 from collections import Counter
 from typing import Any
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import NO_DEADLINE, Deadline
-from fuzz.campaign.live import count_live
-from fuzz.campaign.result import UnitResult
+from fuzz.facts.crash_bucket import crash_bucket
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
-from fuzz.triage.crash_bucket import crash_bucket
 from fuzz.triage.judging import judge
-from fuzz.triage.proofs import certified
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import NO_DEADLINE, Deadline
+from fuzz.unit.live import count_live
+from fuzz.unit.result import UnitResult
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome

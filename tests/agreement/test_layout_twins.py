@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
 from sim.runners.core_calls import near_masks
 from tests.helpers.layouts import draw
 from tests.reference.fuzz.layouts import MARGIN, ROWS, draw_layout, fill_arena, flood_length

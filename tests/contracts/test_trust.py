@@ -18,12 +18,12 @@ import click
 import pytest
 
 from fuzz.campaign.configure import configure
-from fuzz.campaign.options import CampaignOptions
 from fuzz.ci.place import place_of
 from fuzz.failure import Failure
 from fuzz.replay.regression import fixed
 from fuzz.studio.campaigns.answers import fuzz_command
 from fuzz.triage.judging import failure_of, replay
+from fuzz.unit.options import CampaignOptions
 from sim.episode import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

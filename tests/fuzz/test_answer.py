@@ -5,16 +5,19 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.campaign.answer import FEWEST, AnswerNumbers, answer_of
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import UnitResult
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import read_summary
-from fuzz.ci import Report, junit, markdown, sarif
+from fuzz.ci import Report
+from fuzz.ci.junit import junit
+from fuzz.ci.markdown import markdown
+from fuzz.ci.sarif import sarif
 from fuzz.overview import Cause, CauseTotals, Overview
 from fuzz.overview.building import answer_numbers
 from fuzz.overview.natural import NaturalRuns
 from fuzz.triage.triage import Triage
+from fuzz.unit.answer import FEWEST, AnswerNumbers, answer_of
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import UnitResult
 from sim.scenario import Scenario
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen

@@ -7,14 +7,14 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Elite, SearchState
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.unit import run_unit
+from fuzz.layouts.features import decode_scene
 from fuzz.screening import evaluate
 from fuzz.search.archive import archive_table
-from fuzz.search.features import decode_scene
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import Elite, SearchState
 from sim.scenario import Scenario
 from worldgen import read_world
 

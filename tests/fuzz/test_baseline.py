@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import Campaign
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of
+from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario

@@ -21,11 +21,11 @@ from fuzz.boundary import (
     subject_of,
 )
 from fuzz.boundary.axes import index_of, three_digits
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState
-from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
+from fuzz.shrink.queue import shrunk_or_same
 from fuzz.triage.judging import failure_of, replay
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState
 from sim import simulate
 from sim.options.run import RunOptions
 from sim.scenario import Scenario

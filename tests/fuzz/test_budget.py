@@ -15,18 +15,18 @@ from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import InlineExecutor
-from fuzz.campaign.result import UnitResult
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning, Schedule
-from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.shrink import shrink
+from fuzz.shrink.queue import shrunk_or_same
 from fuzz.triage.judging import failure_of
 from fuzz.triage.triage import Triage
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import TO_HAND_IN, Deadline
+from fuzz.unit.result import UnitResult
 from sim import Command, simulate
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import prepare
@@ -58,7 +58,7 @@ def clock(monkeypatch):
     """A clock that advances by a second whenever it is read."""
     looks = count()
     now = looks.__next__
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=now))
+    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=now))
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=now))
     return looks
 
@@ -227,8 +227,8 @@ def stopped(monkeypatch):
     """
     at = SimpleNamespace(now=0.0)
     looks = count()
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
-    monkeypatch.setattr("fuzz.campaign.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
+    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.unit.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
     return at
 
 
@@ -279,7 +279,7 @@ def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_
     def no_time(*_):
         raise OutOfTime
 
-    monkeypatch.setattr("fuzz.campaign.shrinking.with_boundaries", no_time)
+    monkeypatch.setattr("fuzz.shrink.queue.with_boundaries", no_time)
     made = shrunk_or_same(failure_of(generate("trap", 7), Scenario("turn-right")))
     assert not made.complete and made.failure.shrinking == "done"
 
@@ -302,9 +302,7 @@ def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_not
 ):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr(
-        "fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now)
-    )
+    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now))
     schedule = Schedule(100.0)
     schedule.begin()
     assert schedule.deadline() == Deadline(1075.0, 1087.5)

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import local_executor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import Discovery
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from worldgen import check_certificate
 

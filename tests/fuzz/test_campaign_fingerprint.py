@@ -7,7 +7,7 @@ import pytest
 
 from fuzz.campaign.store import fingerprint_of
 from fuzz.campaign.store.fingerprint import config_of, digest_of_sources
-from fuzz.campaign.variation import Variation
+from fuzz.layouts.variation import Variation
 from sim.scenario import Scenario
 from tests.fuzz.test_campaign_folder import CONFIG
 from worldgen import generate

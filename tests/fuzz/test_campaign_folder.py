@@ -20,12 +20,8 @@ from types import SimpleNamespace
 import pytest
 
 import fuzz.campaign.store.folder
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import Deadline
 from fuzz.campaign.executors import InlineExecutor, WorkersLost
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.session import CampaignSession
-from fuzz.campaign.shrinking import Shrinking
 from fuzz.campaign.store import (
     Budget,
     FolderStore,
@@ -37,7 +33,11 @@ from fuzz.campaign.store import (
 )
 from fuzz.campaign.summary import describe_units
 from fuzz.campaign.unit import run_unit
+from fuzz.commands._session import CampaignSession
 from fuzz.search.native import Pace
+from fuzz.shrink.queue import Shrinking
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import Deadline
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -195,7 +195,7 @@ def ticking(patch, start=0):
     """A clock that advances by a second whenever it is read."""
     clock = count(start).__next__
     patch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=clock))
-    patch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=clock))
+    patch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=clock))
 
 
 def test_a_time_counts_anew(copied, monkeypatch, capsys):
@@ -221,7 +221,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
 
     with monkeypatch.context() as patch:
         patch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-        patch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
+        patch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
         patch.setattr("fuzz.campaign.run.run_unit", unit_of_15_s)
         patch.setattr("fuzz.campaign.run.shrunk_or_same", endless_shrinking)
         run(begin(CONFIG, tmp_path / "out", Budget(seconds=40.0)))
@@ -283,7 +283,7 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         return run_unit(config, unit, known, Deadline(begin=1.0) if unit == 1 else deadline)
 
     with monkeypatch.context() as once:
-        once.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))
+        once.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=count().__next__))
         once.setattr("fuzz.campaign.run.run_unit", cut_in_the_second)
         cut, entries = left("stopped")
     # Unit 3 knows what unit 1 found.
@@ -330,7 +330,7 @@ class StuckInTheFirst(InlineExecutor):
 def stuck(monkeypatch):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
     monkeypatch.setattr("fuzz.campaign.unit_search.LISTEN", 0.0)
     return StuckInTheFirst(at)
 

@@ -3,8 +3,8 @@
 import pytest
 
 from fuzz.campaign.configure import configure
-from fuzz.campaign.options import CampaignOptions
 from fuzz.commands.fuzz import fuzz
+from fuzz.unit.options import CampaignOptions
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from fuzz.chance import Chance, chance_details, chance_of, in_words
 from fuzz.evidence_checks.chance import check_chance
+from fuzz.facts.proofs import certified
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim import RobotOptions, simulate, simulate_many
 from sim.controllers.base import CompiledController
 from sim.episode.chance import ARRIVED, explore

@@ -11,7 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.ci import CiFinding, FindingState, Report, junit, markdown, place_of, repository, sarif
+from fuzz.ci import CiFinding, FindingState, Report, place_of, repository
+from fuzz.ci.junit import junit
+from fuzz.ci.markdown import markdown
+from fuzz.ci.sarif import sarif
 from fuzz.failure import Failure
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen

@@ -17,11 +17,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import WorkersLost, cluster_executor
 from fuzz.campaign.executors.remote import RemoteJob, give_dask_its_own_random
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import UnitDone
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises

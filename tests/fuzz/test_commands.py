@@ -10,8 +10,8 @@ from dataclasses import replace
 import pytest
 from PIL import Image
 
+from fuzz.facts.proofs import certified
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from tests.helpers.campaign_folder import CORPUS
 from tests.helpers.command_line import worldgen

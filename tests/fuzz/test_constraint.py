@@ -12,20 +12,20 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzz.campaign.configure import configure
-from fuzz.campaign.constraint import FIXED, Constraint
 from fuzz.campaign.executors import InlineExecutor
-from fuzz.campaign.options import CampaignOptions
-from fuzz.campaign.result import SearchState
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.session import CampaignSession
 from fuzz.campaign.state import UnitDone
 from fuzz.campaign.store import Budget, begin, resume
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
 from fuzz.campaign.unit import run_unit
+from fuzz.commands._session import CampaignSession
 from fuzz.failure import Failure
 from fuzz.overview.natural import natural_runs
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
+from fuzz.unit.constraint import FIXED, Constraint
+from fuzz.unit.options import CampaignOptions
+from fuzz.unit.result import SearchState
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises

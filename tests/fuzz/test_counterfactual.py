@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from fuzz.boundary import AXES, run_subject, subject_of
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import counterfactual
 from fuzz.overview.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim import Command
 from sim.options.robot import RobotOptions
 from sim.scenario import Scenario

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fuzz.facts.crash_bucket import crash_bucket
+from fuzz.facts.signature import failure_class
 from fuzz.shrink import shrink
-from fuzz.triage.crash_bucket import crash_bucket
 from fuzz.triage.judging import failure_of
-from fuzz.triage.signature import failure_class
 from sim.controllers.programs.crash_report import report_of
 from sim.episode import Episode, simulate
 from sim.evidence import FaultEvidence, fault_evidence, read_evidence

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.search.database import remembered
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen.generation import generate

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from fuzz.ci import CiFinding, FindingState
-from fuzz.describe import describe
 from fuzz.failure import Failure
+from fuzz.overview.describe import describe
 from fuzz.overview.explanation import explain_failure
 from fuzz.triage.judging import failure_of
 from sim.scenario import Scenario

@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 
 import fuzz.shrink.run
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState, UnitResult
-from fuzz.campaign.shrinking import ShrinkQueue
 from fuzz.corpus import distinct, read_corpus, smallest
 from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import Shrunk, shrink_class
+from fuzz.shrink.queue import ShrinkQueue
 from fuzz.triage.judging import JudgedRun
 from fuzz.triage.triage import Triage
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState, UnitResult
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 

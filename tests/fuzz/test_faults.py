@@ -8,10 +8,10 @@ import pytest
 
 from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tells
 from benchmarks.finding_tables import tables
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario

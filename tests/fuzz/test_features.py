@@ -3,8 +3,8 @@
 import numpy as np
 from hypothesis import given
 
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
 from fuzz.strategies import feature_worlds, layouts
 from sim.controllers import CONTROLLERS
 from sim.options.run import RunOptions

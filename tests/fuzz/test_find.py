@@ -92,7 +92,7 @@ def let_each_look_at_the_clock_take_a_second(monkeypatch):
         return float(len(looks))
 
     clock = SimpleNamespace(time=tick, monotonic=tick)
-    monkeypatch.setattr("fuzz.campaign.deadline.time", clock)
+    monkeypatch.setattr("fuzz.unit.deadline.time", clock)
     monkeypatch.setattr("fuzz.campaign.schedule.time", clock)
     return looks
 

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 
 from fuzz.boundary import Subject, run_subject
 from fuzz.campaign.configure import configure
-from fuzz.campaign.options import CampaignOptions
 from fuzz.evidence_checks import check_fleet
+from fuzz.facts.changed_worlds import OtherWorlds
+from fuzz.facts.proofs import certified
+from fuzz.facts.signature import Standoff, standoff
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
 from fuzz.search.drawn import explore, strategy_worlds
@@ -21,11 +23,9 @@ from fuzz.shrink import KEEP, removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause, Circumstance, Diagnosis
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.judging import failure_of, replay
-from fuzz.triage.proofs import certified
-from fuzz.triage.signature import Standoff, standoff
+from fuzz.unit.options import CampaignOptions
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
 from sim.episode.describe import describe_evidence

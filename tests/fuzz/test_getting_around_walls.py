@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.failure import Failure
 from fuzz.triage.cause import Cause, Circumstance
-from fuzz.triage.changed_worlds import OtherWorlds
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.oracles import Trial
 from fuzz.screening import evaluate
 from fuzz.search.native import scenes
+from fuzz.unit.config import CampaignConfig
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.shared import guarded

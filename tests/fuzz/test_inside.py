@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.triage.inside import inside
-from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import cup

@@ -8,9 +8,9 @@ import pytest
 
 from fuzz.campaign.configure import configure
 from fuzz.campaign.executors import InlineExecutor, ProcessExecutor
-from fuzz.campaign.live import LIVE_FILE, LiveCounts, LiveState, count_live, read_live, shown_in
-from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.run import Campaign
+from fuzz.unit.live import LIVE_FILE, LiveCounts, LiveState, count_live, read_live, shown_in
+from fuzz.unit.options import CampaignOptions
 
 
 def small(**options):

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
+from fuzz.facts.proofs import certified
+from fuzz.layouts.features import decode_scene, decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES, SCENE_BYTES
 from fuzz.screening import evaluate
-from fuzz.search.features import decode_scene, decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES, SCENE_BYTES
 from fuzz.triage.judging import failure_of, replay
-from fuzz.triage.proofs import certified
+from fuzz.unit.config import CampaignConfig
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from benchmarks.as_classes import AsClass
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search.native import scenes as drawn
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
 from sim import Command, Commands
 from sim.controllers import CONTROLLERS
 from sim.controllers.programs.batch import Offer

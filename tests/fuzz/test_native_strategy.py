@@ -5,14 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState
 from fuzz.campaign.unit import run_unit
-from fuzz.campaign.variation import Variation
+from fuzz.layouts.variation import Variation
 from fuzz.screening import evaluate
 from fuzz.search.native import Few, fits, scenes
 from fuzz.search.plan import planned_strategy
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream

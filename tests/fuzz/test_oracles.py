@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.oracles import ORACLES, NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
@@ -16,7 +17,6 @@ from fuzz.replay.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.judging import failure_of, replay
-from fuzz.triage.proofs import certified
 from sim.options.run import RunOptions
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario

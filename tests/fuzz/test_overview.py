@@ -8,12 +8,11 @@ import click
 import pytest
 
 from fuzz.campaign.configure import configure
-from fuzz.campaign.options import CampaignOptions
-from fuzz.campaign.result import SearchState
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
 from fuzz.corpus import Baseline, read_corpus
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, building, causes_of, read_overview
 from fuzz.overview.building import (
@@ -32,7 +31,8 @@ from fuzz.overview.table import NaturalTally
 from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
-from fuzz.triage.proofs import certified
+from fuzz.unit.options import CampaignOptions
+from fuzz.unit.result import SearchState
 from sim.clock.stopping import is_out_of_time, stopping_when
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -8,7 +8,7 @@ import pytest
 
 from fuzz.player import drawn_run, drawn_world
 from fuzz.player.streams import numbers
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 from sim import simulate
 from tests.helpers.page_scripts import FOLDER, called, missing_node, run_tests
 from worldgen import generate

@@ -4,10 +4,10 @@ from collections import Counter
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import SearchState, StrategyYield
 from fuzz.search.plan import Prices, planned_strategy, strategies_for, strategy_shares
 from fuzz.search.registry import check_strategy
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import SearchState, StrategyYield
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter

@@ -197,7 +197,7 @@ def test_init_names_no_folder_that_goes_when_it_ends(tmp_path, monkeypatch):
 def test_the_project_is_complete_before_its_failures_are_shrunk(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("os.cpu_count", lambda: 1)
-    monkeypatch.setattr("fuzz.campaign.shrinking.shrunk_or_same", interrupted_at_once)
+    monkeypatch.setattr("fuzz.shrink.queue.shrunk_or_same", interrupted_at_once)
     (tmp_path / "robot.py").write_text(RAISES)
     done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
     assert done.code == 130 and "the project is complete, and 1 known failure is not" in done.err

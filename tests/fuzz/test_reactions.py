@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fuzz.triage.contacts import nearest_walls
+from fuzz.facts.contacts import nearest_walls
 from fuzz.triage.reactions import Reactions
 from sim import Command, RobotOptions, simulate
 from tests.helpers.halls import hall

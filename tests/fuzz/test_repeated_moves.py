@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from fuzz.triage import contacts, repeated_moves
-from fuzz.triage.contacts import WallBearings
+from fuzz.facts import contacts
+from fuzz.facts.contacts import WallBearings
+from fuzz.triage import repeated_moves
 from fuzz.triage.repeated_moves import describe_period
 from sim import Command, simulate
 from sim.clock.stopping import OutOfTime, stopping_when

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from fuzz.facts.proofs import walled_off
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
-from fuzz.triage.proofs import walled_off
 from sim.episode import prepare
 from sim.options.run import RunOptions
 from sim.scenario import Scenario

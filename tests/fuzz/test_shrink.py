@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
+from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import drop_lines, free_cells
@@ -16,7 +16,7 @@ from fuzz.shrink.minimal import removed
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
-from fuzz.triage.proofs import certified
+from fuzz.unit.config import CampaignConfig
 from sim.options.run import RunOptions
 from sim.options.thesis import ThesisOptions
 from sim.runners.edited import has_sure_path

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from fuzz.campaign import run as campaign_run
-from fuzz.campaign.shrinking import Shrinking, shrunk_or_same
 from fuzz.failure import Failure, ShrinkState
 from fuzz.shrink import shrink as shrink_failure
+from fuzz.shrink.queue import Shrinking, shrunk_or_same
 from tests.helpers.command_line import worldgen
 from worldgen.files.grid import dumps, loads
 

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzz.facts.contacts import contacts, enclosure, part_of, winding_number
+from fuzz.facts.proofs import certified
+from fuzz.facts.signature import failure_class
+from fuzz.layouts.features import decode_world
+from fuzz.layouts.layout_bytes import LAYOUT_BYTES
 from fuzz.oracles import worlds as corresponding
-from fuzz.search.features import decode_world
-from fuzz.search.layout_bytes import LAYOUT_BYTES
-from fuzz.triage.contacts import contacts, enclosure, part_of, winding_number
-from fuzz.triage.proofs import certified
-from fuzz.triage.signature import failure_class
 from sim.episode import Episode, simulate
 from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence
 from sim.trace import Trace

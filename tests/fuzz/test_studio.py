@@ -14,8 +14,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from fuzz.studio import Folder
 from fuzz.studio.catalogue import catalogue
-from fuzz.studio.limits import MOST_MESSAGE, limits
-from fuzz.studio.messages import message_of, restored, world_of
+from fuzz.studio.requests.limits import MOST_MESSAGE, limits
+from fuzz.studio.requests.messages import message_of, restored, world_of
 from fuzz.studio.workers import Worker
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen

@@ -15,7 +15,6 @@ import pytest
 
 from fuzz.campaign import store
 from fuzz.campaign.configure import configure
-from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
@@ -24,7 +23,8 @@ from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
 from fuzz.studio.campaigns.state import campaign_state
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
+from fuzz.unit.options import CampaignOptions
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of

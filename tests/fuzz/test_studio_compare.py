@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 from sim.compare.comparison import NamedWorld, compare
 from sim.compare.report import describe_detail
 from sim.scenario import Scenario

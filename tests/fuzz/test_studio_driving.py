@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzz.studio.driving import MOST_DRIVEN, HandDriven
-from fuzz.studio.messages import message_of, opened_message
+from fuzz.studio.requests.messages import message_of, opened_message
 from sim import simulate
 from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of

@@ -5,10 +5,10 @@ import os
 
 import pytest
 
-from fuzz.studio import edits
-from fuzz.studio.edits import UNKNOWN, Edits, digest_of_file, edited_files, loaded_files
-from fuzz.studio.messages import message_of
-from fuzz.studio.refusals import frames_of
+from fuzz.studio.requests import edits
+from fuzz.studio.requests.edits import UNKNOWN, Edits, digest_of_file, edited_files, loaded_files
+from fuzz.studio.requests.messages import message_of
+from fuzz.studio.requests.refusals import frames_of
 from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of

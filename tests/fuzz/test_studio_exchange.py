@@ -18,7 +18,7 @@ from worldgen.interop import FORMATS
 pytest.importorskip("starlette", reason="the studio's extra is not here")
 
 from fuzz.studio.answers import Answers
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 
 MAZES = {"micromouse"}  # formats that cannot hold other worlds
 WRITTEN = [

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fuzz.studio.answers import Answers
-from fuzz.studio.folder import Folder
+from fuzz.studio.requests.folder import Folder
 from tests.helpers.raising import raises
 from worldgen import generate
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError

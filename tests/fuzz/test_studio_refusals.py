@@ -9,8 +9,8 @@ import string
 
 import pytest
 
-from fuzz.studio.folder import Folder
-from fuzz.studio.refusals import IMPORT_OPTIONS, REMEDIES, describe_note, refusal
+from fuzz.studio.requests.folder import Folder
+from fuzz.studio.requests.refusals import IMPORT_OPTIONS, REMEDIES, describe_note, refusal
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.studio import page_of, studio_of

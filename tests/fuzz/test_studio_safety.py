@@ -24,7 +24,7 @@ from pathlib import Path
 import pytest
 
 from fuzz.studio import Folder, Gate
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 from tests.helpers.raising import raises
 from tests.helpers.studio import free_port, page_of, studio_of
 from tests.helpers.studio_campaign import begin

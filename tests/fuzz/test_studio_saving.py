@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from fuzz.player import replay_page
-from fuzz.studio.messages import message_of
+from fuzz.studio.requests.messages import message_of
 from tests.helpers.campaign_folder import LOOP, TUNNEL, campaign_folder
 from tests.helpers.studio import CONFIG_5, page_of, studio_of, studio_of_config_5
 from worldgen.files.grid import read_world, write_world

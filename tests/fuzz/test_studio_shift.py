@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.messages import message_of, world_of
+from fuzz.studio.requests.messages import message_of, world_of
 from tests.helpers.studio import page_of, studio_of
 from worldgen.families.builtin.shift import shifted
 from worldgen.files.grid import read_world

@@ -2,12 +2,12 @@
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState, UnitDone
 from fuzz.campaign.store import Budget, Status, begin, read_summary, resume
 from fuzz.campaign.summary import controller_share, describe_share, describe_time, summary_of
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from worldgen.files.json_file import plain
 

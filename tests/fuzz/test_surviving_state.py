@@ -4,10 +4,10 @@ import json
 
 import pytest
 
+from fuzz.facts.proofs import certified
 from fuzz.oracles import Trial
 from fuzz.replay.answer import State, answer
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim import simulate
 from sim.clock import controller_time
 from sim.controllers import CONTROLLERS

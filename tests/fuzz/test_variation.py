@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 
 from fuzz import scenarios
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.unit import run_unit
-from fuzz.campaign.variation import Variation, applied
+from fuzz.layouts.variation import Variation, applied
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from fuzz.facts.proofs import certified
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim import Command
 from sim.scenario import Scenario
 from worldgen import Pose, Target, World

@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 
 from fuzz.studio import Folder, Gate, Studio, make_app
 from fuzz.studio.gate import SUBPROTOCOL
-from fuzz.studio.limits import MOST_MESSAGE
+from fuzz.studio.requests.limits import MOST_MESSAGE
 from fuzz.studio.serving import bind
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"

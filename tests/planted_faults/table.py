@@ -212,7 +212,7 @@ FAULTS = (
     Fault(
         "classes-merged",
         "failures that touch walls differently are in different classes",
-        "fuzz/triage/signature.py",
+        "fuzz/facts/signature.py",
         "[min(count, 3)]",
         "[min(count, 1)]",
         ("tests/fuzz/test_signature.py", "tests/quality/test_library_failures.py"),
@@ -326,7 +326,7 @@ FAULTS = (
     Fault(
         "fire-not-read",
         "a planner that never reads the timeline is not at fault for a fire",
-        "fuzz/triage/hazards.py",
+        "fuzz/facts/hazards.py",
         "    return reads.any",
         "    return True",
         ("tests/fuzz/test_hazards.py",),

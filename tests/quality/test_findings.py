@@ -4,10 +4,10 @@ import functools
 
 import pytest
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import Campaign
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
+from fuzz.unit.config import CampaignConfig
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 

@@ -4,9 +4,9 @@ import pathlib
 
 import pytest
 
+from fuzz.facts.signature import failure_class
 from fuzz.failure import Failure
 from fuzz.triage.judging import replay
-from fuzz.triage.signature import failure_class
 from sim.controllers import CONTROLLERS
 from worldgen.files.grid import read_world
 

@@ -8,12 +8,12 @@ import shlex
 import pytest
 
 from benchmarks.thesis_faults import KINDS, draw_worlds, tally
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import Campaign
 from fuzz.failure import Failure
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.judging import replay
+from fuzz.unit.config import CampaignConfig
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -16,7 +16,20 @@ def test_import_contracts_hold():
 
 def test_a_campaign_begins_without_what_only_some_strategies_need():
     heavy = ["hypothesis", "scipy.special", "pytest"]
-    modules = "fuzz.campaign.session, fuzz.campaign.unit, fuzz.ci, fuzz.report"
+    modules = "fuzz.commands._session, fuzz.campaign.unit, fuzz.ci.finding, fuzz.report"
     code = f"import sys, {modules}; print(sorted(set({heavy}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_a_replay_loads_neither_searches_nor_what_shows_their_results():
+    unneeded = ["campaign", "corpus", "find", "overview", "player", "report", "search", "shrink"]
+    failure = min((ROOT / "corpora/failures").rglob("*.grid"))
+    code = f"""
+import sys
+from worldgen.cli.main import cli
+cli(["replay", {str(failure)!r}], standalone_mode=False)
+print(sorted({{name.split(".")[1] for name in sys.modules if name.startswith("fuzz.")}} & {set(unneeded)}))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("1 of 1 confirmed\n[]\n")

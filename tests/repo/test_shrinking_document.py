@@ -4,9 +4,9 @@ import re
 
 import pytest
 
+from fuzz.facts.proofs import certified
 from fuzz.shrink import ORDER, PASSES
 from fuzz.triage.judging import failure_of
-from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen

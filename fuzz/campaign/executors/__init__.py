@@ -7,9 +7,9 @@ Contents:
     WorkersLost: raised if workers end before the work does.
 """
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.executors.local import InlineExecutor, ProcessExecutor, local_executor
+from fuzz.unit.config import CampaignConfig
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.installation import pip_install
 

@@ -12,9 +12,9 @@ from typing import ParamSpec, Self, TypeVar
 
 from distributed import Client, KilledWorker
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors.executor import WorkersLost
 from fuzz.campaign.executors.remote import RemoteJob
+from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.plugins.workers import ctrl_c_held_back

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from typing import ParamSpec, Protocol, Self, TypeVar
 
-from fuzz.campaign.live import LiveCounts
+from fuzz.unit.live import LiveCounts
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 

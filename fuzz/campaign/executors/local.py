@@ -13,10 +13,10 @@ from ctypes import c_double
 from multiprocessing import get_context
 from typing import Any, ParamSpec, Self, TypeVar
 
-from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
-from fuzz.campaign.live import LiveCounts, count_in
-from fuzz.triage.proofs import certified
+from fuzz.facts.proofs import certified
+from fuzz.unit.deadline import TO_HAND_IN, now, stop_from, stopping_from
+from fuzz.unit.live import LiveCounts, count_in
 from sim.clock.controller_time import Effort
 from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario

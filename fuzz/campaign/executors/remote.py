@@ -19,10 +19,10 @@ from typing import Any, ParamSpec, TypeVar
 
 from hypothesis.errors import HypothesisDeprecationWarning
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.store import Fingerprint, fingerprint_of
 from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.oracles import ORACLES, NamedOracle
+from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES

@@ -13,9 +13,9 @@ from typing import Annotated, TypeAlias
 
 import msgspec
 
-from fuzz.campaign.result import Elite, UnitResult
 from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.failure import ID_DIGITS, Failure
+from fuzz.unit.result import Elite, UnitResult
 from worldgen.files.json_file import plain
 
 _FailureId = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{ID_DIGITS}}}\Z")]

@@ -13,9 +13,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.variation import Variation
+from fuzz.layouts.variation import Variation
 from fuzz.oracles import ORACLES, NamedOracle
+from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.store.fingerprint import (
     Fingerprint,
     config_of,
@@ -16,6 +15,7 @@ from fuzz.campaign.store.fingerprint import (
     fingerprint_of,
 )
 from fuzz.campaign.store.folder import Budget, FolderStore
+from fuzz.unit.config import CampaignConfig
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.support.plain_text import shown
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from fuzz.campaign.answer import Answer, AnswerNumbers
+from fuzz.unit.answer import Answer, AnswerNumbers
 from worldgen.files.json_file import JsonFile
 
 # Name of the store's folder in a campaign's folder.

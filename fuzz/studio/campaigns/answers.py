@@ -41,10 +41,10 @@ from fuzz.studio.campaigns.state import (
     is_own,
     running_process,
 )
-from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder, Opened
-from fuzz.studio.messages import Request, SendPart, opened_message, restored
-from fuzz.studio.messages import field as part_of
-from fuzz.studio.running import may_run
+from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Folder, Opened
+from fuzz.studio.requests.messages import Request, SendPart, opened_message, restored
+from fuzz.studio.requests.messages import field as part_of
+from fuzz.studio.requests.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import write_world

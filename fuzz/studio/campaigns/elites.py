@@ -10,7 +10,7 @@ import msgspec
 
 from fuzz.campaign.store import MEMORY, FolderStore, read_summary
 from fuzz.campaign.store.entry import StoredElite, UnitEntry
-from fuzz.search.features import decode_scene
+from fuzz.layouts.features import decode_scene
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import read_text
 from worldgen.world import World

@@ -11,17 +11,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.options import CampaignOptions
-from fuzz.commands.fuzz import fuzz
 from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
-from fuzz.studio.folder import KNOWN, Folder, Opened
-from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
-from fuzz.studio.messages import Request, seed_of
-from fuzz.studio.messages import field as part_of
-from fuzz.studio.running import check_registered, from_anywhere, label_in
+from fuzz.studio.requests.folder import KNOWN, Folder, Opened
+from fuzz.studio.requests.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
+from fuzz.studio.requests.messages import Request, seed_of
+from fuzz.studio.requests.messages import field as part_of
+from fuzz.studio.requests.running import check_registered, from_anywhere, label_in
+from fuzz.unit.options import BASELINE_HELP, CampaignOptions
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter
@@ -179,18 +178,15 @@ def command_line(words: Sequence[str], message: Request, out: Path, folder: Fold
 
 
 def options() -> dict[str, dict[str, Any]]:
-    """Return the command's options by name, with ``help`` and ``default``.
+    """Return the command's options that the page has fields for: ``help`` and ``default`` by name.
 
     Help that applies only to the command line is omitted, such as how to name a class in a file.
     """
-    declared = {option.name: option.help for option in CampaignOptions.declared()}
-    return {
-        param.opts[0]: {
-            "help": declared.get(str(param.name)) or getattr(param, "help", "") or "",
-            "default": _plain(param.default),
-        }
-        for param in fuzz.params
+    declared = {
+        option.flag: {"help": option.help, "default": _plain(option.default)}
+        for option in CampaignOptions.declared()
     }
+    return declared | {"--baseline": {"help": BASELINE_HELP, "default": None}}
 
 
 def _plain(default: object) -> object:

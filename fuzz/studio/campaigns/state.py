@@ -13,11 +13,11 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.live import Phase, not_arrived, read_live
 from fuzz.campaign.store import MEMORY, FolderStore, Status, read_error, read_summary
-from fuzz.studio.edits import digest_of_file
-from fuzz.studio.refusals import refusal
-from fuzz.studio.running import names_of
+from fuzz.studio.requests.edits import digest_of_file
+from fuzz.studio.requests.refusals import refusal
+from fuzz.studio.requests.running import names_of
+from fuzz.unit.live import Phase, not_arrived, read_live
 from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
 from worldgen.files.locks import holder

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import importlib
 import time
 from collections.abc import AsyncGenerator, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.folder import Folder
+from fuzz.studio.requests.folder import Folder
 from worldgen.errors import InvalidParameter, Message, WorldgenError
 
 _EVERY = 0.5  # s between checks of a campaign
@@ -114,4 +113,6 @@ class Watching:
 
 def _reads() -> Any:
     # Expensive to import, so not before a page watches a campaign.
-    return importlib.import_module("fuzz.studio.campaigns.state")
+    from fuzz.studio.campaigns import state  # noqa: PLC0415
+
+    return state

@@ -1,7 +1,7 @@
 // Types of the studio's messages (fuzz/studio/protocol.md) and of objects that its scripts share.
 // Only `npm run check` reads this file.
 
-/** A refusal of the server: fuzz/studio/refusals.py. */
+/** A refusal of the server: fuzz/studio/requests/refusals.py. */
 interface Refusal {
   code: string;
   /** Where the user's code has failed, the innermost last;
@@ -44,7 +44,7 @@ interface Begins {
   limits: Limits;
 }
 
-/** The server's limits: fuzz/studio/limits.py. Pairs are the smallest and the largest value. */
+/** The server's limits: fuzz/studio/requests/limits.py. Pairs are the smallest and the largest value. */
 interface Limits {
   /** Bytes of a message. */
   message: number;
@@ -106,7 +106,7 @@ interface OfferedController {
 }
 
 /** A file whose code the studio runs, and the named controllers
- * that may run it: fuzz/studio/edits.py. */
+ * that may run it: fuzz/studio/requests/edits.py. */
 interface CodeFile {
   file: string;
   name: string;
@@ -163,7 +163,7 @@ interface Events {
   state: number[];
 }
 
-/** A world without its proof: fuzz/studio/messages.py. */
+/** A world without its proof: fuzz/studio/requests/messages.py. */
 interface WorldMessage {
   width: number;
   height: number;

@@ -2,7 +2,7 @@
 
 A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 if the cell is
 solid, and everything around a world is solid. The meaning of the bytes is fixed by
-:func:`fuzz.search.features.decode_world`, the same bit for bit.
+:func:`fuzz.layouts.features.decode_world`, the same bit for bit.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.search import layout_bytes
-from fuzz.search.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
+from fuzz.layouts import layout_bytes
+from fuzz.layouts.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]

@@ -9,10 +9,9 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from fuzz.campaign.answer import Answer, AnswerNumbers, answer_of
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import LiveState, Phase, shown_in
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
@@ -24,16 +23,18 @@ from fuzz.campaign.summary import (
     describe_units,
     summary_of,
 )
-from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
-from fuzz.describe import describe
+from fuzz.ci import NO_OUTPUTS, Outputs
+from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Cause, Overview
 from fuzz.overview.building import Conclusion, answer_numbers, build_overview
 from fuzz.overview.counterfactual import Counterfactuals
+from fuzz.overview.describe import describe
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
-from fuzz.search.names import DATABASE
-from fuzz.triage.hazards import hazard_words, is_hazard
+from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
+from fuzz.unit.live import LiveState, Phase, shown_in
+from fuzz.unit.names import DATABASE
 from sim.clock.stopping import stopping_when
 from sim.controllers.contract import state_survives_reset
 from worldgen.cli.output import emit_json, note, say
@@ -43,6 +44,9 @@ from worldgen.render import wants_color
 from worldgen.support.plain_text import counted, shown
 from worldgen.support.progress import is_verbose, working
 from worldgen.support.results import results
+
+if TYPE_CHECKING:
+    from fuzz.ci import Report
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
@@ -515,6 +519,8 @@ class CampaignSession:
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""
+        from fuzz.ci import CiFinding, FindingState, Report
+
         state = self._campaign.state
         scenario = self._config.scenario
         answer, reason = self._answer

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fuzz.search.layout_bytes import (
+from fuzz.layouts.layout_bytes import (
     CLEAR,
     FEATURE_BYTES,
     FINER,

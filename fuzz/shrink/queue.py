@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fuzz.boundary import with_boundaries
-from fuzz.campaign.deadline import Deadline
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
 from fuzz.simplicity import FailureOrder
+from fuzz.unit.deadline import Deadline
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
@@ -171,7 +171,7 @@ def shrunk_or_same(
         failure: The failure as found.
         kept: What shrinking must preserve, as for :func:`fuzz.shrink.shrink`.
         seconds: Time limit, after which the best result so far is used.
-        end: Time by :func:`fuzz.campaign.deadline.now`: if the result isn't proved by then, the
+        end: Time by :func:`fuzz.unit.deadline.now`: if the result isn't proved by then, the
             failure stays unchanged.
     """
     began = Effort.so_far()

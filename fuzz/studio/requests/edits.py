@@ -164,7 +164,7 @@ def _plain_names(label: str) -> list[str]:
 @functools.cache
 def _own_files(label: str) -> tuple[str, ...]:
     """Return the files that a controller's name contains; empty for one in a module."""
-    from fuzz.studio.running import names_of  # noqa: PLC0415 - loads the simulator
+    from fuzz.studio.requests.running import names_of  # noqa: PLC0415 - loads the simulator
     from sim.controllers.behaviours.catalogue import is_composition_name  # noqa: PLC0415
     from sim.controllers.programs.process import is_process_name  # noqa: PLC0415
     from sim.controllers.shared.object_file import is_library_name, library_file  # noqa: PLC0415

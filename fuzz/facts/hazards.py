@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
 
+from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing
+from fuzz.facts.signature import is_entered
 from fuzz.failure import Failure
-from fuzz.triage.changed_worlds import OtherWorlds, fails_by_timing
-from fuzz.triage.signature import is_entered
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
 from sim.controllers.base import DEFAULT_SENSES, robot_for
 from sim.controllers.timeline_reads import noting_reads

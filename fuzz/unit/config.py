@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from fuzz.campaign.constraint import Constraint
-from fuzz.campaign.options import SearchOptions
-from fuzz.campaign.variation import Variation
+from fuzz.layouts.variation import Variation
+from fuzz.unit.constraint import Constraint
+from fuzz.unit.options import SearchOptions
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario

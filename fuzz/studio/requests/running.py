@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.folder import Opened
-from fuzz.studio.messages import field
+from fuzz.studio.requests.folder import Opened
+from fuzz.studio.requests.messages import field
 from sim.controllers import CONTROLLERS
 from sim.controllers.behaviours.arbitration import Arbitration, sentences
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzz.boundary import describe_boundaries
+from fuzz.facts.hazards import doubt_in
 from fuzz.failure import Failure, ShrinkState
 from fuzz.triage.diagnosis import diagnosis_of
-from fuzz.triage.hazards import doubt_in
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
 from sim.drawing.picture import trails_of

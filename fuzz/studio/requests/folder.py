@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.refusals import refusal
+from fuzz.studio.requests.refusals import refusal
 from worldgen.errors import InvalidParameter, Message, OutputError, WorldgenError
 from worldgen.files.archives import ENDINGS
 from worldgen.files.grid import read_world

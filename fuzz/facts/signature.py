@@ -7,8 +7,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
-from fuzz.triage.crash_bucket import crash_bucket
+from fuzz.facts.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
+from fuzz.facts.crash_bucket import crash_bucket
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,

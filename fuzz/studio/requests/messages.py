@@ -13,7 +13,7 @@ import numpy as np
 from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
-from fuzz.studio.limits import LENGTHS
+from fuzz.studio.requests.limits import LENGTHS
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads

@@ -17,7 +17,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from fuzz.triage.contacts import nearest_walls, walls_at_the_end
+from fuzz.facts.contacts import nearest_walls, walls_at_the_end
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import is_process_name
 from sim.episode import simulate

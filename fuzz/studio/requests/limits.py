@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fuzz.campaign.options import CampaignOptions
 from fuzz.player import MOST_CELLS
+from fuzz.unit.options import CampaignOptions
 from sim.options.run import TIME_STEPS
 from worldgen.domain import MASK64, MAX_SIDE
 

@@ -16,6 +16,11 @@ from worldgen.parameters import Parameter, Written, parameters_of_fields
 MOST_ROBOTS = 100
 """Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
 
+BASELINE_HELP = (
+    "Known failures. Their classes are counted, but not shrunk or written, and do not affect the "
+    "exit code. May be repeated."
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SearchOptions:
