@@ -40,7 +40,7 @@ from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage import triage
-from fuzz.triage.cause import joined
+from fuzz.cause import joined
 from fuzz.triage.diagnosis import cause_of
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario

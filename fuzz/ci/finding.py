@@ -61,7 +61,7 @@ class CiFinding:
         world_id: SHA-256, in hex, of the world without its record.
         seed: Seed of the run.
         replay: The command that replays it.
-        cause: Why the robot fails: a name of :class:`fuzz.triage.cause.Cause`.
+        cause: Why the robot fails: a name of :class:`fuzz.cause.Cause`.
         sentence: The cause as a sentence, with a full stop; empty if ``what`` says more.
         why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.

@@ -12,7 +12,7 @@ Contents:
 
 from fuzz.overview.causes import CauseTotals, causes_of
 from fuzz.overview.overview import Overview, read_overview
-from fuzz.triage.cause import Cause, Severity
+from fuzz.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 
 __all__ = ["Cause", "CauseTotals", "Overview", "Severity", "cause_of", "causes_of", "read_overview"]

@@ -20,7 +20,7 @@ from fuzz.overview.natural import NATURAL, NaturalRuns, natural_families, natura
 from fuzz.overview.overview import Overview
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
-from fuzz.triage.cause import Cause, Severity
+from fuzz.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts

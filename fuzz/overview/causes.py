@@ -10,7 +10,7 @@ from functools import cached_property
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
-from fuzz.triage.cause import Cause, Diagnosis, Severity
+from fuzz.cause import Cause, Diagnosis, Severity
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.run_facts import RunFacts
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fuzz.failure import Failure, ShrinkState
 from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.triage.cause import Circumstance
+from fuzz.cause import Circumstance
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.clock.stopping import OutOfTime
 from worldgen.errors import WorldgenError

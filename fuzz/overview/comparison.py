@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.table import ChangesRow, ComparisonRow
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from worldgen.support.plain_text import counted
 
 

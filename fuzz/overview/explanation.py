@@ -8,7 +8,7 @@ from typing import Any
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.describe import run_to_draw
-from fuzz.triage.cause import Diagnosis
+from fuzz.cause import Diagnosis
 from fuzz.triage.diagnosis import CAUSE, CIRCUMSTANCE, GAP, diagnosis_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.drawing.picture import trails_of

@@ -21,7 +21,7 @@ from fuzz.facts.proofs import certified
 from fuzz.layouts.variation import Variation, applied, generated
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from fuzz.triage.diagnosis import cause_of_run
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import Episode, simulate

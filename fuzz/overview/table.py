@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import msgspec
 
 from fuzz.campaign.store import MEMORY
-from fuzz.triage.cause import Severity
+from fuzz.cause import Severity
 
 _Count = Annotated[int, msgspec.Meta(ge=0)]
 

@@ -12,7 +12,7 @@ from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
-from fuzz.triage.cause import Cause, Severity
+from fuzz.cause import Cause, Severity
 from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the

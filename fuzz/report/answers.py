@@ -18,7 +18,7 @@ from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
 from fuzz.overview.terminal import how_often_it_arrives, never_tried
 from fuzz.report.gather import ReportedCampaign
-from fuzz.triage.cause import Severity
+from fuzz.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain

@@ -21,7 +21,7 @@ from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.requests.messages import Request, SendPart
 from fuzz.studio.requests.messages import field as part_of
 from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS

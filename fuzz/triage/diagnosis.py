@@ -17,7 +17,7 @@ from fuzz.facts.hazards import Hazard, hazard_in
 from fuzz.facts.signature import Standoff, is_entered, standoff
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
-from fuzz.triage.cause import Cause, Circumstance, Diagnosis
+from fuzz.cause import Cause, Circumstance, Diagnosis
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (

@@ -183,7 +183,7 @@ def _diagnosis(
     from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
     from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
     from fuzz.triage import diagnosis  # noqa: PLC0415
-    from fuzz.triage.cause import Cause, Diagnosis  # noqa: PLC0415
+    from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
 
     if not oracle.by_verdict:
         return diagnosis.details_of(Diagnosis(Cause.BREAKS_A_RULE))

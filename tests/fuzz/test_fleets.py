@@ -22,7 +22,7 @@ from fuzz.search.drawn import explore, strategy_worlds
 from fuzz.shrink import KEEP, removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
-from fuzz.triage.cause import Cause, Circumstance, Diagnosis
+from fuzz.cause import Cause, Circumstance, Diagnosis
 from fuzz.triage.diagnosis import cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.judging import failure_of, replay
 from fuzz.unit.options import CampaignOptions

@@ -11,7 +11,7 @@ import pytest
 
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.failure import Failure
-from fuzz.triage.cause import Cause, Circumstance
+from fuzz.cause import Cause, Circumstance
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario

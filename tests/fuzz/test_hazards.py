@@ -14,7 +14,7 @@ from fuzz.failure import Failure
 from fuzz.overview.natural import _run
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from fuzz.triage.judging import failure_of, replay
 from sim import simulate
 from sim.controllers import CONTROLLERS

@@ -29,7 +29,7 @@ from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview, write_overview
 from fuzz.overview.table import NaturalTally
 from fuzz.overview.terminal import Headline, overview_lines
-from fuzz.triage.cause import Severity
+from fuzz.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.unit.options import CampaignOptions
 from fuzz.unit.result import SearchState

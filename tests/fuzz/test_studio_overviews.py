@@ -3,7 +3,7 @@
 import json
 
 from fuzz.studio.campaigns.overviews import example_in, ranks
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from tests.helpers.campaign_folder import LOOP, STALLED, campaign_folder, explain_the_loop
 
 RETURNS = Cause.RETURNS_TO_A_WALL.value

@@ -9,7 +9,7 @@ from pathlib import Path
 from fuzz.overview.causes import CauseTotals, in_order
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, OverviewTable
-from fuzz.triage.cause import Cause
+from fuzz.cause import Cause
 from worldgen.errors import WorldgenError
 
 
