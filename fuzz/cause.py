@@ -105,9 +105,24 @@ class Cause(StrEnum):
         return _TEXTS[self].phrase or self.severity.phrase
 
     @property
+    def has_reasons(self) -> bool:
+        """True if failures of this cause have different reasons, such as an error at one line."""
+        return self.is_vague or self == Cause.BREAKS_A_RULE
+
+    @property
     def is_vague(self) -> bool:
         """True if the run's description, such as an error's message, says more than the sentence."""
         return self == Cause.UNKNOWN or self.severity == Severity.CONTROLLER_ERROR
+
+
+CAUSE = "cause"
+"""Name of the detail of a failure's record that holds its cause."""
+
+CIRCUMSTANCE = "circumstance"
+"""Name of the detail that holds its circumstance, if one is known."""
+
+GAP = "gap"
+"""Name of the detail that holds the width of the gap in front of it, in radii of the robot."""
 
 
 class Circumstance(StrEnum):

@@ -9,6 +9,7 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
 
+from fuzz.cause import CAUSE, Cause
 from fuzz.simplicity import Case, FailureOrder, simplicity
 from fuzz.violation import Violation
 from sim.episode import Episode, simulate
@@ -20,6 +21,9 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.plugins.trust import admit_argument
 from worldgen.world import Cut, FailureRecord, Value, World
+
+MOST_SHOWN = 3
+"""Failures of one group that campaigns and corpora show; their signatures differ."""
 
 ID_DIGITS = 16
 """Number of hex digits in a failure's id."""
@@ -125,9 +129,30 @@ class Failure:
         return self.digest[:ID_DIGITS]
 
     @property
-    def bucket(self) -> str:
-        """The name shared by failures that look alike; the verdict if the record names none."""
+    def signature(self) -> str:
+        """What the failure looks like; the verdict if the record does not tell.
+
+        A search collects failures with different signatures. Users group them by cause.
+        """
         return str(self.record.details.get("class", self.record.verdict))
+
+    @property
+    def group(self) -> str:
+        """The name under which failures of one cause are filed: the stem of their files.
+
+        It is the cause, or, for errors of a controller and broken rules, the reason. Files from
+        before causes were recorded are filed by what they look like.
+        """
+        recorded = self.record.details.get(CAUSE)
+        is_known = isinstance(recorded, str) and recorded in set(Cause)
+        if not is_known or Cause(recorded).has_reasons:
+            return self.signature
+        return str(recorded)
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Group and signature: of failures with the same key, a campaign keeps one."""
+        return self.group, self.signature
 
     @cached_property
     def size(self) -> tuple[int, ...]:
@@ -142,7 +167,7 @@ class Failure:
     def order(self) -> FailureOrder:
         """The failure's place among others, the simplest first.
 
-        Campaigns, corpora, shrinking and reports keep or show the first failure of each bucket.
+        Campaigns, corpora, shrinking and reports keep or show the first failures of each group.
 
         Raises:
             InvalidParameter: If the record has options that this version does not know.
@@ -178,7 +203,7 @@ class Failure:
         """The violation, as recorded."""
         facts = self.record.evidence.get("objection")
         return Violation(
-            self.bucket, self.evidence, self.oracle, facts if isinstance(facts, dict) else {}
+            self.signature, self.evidence, self.oracle, facts if isinstance(facts, dict) else {}
         )
 
     @property

@@ -19,10 +19,10 @@ from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.shrink.queue import RESTARTS, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
+from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
-from fuzz.unit.result import SearchState, UnitResult
+from fuzz.unit.result import FailureKey, SearchState, UnitResult
 
 
 class Campaign(UnitSearch[UnitResult, Progress]):
@@ -37,8 +37,8 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         executor: Runs the units; this process if omitted.
         store: Stores results, so that another campaign of the same configuration continues from
             them.
-        is_known: Returns whether a failure's class is known: such failures are counted, but neither
-            shrunk nor kept.
+        is_known: Returns whether a failure is known: such failures are counted, but neither shrunk
+            nor kept.
         began: When the time began; if omitted, when the campaign is made.
 
     Iterating over :meth:`run` does the work. No matter how it is stopped, ``state.best`` and
@@ -75,7 +75,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         # about them, depends only on complete units; otherwise an interrupted campaign would
         # diverge from an uninterrupted one.
         self._memory = SearchState()
-        # Units that found a class, by class and whether it is known.
+        # Failures of whole units, by group and whether they are known.
         self._met_whole: Counter[tuple[str, bool]] = Counter()
         # Search states by epoch.
         self._known = [SearchState(), SearchState()]
@@ -93,16 +93,16 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         """True once everything that the first units need is loaded, and the clock is running."""
         return self._schedule.is_ready
 
-    def pending(self) -> dict[str, Failure]:
-        """Return failures by class that are proved but not yet shrunk.
+    def pending(self) -> dict[FailureKey, Failure]:
+        """Return a failure of each group of which none is shrunk yet.
 
         This is useful after an interruption, or when time is up.
         """
         return {
-            bucket: one.noting(**{SHRINKING: ShrinkState.CUT_SHORT.value})
+            one.key: one.noting(**{SHRINKING: ShrinkState.CUT_SHORT.value})
             if one.id in self._cut_short
             else one
-            for bucket, one in self._queue.unshrunk(self.state.best).items()
+            for one in self._queue.unshrunk(self.state.best)
         }
 
     def live(self) -> LiveState:
@@ -146,7 +146,6 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             self._take_from_earlier()
 
     def _is_exhausted(self) -> bool:
-        self._add_jobs(self._queue.jobs_for_lost_classes(self.state.best))
         return not self._shrinks and (not self._queue or self._schedule.is_over())
 
     def _others(self) -> Sequence[Submitted[Any]]:
@@ -169,14 +168,12 @@ class Campaign(UnitSearch[UnitResult, Progress]):
     def _hand_out_one(self, executor: Executor) -> bool:
         """Begin a unit, or shrink a failure.
 
-        The first failure of each class is shrunk before the search continues, the others after it.
+        The first failure of each group is shrunk before the search continues, the others after it.
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
-        # The first failure of each class is shrunk before the search continues, until the search
+        # The first failure of each group is shrunk before the search continues, until the search
         # needs its share.
         search_first = self._schedule.search_comes_first
-        if not search_first:
-            self._add_jobs(self._lost_already())
         job = self._next_job(first_only=search_first)
         # Search if nothing more urgent is waiting.
         if job is None and self._schedule.may_search:
@@ -196,14 +193,12 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             self._jobs_before(job) + 1, max(executor.room - 1, 1)
         )
         with self._schedule.doing(0, 1):
-            future = executor.submit(
-                shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
-            )
+            future = executor.submit(shrunk_or_same, job.failure, seconds=seconds, end=end)
         self._shrinks.append((job, Submitted(future)))
         return True
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
-        """Return a failure to shrink, the first of each class before others.
+        """Return a failure to shrink, the first of each group before others.
 
         It is ``None`` if none is due.
         """
@@ -218,7 +213,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
     def _add_jobs(self, jobs: list[ShrinkJob]) -> None:
         """Queue failures for shrinking, or finish them if they need no work."""
         for job in jobs:
-            done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
+            done = self._store.shrunk(job.failure) if self.config.shrink else job.failure
             if done is None:
                 self._queue.add(job)
             else:
@@ -302,27 +297,32 @@ class Campaign(UnitSearch[UnitResult, Progress]):
 
     def _enter_failures(
         self, unit: int, result: UnitResult, seconds: float
-    ) -> tuple[list[ShrinkJob], dict[str, Failure]]:
+    ) -> tuple[list[ShrinkJob], dict[FailureKey, Failure]]:
         """Return a unit's failures to shrink, and those to store."""
         state = self.state
         jobs: list[ShrinkJob] = []
-        kept: dict[str, Failure] = {}
-        for bucket, failure in sorted(result.failures.items()):
+        kept: dict[FailureKey, Failure] = {}
+        # The smallest of each group come first, since only a few are shrunk.
+        ordered = sorted(result.failures.values(), key=lambda one: (one.group, one.order))
+        counted: set[tuple[str, bool]] = set()
+        for failure in ordered:
+            group = failure.group
             is_known = self._is_known(failure)
-            is_interesting = state.memory.is_interesting(bucket, failure)
+            is_interesting = state.memory.is_interesting(failure)
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.strategy, bucket, failure, *totals))
+                state.finds.append(DiscoveryTotals(unit, result.strategy, failure, *totals))
             # The stored result depends only on complete units, so that a resumed campaign agrees.
-            few_whole = self.config.shrink and self._met_whole[bucket, is_known] < RESTARTS
-            if few_whole or self._memory.is_interesting(bucket, failure):
-                kept[bucket] = failure
-            self._met_whole[bucket, is_known] += not result.cut
-            if is_known:
-                state.known[bucket] += result.met[bucket]
-            job = self._queue.job_for(
-                bucket, failure, is_known=is_known, is_interesting=is_interesting
-            )
+            few_whole = self.config.shrink and self._met_whole[group, is_known] < MOST_SHRUNK
+            if few_whole or self._memory.is_interesting(failure):
+                kept[failure.key] = failure
+            self._met_whole[group, is_known] += not result.cut
+            if is_known and (group, is_known) not in counted:
+                state.known[group] += sum(
+                    count for (name, _), count in result.met.items() if name == group
+                )
+            counted.add((group, is_known))
+            job = self._queue.job_for(failure, is_known=is_known, is_interesting=is_interesting)
             if job is not None:
                 jobs.append(job)
         return jobs, kept
@@ -334,36 +334,23 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _lost_already(self) -> list[ShrinkJob]:
-        """Return the jobs of the classes that shrinking has lost, while others wait.
-
-        They come before second worlds.
-        """
-        if not self.config.shrink:
-            return []
-        busy = self._queue.classes_with_a_first()
-        busy |= {job.failure.bucket for job, _ in self._shrinks}
-        return self._queue.jobs_for_lost_classes(self.state.best, busy)
-
     def _take_others(self) -> Iterator[Discovery]:
-        """Take finished results off the shrink list, and keep each class's smallest failure."""
+        """Take finished results off the shrink list, and keep the smallest of each key."""
         for job, submitted in [one for one in self._shrinks if one[1].is_done]:
             self._shrinks.remove((job, submitted))
             result = submitted.future.result()
             shrunk = result.failure
             self.state.effort += result.effort
             if submitted.seconds is None and result.complete:
-                self._store.save_shrunk(job.failure, job.kept, shrunk)
+                self._store.save_shrunk(job.failure, shrunk)
             self._count_time()
             # Time ran out before any simpler world was proved.
             if not result.complete and shrunk.shrinking == ShrinkState.NONE:
                 self._cut_short.add(job.failure.id)
                 continue
-            # Shrinking moved it here from a new class, which is processed at the end.
             if self._is_known(shrunk):
                 continue
-            bucket = shrunk.bucket
-            before = self.state.best.get(bucket)
+            before = self.state.best.get(shrunk.key)
             if before is None or shrunk.order < before.order:
-                self.state.best[bucket] = shrunk
-                yield Discovery(bucket, shrunk, before is not None)
+                self.state.best[shrunk.key] = shrunk
+                yield Discovery(shrunk, before is not None)

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from fuzz.failure import Failure
-from fuzz.unit.result import SearchState
+from fuzz.unit.result import FailureKey, SearchState
 from sim.clock.controller_time import Effort
 
 
@@ -27,15 +27,13 @@ class UnitDone:
 
 @dataclass(frozen=True)
 class Discovery:
-    """A failure is the first of its class, or comes before the known one in order.
+    """A failure is the first with its key, or comes before the known one in order.
 
     Args:
-        bucket: Its class.
         failure: The shrunk failure.
-        replaces: True if the class already had one.
+        replaces: True if its key already had one.
     """
 
-    bucket: str
     failure: Failure
     replaces: bool
 
@@ -45,12 +43,11 @@ Progress = UnitDone | Discovery
 
 @dataclass(frozen=True)
 class DiscoveryTotals:
-    """A class occurred for the first time, or a failure comes before the known one in order.
+    """A key occurred for the first time, or a failure comes before the known one in order.
 
     Args:
         unit: Unit that found it.
         strategy: Strategy of that unit.
-        bucket: The class.
         failure: The failure as found, before shrinking.
         worlds: Worlds of the campaign up to and including that unit.
         steps: Steps up to and including that unit.
@@ -59,7 +56,6 @@ class DiscoveryTotals:
 
     unit: int
     strategy: str
-    bucket: str
     failure: Failure
     worlds: int
     steps: int
@@ -84,9 +80,9 @@ class CampaignState:
         effort: For this run, how units and shrinking spent their time, over all workers.
         verdicts: Counts of the verdicts in screening.
         judged: Runs that did not arrive in screening and were judged.
-        met: Counts of each class.
-        known: The same, for classes in the baseline.
-        best: The smallest shrunk failure of each class.
+        met: Number of examined failures, by group and verdict.
+        known: The same by group, for groups in the baseline.
+        best: By key, the smallest shrunk failure.
         memory: The search state: the strategies' yields, and the knowledge of later units.
         finds: First finds, in the order of units.
     """
@@ -102,8 +98,8 @@ class CampaignState:
     effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
     judged: int = 0
-    met: Counter[str] = field(default_factory=Counter)
+    met: Counter[tuple[str, str]] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
-    best: dict[str, Failure] = field(default_factory=dict)
+    best: dict[FailureKey, Failure] = field(default_factory=dict)
     memory: SearchState = field(default_factory=SearchState)
     finds: list[DiscoveryTotals] = field(default_factory=list)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from msgspec import UNSET
 
 from fuzz.campaign.state import CampaignState
-from fuzz.campaign.store import MEMORY, Archive, BucketTotals, Status, StrategyTotals, Summary
+from fuzz.campaign.store import MEMORY, Archive, FindTotals, Status, StrategyTotals, Summary
 from fuzz.search.archive import archive_table
 from fuzz.unit.answer import AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
@@ -36,15 +38,15 @@ def summary_of(
             strategy.worlds,
             strategy.steps,
             strategy.failures,
-            strategy.classes,
+            strategy.variants,
         )
         for name, strategy in state.memory.strategies.items()
     ]
     found = [
-        BucketTotals(
+        FindTotals(
             unit=find.unit,
             strategy=find.strategy,
-            bucket=find.bucket,
+            cause=find.failure.group,
             solid_cells=find.failure.world.solid_cells,
             worlds=find.worlds,
             steps=find.steps,
@@ -67,7 +69,7 @@ def summary_of(
         answer_reason=reason,
         answer_numbers=numbers or UNSET,
         verdicts=dict(state.verdicts),
-        met=dict(state.met),
+        met=dict(met_by_group(state)),
         known=dict(state.known),
         strategies=strategies,
         found=found,
@@ -80,6 +82,14 @@ def summary_of(
     )
 
 
+def met_by_group(state: CampaignState) -> Counter[str]:
+    """Return the number of examined failures of each group."""
+    met: Counter[str] = Counter()
+    for (group, _), count in state.met.items():
+        met[group] += count
+    return met
+
+
 def _archive_of(state: CampaignState) -> Archive | None:
     table = archive_table(state.memory.elites)
     return None if table is None else converted(table, Archive)
@@ -87,7 +97,7 @@ def _archive_of(state: CampaignState) -> Archive | None:
 
 def describe_strategies(state: CampaignState) -> str:
     """Return a table of the strategies, with their shares and yields."""
-    rows = [["strategy", "units", "worlds", "steps", "failures", "new classes"]]
+    rows = [["strategy", "units", "worlds", "steps", "failures", "new variants"]]
     for name, strategy in sorted(state.memory.strategies.items()):
         rows.append(
             [
@@ -99,7 +109,7 @@ def describe_strategies(state: CampaignState) -> str:
                         strategy.worlds,
                         strategy.steps,
                         strategy.failures,
-                        strategy.classes,
+                        strategy.variants,
                     ),
                 ),
             ]

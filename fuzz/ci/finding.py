@@ -54,7 +54,7 @@ class CiFinding:
         controller: The recorded controller, without options.
         who: Controller with options, and motion model.
         verdict: Recorded verdict.
-        bucket: The failure's bucket.
+        group: See :attr:`fuzz.failure.Failure.group`.
         what: What happened, as a sentence without a full stop.
         size: Size of the world, in words.
         picture: The world as lines of text, with the robot's path if its controller can be run.
@@ -73,7 +73,7 @@ class CiFinding:
     controller: str
     who: str
     verdict: str
-    bucket: str
+    group: str
     what: str
     size: str
     picture: str
@@ -139,7 +139,7 @@ class CiFinding:
             controller=record.controller,
             who=failure.who,
             verdict=record.verdict,
-            bucket=failure.bucket,
+            group=failure.group,
             what=what,
             frames=frames,
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
@@ -196,7 +196,7 @@ class CiFinding:
         """The complete finding, as lines of text."""
         happened = "" if self.what in self.headline else f"{self.what}\n"
         cause = f"cause {self.cause}, " if self.cause else ""
-        about = f"{self.headline}\n{happened}{self.frames}{cause}class {self.bucket}; {self.extent}"
+        about = f"{self.headline}\n{happened}{self.frames}{cause}{self.extent}"
         return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 

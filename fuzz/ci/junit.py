@@ -56,12 +56,12 @@ def _outcome(suite: Element, report: Report) -> None:
 
 
 def _case(suite: Element, command: str, finding: CiFinding) -> None:
-    name = finding.place if command == "replay" else f"{finding.who}: {finding.bucket}"
+    name = finding.place if command == "replay" else f"{finding.who}: {finding.group}"
     case = SubElement(
         suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place
     )
     about = {
-        "class": finding.bucket,
+        "class": finding.group,
         "cause": finding.cause,
         "why": finding.why,
         "shrinking": finding.shrinking,

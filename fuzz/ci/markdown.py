@@ -60,7 +60,7 @@ def _row(finding: CiFinding) -> str:
         finding.what,
         finding.who,
         finding.extent,
-        finding.bucket,
+        finding.group,
         finding.place,
     )
     return f"| {' | '.join(map(escaped, cells))} |"
@@ -69,7 +69,7 @@ def _row(finding: CiFinding) -> str:
 def _fold(finding: CiFinding) -> str:
     """Return the complete finding in a fold, open if it makes the command exit with code 1."""
     title = html.escape(
-        f"{finding.explanation or f'{finding.what}.'} {finding.bucket}, {finding.state}"
+        f"{finding.explanation or f'{finding.what}.'} {finding.group}, {finding.state}"
     )
     fold = "<details open>" if finding.fails else "<details>"
     text = html.escape(finding.text)

@@ -94,7 +94,7 @@ def _rule_id(finding: CiFinding) -> str:
     return (
         "not-confirmed"
         if finding.state == FindingState.NOT_CONFIRMED
-        else finding.bucket[:_LONGEST_ID]
+        else finding.group[:_LONGEST_ID]
     )
 
 
@@ -123,7 +123,7 @@ def _rule(finding: CiFinding) -> dict[str, Any]:
 
 
 def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
-    class_digest = hashlib.sha256("\0".join((finding.who, finding.bucket)).encode()).hexdigest()
+    cause_digest = hashlib.sha256("\0".join((finding.who, finding.group)).encode()).hexdigest()
     world = Place(uri_of(finding.file, root) or quote(shown(finding.file.name)))
     place = (
         world
@@ -140,8 +140,8 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
             {"id": 1, **_location(world), "message": {"text": "The world in which it happens."}}
         ],
         "partialFingerprints": {
-            "primaryLocationLineHash": f"{class_digest[:16]}:1",
-            "worldgenClass/v1": class_digest,
+            "primaryLocationLineHash": f"{cause_digest[:16]}:1",
+            "worldgenClass/v1": cause_digest,
         },
         "properties": {
             "state": finding.state,

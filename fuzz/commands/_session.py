@@ -14,20 +14,27 @@ from typing import TYPE_CHECKING
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
-from fuzz.campaign.state import Discovery, Progress, UnitDone
+from fuzz.campaign.state import Progress, UnitDone
 from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import (
     describe_share,
     describe_strategies,
     describe_time,
     describe_units,
+    met_by_group,
     summary_of,
 )
 from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
-from fuzz.overview import Cause, Overview
-from fuzz.overview.building import Conclusion, answer_numbers, build_overview
+from fuzz.overview import Overview, cause_of
+from fuzz.overview.building import (
+    Conclusion,
+    answer_numbers,
+    build_overview,
+    files_of,
+    group_of_file,
+)
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.describe import describe
 from fuzz.overview.overview import write_overview
@@ -35,6 +42,7 @@ from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
+from fuzz.unit.result import FailureKey
 from sim.clock.stopping import stopping_when
 from sim.controllers.contract import state_survives_reset
 from worldgen.cli.output import emit_json, note, say
@@ -74,7 +82,7 @@ class CampaignSession:
         executor: Where the units run.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
-        conclusion: What to conclude from, without a time limit. Classes that it knows are only
+        conclusion: What to conclude from, without a time limit. Failures that it knows are only
             counted.
         accepts_no_answer: True if the exit code is 0 although there is no answer.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
@@ -121,7 +129,8 @@ class CampaignSession:
         )
         self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
         self._overview = Overview(())
-        self._unsaved: set[str] = set()
+        # Ids of the failures in the folder's files, by stem.
+        self._saved: dict[str, str] = {}
         self._status = Status.RUNNING
         self._has_searched = False
         # This holds until all earlier results have been processed.
@@ -173,7 +182,7 @@ class CampaignSession:
                 self._outputs.write(self._as_report())
         # Interrupted runs have their own message and exit code.
         if stopped and self._lasts:
-            kept = len(self._store.written() if self._goes_on else self._campaign.state.best)
+            kept = len(self._store.written() if self._goes_on else self._files())
             note(
                 f"interrupted; {counted(kept, 'failure')} {'is' if kept == 1 else 'are'} kept in "
                 f"{self._out}; {self._way_on}"
@@ -199,7 +208,10 @@ class CampaignSession:
 
     def _numbers(self) -> AnswerNumbers:
         return answer_numbers(
-            self._config, self._campaign.state, self._overview, self._failing().keys()
+            self._config,
+            self._campaign.state,
+            self._overview,
+            {one.group for one in self._failing().values()},
         )
 
     @property
@@ -211,23 +223,22 @@ class CampaignSession:
         minutes = math.ceil(_MORE * self._budget.seconds / 60.0)
         return f"{command} --budget {max(minutes, _FEWEST_MINUTES)}m"
 
+    def _files(self) -> Mapping[str, Failure]:
+        """Return the failures that the folder shows, by the stem of their file."""
+        return self._overview.files or files_of(self._campaign.state.best.values())
+
     def _failing(self) -> dict[str, Failure]:
-        """Return the classes, with counts, that make the exit code 1."""
-        best = self._campaign.state.best
-        return (
-            best
-            if self._count_hazards
-            else {bucket: one for bucket, one in best.items() if not is_hazard(one)}
-        )
+        """Return the shown failures that make the exit code 1."""
+        return {
+            stem: one
+            for stem, one in self._files().items()
+            if self._count_hazards or not is_hazard(one)
+        }
 
     def _hazards(self) -> dict[str, Failure]:
-        """Return the classes, with counts, whose fire the controller could not have avoided."""
+        """Return the shown failures whose fire the controller could not have avoided."""
         failing = self._failing()
-        return {
-            bucket: one
-            for bucket, one in self._campaign.state.best.items()
-            if bucket not in failing
-        }
+        return {stem: one for stem, one in self._files().items() if stem not in failing}
 
     def _no_world_fits(self) -> InvalidParameter | None:
         """Return an error if no world could be run although there was time for it."""
@@ -298,26 +309,20 @@ class CampaignSession:
         return max(self._to_conclude, left)
 
     def _write_examples(self) -> None:
-        """Write the worlds that show causes, unless a class's file already has them."""
+        """Write the failures that the overview shows, and the originals of those it has shrunk."""
         for cause in self._overview.causes:
-            failure = cause.failure
-            # The store has the known failures that the search found.
-            if failure is None or not cause.file or cause.file.startswith(MEMORY):
-                continue
-            if cause.file == self._path(failure.bucket).name:
-                self._campaign.state.best.setdefault(failure.bucket, failure)
             if cause.original is not None:
                 self._store.save_original(cause.original)
-            self._write(cause.file, failure)
+        self._write_files()
 
     def _remove_outdated(self) -> None:
         """Remove what this campaign wrote and no longer shows."""
-        shown_now = {cause.file for cause in self._overview.causes}
-        shown_now |= {self._path(bucket).name for bucket in self._campaign.state.best}
+        shown_now = {f"{stem}.grid" for stem in self._files()}
         # With a time limit, a later run may still have to take up earlier findings.
         if self._campaign.units is None:
-            own = {f"{cause}.grid" for cause in Cause}
-            shown_now |= self._store.written().keys() - own
+            now = {one.group for one in self._files().values()}
+            earlier = self._store.written().keys()
+            shown_now |= {name for name in earlier if group_of_file(name) not in now}
         self._store.remove_failures_but(shown_now)
 
     def _build(self, seconds: float | None, *, natural: bool) -> Overview:
@@ -355,21 +360,19 @@ class CampaignSession:
             for event in events:
                 self._see(event)
         self._goes_on = False
-        late = sum(
-            one.shrinking != ShrinkState.DONE
-            for one in {**self._campaign.state.best, **self._save_pending()}.values()
-        )
+        self._save_pending()
+        late = sum(one.shrinking != ShrinkState.DONE for one in self._files().values())
         if late and self._config.shrink:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Print how many classes were not shrunk to the end, and why.
+        """Print how many failures were not shrunk to the end, and why.
 
         If time ran out, print the command that shrinks them, too.
         """
         state = self._campaign.state
         are = (
-            f"{late} of {counted(len(state.best), 'class', 'classes')} "
+            f"{late} of {counted(len(self._files()), 'failure')} "
             f"{'is' if late == 1 else 'are'} not fully shrunk"
         )
         if self._campaign.units is not None:
@@ -394,39 +397,39 @@ class CampaignSession:
         state = self._campaign.state
         shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
-        classes = counted(
-            len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
+        causes = counted(
+            len({group for group, _ in (*state.best, *self._campaign.pending())}), "cause"
         )
         if live.phase == Phase.SHRINKING:
-            return f"shrinking {counted(live.shrinking, 'failure')}, {classes}{to_shrink}"
+            return f"shrinking {counted(live.shrinking, 'failure')}, {causes}{to_shrink}"
         # A run that does not arrive is a failure only once it and a path to the target are proved.
-        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {classes}{to_shrink}"
+        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {causes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
-        if isinstance(event, Discovery):
-            self._unsaved.add(event.bucket)
-        elif isinstance(event, UnitDone):
+        if isinstance(event, UnitDone):
             self._goes_on = event.again
         if not self._goes_on:
             self._save(at_least_after=_SUMMARY_EVERY)
 
     def _save(self, at_least_after: float = 0.0) -> None:
         """Write the new failures, and periodically the file that reports read."""
-        for bucket in sorted(self._unsaved):
-            self._write(self._path(bucket).name, self._campaign.state.best[bucket])
-        self._unsaved.clear()
+        self._write_files()
         if time.monotonic() - self._summarised >= at_least_after:
             self._store.save_summary(self._summary())
             self._summarised = time.monotonic()
 
-    def _write(self, name: str, failure: Failure) -> None:
-        """Write a failure's file; an unchanged one keeps the date of its first occurrence."""
-        path = self._out / name
-        data = failure.dumps()
-        if not path.is_file() or path.read_bytes() != data:
-            self._store.write_failure(name, data)
+    def _write_files(self) -> None:
+        """Write the files of the shown failures; an unchanged one keeps its date."""
+        for stem, failure in self._files().items():
+            if self._saved.get(stem) == failure.id:
+                continue
+            path = self._path(stem)
+            data = failure.dumps()
+            if not path.is_file() or path.read_bytes() != data:
+                self._store.write_failure(path.name, data)
+            self._saved[stem] = failure.id
 
-    def _save_pending(self) -> dict[str, Failure]:
+    def _save_pending(self) -> dict[FailureKey, Failure]:
         """Return failures that are proved but not yet shrunk, which are kept as found.
 
         There are none if earlier results are not all processed.
@@ -435,13 +438,11 @@ class CampaignSession:
             return {}
         pending = self._campaign.pending()
         self._campaign.state.best |= pending
-        # This includes results that arrived after the last event.
-        self._unsaved |= self._campaign.state.best.keys()
         self._save()
         return pending
 
-    def _path(self, bucket: str) -> Path:
-        return self._out / f"{bucket}.grid"
+    def _path(self, stem: str) -> Path:
+        return self._out / f"{stem}.grid"
 
     def _report(self) -> None:
         # Scripts get one object.
@@ -473,7 +474,15 @@ class CampaignSession:
             say(line, color=color)
         if state.known:
             times = counted(state.known.total(), "time")
-            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
+            variants = len(
+                {
+                    find.failure.key
+                    for find in state.finds
+                    if self._conclusion.known.is_new_variant(find.failure)
+                }
+            )
+            more = f"; {counted(variants, 'new variant')} of known causes" if variants else ""
+            say(f"known: {counted(len(state.known), 'cause')}, met {times}{more}")
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )
@@ -499,23 +508,24 @@ class CampaignSession:
             note(f"--count-hazards makes failures of {hazard_words(hazards.values())}")
 
     def _report_in_detail(self) -> None:
-        """Print each class with its picture, and the yield of each strategy."""
+        """Print each failure with its picture, and the yield of each strategy."""
         state = self._campaign.state
         hazards = self._hazards()
-        for bucket, failure in sorted(self._failing().items()):
-            say(describe(failure, self._path(bucket), met=state.met))
+        met = met_by_group(state)
+        for stem, failure in sorted(self._failing().items()):
+            say(describe(failure, self._path(stem), met=met))
         if hazards:
-            say(f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}")
+            say(f"{hazard_words(hazards.values())}: {counted(len(hazards), 'failure')}")
             say("")
-        for bucket, failure in sorted(hazards.items()):
-            say(describe(failure, self._path(bucket), met=state.met))
+        for stem, failure in sorted(hazards.items()):
+            say(describe(failure, self._path(stem), met=met))
         say(describe_strategies(state))
         if state.known:
             often = ", ".join(
-                f"{shown(bucket)} {counted(times, 'time')}"
-                for bucket, times in sorted(state.known.items())
+                f"{shown(group)} {counted(times, 'time')}"
+                for group, times in sorted(state.known.items())
             )
-            say(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
+            say(f"known: {counted(len(state.known), 'cause')}, met {often}")
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""
@@ -543,24 +553,24 @@ class CampaignSession:
             for part in ("search", "shrinking")
             if state.times
         }
-        # List what is new, then the known failures that were met.
+        # List what is new, the worst cause first, then the known failures that were met.
         failing = self._failing()
         new = [
             CiFinding.of(
                 one,
-                path,
-                FindingState.NEW if one.bucket in failing else FindingState.HAZARD,
+                self._path(stem),
+                FindingState.NEW if stem in failing else FindingState.HAZARD,
                 why=why,
             )
-            for one, path, why in self._in_order()
+            for stem, one, why in self._in_order()
         ]
         stored = sorted(
             self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])
         )
         met = [
             CiFinding.of(one, path, FindingState.KNOWN)
-            for key, (path, one) in stored
-            if state.known[key[2]]
+            for (_, _, group), (path, one) in stored
+            if state.known[group]
         ]
         return Report(
             "fuzz",
@@ -571,33 +581,30 @@ class CampaignSession:
             is_accepted=self._accepts_no_answer,
         )
 
-    def _in_order(self) -> list[tuple[Failure, Path, Counterfactuals | None]]:
-        """Return a failure of each class, its file and what it depends on, if that was tried.
+    def _in_order(self) -> list[tuple[str, Failure, Counterfactuals | None]]:
+        """Return the shown failures by stem, the worst cause first and of each the clearest first.
 
-        The worst cause comes first, and of each the failure to look at, which is explained.
+        The clearest comes with what it depends on, if that was tried.
         """
-        found: list[tuple[Failure, Path, Counterfactuals | None]] = []
-        rest = dict(self._campaign.state.best)
+        rest = dict(self._files())
+        ordered = []
         for cause in self._overview.causes:
-            example = cause.failure
-            is_here = bool(cause.file) and not cause.file.startswith(MEMORY)
-            if example is not None and example.bucket in rest and is_here:
-                del rest[example.bucket]
-                found.append((example, self._out / cause.file, cause.why))
-            own = [rest.pop(bucket) for bucket in cause.classes if bucket in rest]
-            own.sort(key=lambda failure: failure.order)
-            found += [(one, self._path(one.bucket), None) for one in own]
-        return found + [(one, self._path(bucket), None) for bucket, one in sorted(rest.items())]
+            for file in cause.files:
+                stem = file.removesuffix(".grid")
+                why = cause.why if file == cause.file else None
+                ordered.append((stem, rest.pop(stem), why))
+        return ordered + [(stem, one, None) for stem, one in sorted(rest.items())]
 
     def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
         return [
             {
-                "file": str(self._path(bucket)),
+                "file": str(self._path(stem)),
                 "verdict": failure.verdict,
-                "class": bucket,
+                "cause": cause_of(failure).value,
+                "class": stem,
                 "solid_cells": failure.world.solid_cells,
                 "shrinking": failure.shrinking.value,
-                "replay": failure.replay_command(self._path(bucket)),
+                "replay": failure.replay_command(self._path(stem)),
             }
-            for bucket, failure in sorted(failures.items())
+            for stem, failure in sorted(failures.items())
         ]

@@ -29,10 +29,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def _filters(command: F) -> F:
-    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take patterns."""
+    """Add the options ``--controller``, ``--cause`` and ``--verdict``, which take patterns."""
     for name, argument, what in (
         ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
-        ("--class", "buckets", "Select only this class: 'tunnel-*'."),
+        ("--cause", "causes", "Select only this cause: 'circles-*'."),
         (
             "--controller",
             "controllers",
@@ -54,7 +54,7 @@ def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures
-    count as the same if their controller, motion model and class are the same.
+    count as the same if their controller, motion model and cause are the same.
     docs/howto/keep-failures.md describes it.
     """
 
@@ -64,15 +64,15 @@ def corpus() -> None:
 @_filters
 @json_option
 def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """List failures: class, verdict, controller, motion model, first date, size, shrinking, digest."""
+    """List failures: cause, verdict, controller, motion model, first date, size, shrinking, digest."""
     found = _read(paths, patterns)
     entries = found.entries
-    classes = len({entry.facts.key for entry in entries})
+    causes = len({entry.facts.key for entry in entries})
     if as_json:
         emit_json(
             {
                 "failures": [_json(entry) for entry in entries],
-                "classes": classes,
+                "causes": causes,
                 "others": found.others,
             }
         )
@@ -83,7 +83,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
             aligned(
                 [
                     [
-                        "class",
+                        "cause",
                         "verdict",
                         "controller",
                         "motion",
@@ -97,7 +97,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
                 ]
             )
         )
-    say(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
+    say(f"{counted(len(entries), 'failure')} of {counted(causes, 'cause')}")
     if found.others:
         note(f"skipped {counted(found.others, 'world')} without a failure")
 
@@ -145,7 +145,7 @@ def show(
         try:
             say(describe(failure, entry.path))
         except WorldgenError as error:
-            say(f"{entry.path}: {entry.facts.bucket}, {entry.facts.describe_size()}")
+            say(f"{entry.path}: {entry.facts.group}, {entry.facts.describe_size()}")
             note(f"  {entry.facts.controller} cannot be run here: {error}")
     if not entries:
         note("no failure fits")
@@ -160,7 +160,7 @@ def show(
 def merge(
     paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]
 ) -> None:
-    """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
+    """Copy the smallest failures of each cause into a folder, as CONTROLLER/MOTION/CAUSE.grid.
 
     The order in which you name the corpora makes no difference. A folder that
     holds other worlds is refused without --force, which replaces those of the same name and keeps
@@ -178,10 +178,7 @@ def merge(
             }
         )
         return
-    say(
-        f"{counted(len(entries), 'failure')}, {counted(len(written), 'class', 'classes')} in "
-        f"{shown(out)}"
-    )
+    say(f"{counted(len(entries), 'failure')}, {len(written)} kept in {shown(out)}")
 
 
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
@@ -190,9 +187,9 @@ def merge(
 @_filters
 @json_option
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """Report classes of failures that are new, missing, or now in a smaller or larger world.
+    """Report causes of failures that are new, missing, or now in a smaller or larger world.
 
-    Exits with 1 if NEW has a class that OLD does not have, and with 0 otherwise: known failures do
+    Exits with 1 if NEW has a cause that OLD does not have, and with 0 otherwise: known failures do
     not fail a build.
     """
     from fuzz.corpus import differences
@@ -209,7 +206,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
             }
             for difference in found
         ]
-        emit_json({**{change: count[change] for change in changes}, "classes": rows})
+        emit_json({**{change: count[change] for change in changes}, "causes": rows})
     else:
         rows_of_text = [
             [
@@ -225,7 +222,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
         if rows_of_text:
             say(
                 aligned(
-                    [["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]
+                    [["", "controller", "motion", "cause", "old", "new", "file"], *rows_of_text]
                 )
             )
         say(", ".join(f"{count[change]} {change}" for change in changes))
@@ -239,7 +236,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 @click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """Delete failures that no longer occur, and keep only the smallest of each class.
+    """Delete failures that no longer occur, and keep only the smallest of each cause.
 
     It first runs every failure, with the controllers that the files name, and then deletes without
     asking. --dry-run shows what it would delete. A failure whose controller cannot be run here is
@@ -331,7 +328,7 @@ def _json(entry: CorpusEntry) -> dict[str, Any]:
 def _row(entry: CorpusEntry) -> list[str]:
     facts = entry.facts
     words = (
-        facts.bucket,
+        facts.group,
         facts.verdict,
         facts.controller,
         facts.motion,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +32,7 @@ from worldgen.cli.usage import ConditionalCommand
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
     from fuzz.corpus import Baseline
+    from fuzz.overview.table import NaturalRow
 
 EXAMPLES = (
     "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out "
@@ -92,6 +93,11 @@ def _unless_resumed(given: Mapping[str, Any]) -> str:
     is_flag=True,
     help="Exit with 0 even if too little was tried to say whether the controller fails.",
 )
+@click.option(
+    "--strict",
+    is_flag=True,
+    help="Also count as new failures of a known cause that look different from the known ones.",
+)
 @code_option
 @output_options
 @seed_option
@@ -107,6 +113,7 @@ def fuzz(
     baseline: tuple[Path, ...],
     count_hazards: bool,
     accept_no_answer: bool,
+    strict: bool,
     no_code: bool,
     as_json: bool,
     junit: Path | None,
@@ -117,8 +124,8 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails.
 
-    The smallest world of each class of failure is written to a .grid file. Exits with 1 if it finds
-    a class that is in no --baseline, with 4 if it tried too little to say whether there is one, and
+    Up to three small worlds of each cause are written to .grid files. Exits with 1 if it finds a
+    cause that is in no --baseline, with 4 if it tried too little to say whether there is one, and
     with 0 otherwise. Hazards that the controller cannot sense
     or withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
     again, or --resume FOLDER, to continue.
@@ -164,10 +171,11 @@ def fuzz(
                 f"{campaign_run.config.seed}, {counted(campaign_run.done, 'unit')} done"
             )
         # Choose the baseline and the workers.
-        was_known = Baseline.of(known, campaign_run.config.scenario, note)
+        was_known = Baseline.of(known, campaign_run.config.scenario, note, strict=strict)
         # The last campaign's failures here serve for comparison; a baseline replaces them.
         replaces = force and resume is None and not known
         last = _last_failures(campaign_run) if replaces else Baseline()
+        before = _natural_before([*baseline, *([campaign_run.store.out] if replaces else ())])
         if scheduler:
             executor = cluster_executor(scheduler, campaign_run.config)
         else:
@@ -177,7 +185,7 @@ def fuzz(
             executor,
             quiet=as_json,
             outputs=outputs,
-            conclusion=Conclusion(was_known, last, with_code=not no_code),
+            conclusion=Conclusion(was_known, last, before, with_code=not no_code),
             accepts_no_answer=accept_no_answer,
             count_hazards=count_hazards,
             began=Beginning(began, loaded.since().own),
@@ -227,6 +235,21 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
         if entries:
             return Baseline.of(entries, campaign_run.config.scenario, lambda _: None)
     return Baseline()
+
+
+def _natural_before(folders: Iterable[Path]) -> NaturalRow | None:
+    """Return how often the robot arrived in natural worlds, from the first campaign that tells."""
+    import contextlib
+
+    from fuzz.overview import read_overview
+    from worldgen.errors import WorldgenError
+
+    for folder in folders:
+        with contextlib.suppress(WorldgenError):
+            overview = read_overview(folder)
+            if overview is not None and overview.natural is not None:
+                return overview.natural
+    return None
 
 
 def _refuse_beside_resume() -> None:

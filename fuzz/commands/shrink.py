@@ -18,7 +18,6 @@ from worldgen.cli.output import (
     note,
     say,
 )
-from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -65,13 +64,6 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     help="Stop after this time, such as 30s or 5m, and keep the smallest world so far.",
 )
 @click.option(
-    "--keep",
-    type=click.Choice(["verdict", "class"]),
-    default="verdict",
-    show_default=True,
-    help="What must stay the same: the verdict, or the whole class.",
-)
-@click.option(
     "--snippet",
     "as_snippet",
     is_flag=True,
@@ -88,7 +80,6 @@ def shrink(
     path: Path,
     out: Path | None,
     seconds: float | None,
-    keep: str,
     as_snippet: bool,
     as_json: bool,
     force: bool,
@@ -96,8 +87,8 @@ def shrink(
     """Make the world of a failure as small as possible.
 
     It frees cells, drops rows, columns and events, and simplifies the start, the robot and the
-    numbers, until nothing more can be removed; the result is checked independently. Ctrl-C keeps
-    the smallest world so far.
+    numbers, until nothing more can be removed without losing the verdict or the cause; the result is
+    checked independently. Ctrl-C keeps the smallest world so far.
     """
     from fuzz.failure import Failure, ShrinkState
     from fuzz.overview.describe import describe
@@ -118,15 +109,14 @@ def shrink(
     # Shrink, and write the result.
     failure = Failure.read(path)
     began = Effort.so_far()
-    result = _watched(failure, seconds, keep)
-    changed = _changed(failure, result.failure)
+    result = _watched(failure, seconds)
     for sentence in survivors_found([failure.record.controller], began):
         note(f"note: {sentence}")
     if target is not None:
         result.failure.write(target, force=force)
     # Print the result in the requested form.
     if as_json and target is not None:
-        emit_json({**_summary(result, target), "changed": changed})
+        emit_json(_summary(result, target))
         return
     if target is None or as_snippet:
         emit_data(snippet(result.failure))
@@ -138,14 +128,12 @@ def shrink(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
         f"{state}, {result.simulations} runs"
     )
-    if changed:
-        note(_describe_changed(changed))
     if result.interrupted:
         note("interrupted; the smallest world so far is kept")
         raise SystemExit(130)
 
 
-def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
+def _watched(failure: Failure, seconds: float | None) -> Shrunk:
     """Shrink, and report progress."""
     from fuzz.shrink import shrink as shrink_failure
 
@@ -156,30 +144,7 @@ def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
             seconds=seconds,
             progress=lambda world: work.say(_size(world)),
             keep_on_interrupt=True,
-            keep=keep,
         )
-
-
-def _changed(before: Failure, after: Failure) -> dict[str, tuple[str, str]]:
-    """Return what shrinking changed, of class and cause: its name before and after."""
-    from fuzz.triage.diagnosis import cause_of
-
-    pairs = {
-        "class": (before.bucket, after.bucket),
-        "cause": (str(cause_of(before)), str(cause_of(after))),
-    }
-    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
-
-
-def _describe_changed(changed: dict[str, tuple[str, str]]) -> str:
-    words = " and ".join(
-        f"the {name} is now {shown(after)} (was {shown(before)})"
-        for name, (before, after) in changed.items()
-    )
-    if "class" not in changed:
-        return f"note: {words}; no option keeps the cause"
-    keeps = "the class, and usually the cause" if "cause" in changed else "it"
-    return f"note: {words}; --keep class keeps {keeps}"
 
 
 def _size(world: World) -> str:
@@ -194,7 +159,6 @@ def _summary(result: Shrunk, target: Path) -> dict[str, object]:
         "width": result.failure.world.width,
         "height": result.failure.world.height,
         "simulations": result.simulations,
-        "kept": result.kept,
         "shrinking": result.failure.shrinking.value,
         "one_minimal": not result.left,
         "complete": result.complete,

@@ -3,7 +3,7 @@
 Contents (each name is imported on first use):
     Corpus, CorpusEntry, Selection, read_corpus: Contents of a folder or an archive, without worlds.
     Baseline: Known failures.
-    differences, BucketDifference: Compare two corpora.
+    differences, CauseDifference: Compare two corpora.
     distinct, places, smallest: Order entries, and choose the simplest of each class.
     merge: Collect these in a folder.
     judge_all, Judgement, remove: Find failures that can be deleted, and why.
@@ -21,7 +21,7 @@ from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from fuzz.corpus.baseline import Baseline
-    from fuzz.corpus.comparing import BucketDifference, differences
+    from fuzz.corpus.comparing import CauseDifference, differences
     from fuzz.corpus.entry import CorpusEntry
     from fuzz.corpus.exporting import export
     from fuzz.corpus.merging import distinct, merge, places, smallest
@@ -33,7 +33,7 @@ __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "baseline": ("Baseline",),
-        "comparing": ("BucketDifference", "differences"),
+        "comparing": ("CauseDifference", "differences"),
         "entry": ("CorpusEntry",),
         "exporting": ("export",),
         "merging": ("distinct", "merge", "places", "smallest"),
@@ -45,7 +45,7 @@ __getattr__, __dir__ = lazy_names(
 
 __all__ = [
     "Baseline",
-    "BucketDifference",
+    "CauseDifference",
     "Corpus",
     "CorpusEntry",
     "Judgement",

@@ -1,4 +1,4 @@
-"""Known failures: a campaign does not report their classes as new."""
+"""Known failures: a campaign does not report their causes as new."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fuzz.cause import CAUSE
 from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.facts.crash_bucket import has_facts
 from fuzz.facts.proofs import certificate_fault
@@ -25,36 +26,47 @@ _FIXED = "no longer fails"
 
 @dataclass(frozen=True)
 class Baseline:
-    """Failures whose classes are known.
+    """Failures whose causes are known.
 
     Args:
-        failures: By controller, motion model and class: the first file with that class, and the
-            failure as it occurs today.
+        failures: By controller, motion model and group: the first file, and the failure as it
+            occurs today.
         fixed: The failures of the same controller that no longer fail, as stored.
+        signatures: Groups and signatures of all that still fail.
+        strict: True if a failure is only known if its signature is.
     """
 
     failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
     fixed: tuple[Failure, ...] = ()
+    signatures: frozenset[tuple[str, str]] = frozenset()
+    strict: bool = False
 
     @classmethod
     def of(
-        cls, entries: Iterable[CorpusEntry], scenario: Scenario, say: Callable[[str], None]
+        cls,
+        entries: Iterable[CorpusEntry],
+        scenario: Scenario,
+        say: Callable[[str], None],
+        *,
+        strict: bool = False,
     ) -> Baseline:
-        """Return the classes of a controller's known failures as they occur today.
+        """Return the causes of a controller's known failures as they occur today.
 
-        Each is run again, so that an outdated class name does not hide a new class.
+        Each is run again, so that an outdated name does not hide a new cause.
 
         Args:
             entries: Entries of a corpus; other controllers and motion models are ignored.
             scenario: The campaign's scenario.
             say: Called with a message for each entry that is no longer a failure or has changed
-                its class, and if no entry has this controller and motion model.
+                its cause, and if no entry has this controller and motion model.
+            strict: See the class.
 
         Raises:
             FormatError: If a file can no longer be read.
         """
         failures: dict[_Key, tuple[Path, Failure]] = {}
         fixed: list[Failure] = []
+        signatures: set[tuple[str, str]] = set()
         others: set[str] = set()
         is_any_ours = False
         for entry in entries:
@@ -72,25 +84,28 @@ class Baseline:
             if now is None:
                 if reason == _FIXED:
                     fixed.append(failure)
-                say(f"{entry.path}: {reason}, so its class {entry.facts.bucket} is not known")
+                say(f"{entry.path}: {reason}, so its cause {entry.facts.group} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
-            known = facts.bucket == entry.facts.bucket or _is_known(failure, now)
-            if facts.bucket != entry.facts.bucket:
+            # A file from before causes were recorded has none to compare.
+            is_same = facts.group == entry.facts.group or CAUSE not in failure.record.details
+            known = is_same or _is_known(failure, now)
+            if not is_same:
                 unknown = "" if known else ", which is not known"
                 say(
-                    f"{entry.path}: stored as {entry.facts.bucket}, its class is now "
-                    f"{facts.bucket}{unknown}"
+                    f"{entry.path}: stored as {entry.facts.group}, its cause is now "
+                    f"{facts.group}{unknown}"
                 )
             if known:
                 failures.setdefault(_key(facts), (entry.path, now))
+                signatures.add(now.key)
         # A baseline for another controller is probably a mistake, such as a wrong path.
         if others and not is_any_ours:
             say(
                 f"the baseline has no failure of {scenario.controller} under "
                 f"{scenario.run.motion}, only of {shown(', '.join(sorted(others)[:_SHOWN]))}"
             )
-        return cls(failures, tuple(fixed))
+        return cls(failures, tuple(fixed), frozenset(signatures), strict)
 
     @property
     def is_empty(self) -> bool:
@@ -102,8 +117,13 @@ class Baseline:
         return [failure for _, failure in self.failures.values()]
 
     def has(self, failure: Failure) -> bool:
-        """Return True if a failure's class is known."""
-        return _key(Facts.of(failure, "the failure")) in self.failures
+        """Return True if a failure is known."""
+        is_known = _key(Facts.of(failure, "the failure")) in self.failures
+        return is_known and (not self.strict or failure.key in self.signatures)
+
+    def is_new_variant(self, failure: Failure) -> bool:
+        """Return True if a failure's cause is known, but none that looks like it."""
+        return self.has(failure) and failure.key not in self.signatures
 
 
 def _who(controller: str, motion: str) -> tuple[str, str]:
@@ -112,15 +132,15 @@ def _who(controller: str, motion: str) -> tuple[str, str]:
 
 
 def _key(facts: Facts) -> _Key:
-    return (*_who(facts.controller, facts.motion), facts.bucket)
+    return (*_who(facts.controller, facts.motion), facts.group)
 
 
 def _is_known(stored: Failure, now: Failure) -> bool:
-    """Return True if a failure with a new class is still the stored one.
+    """Return True if a failure with a new cause is still the stored one.
 
     This is true for a robot that loops differently, but not for a controller that crashes, hangs or
     sends invalid commands: that may be a separate fault, introduced by yesterday's edit. Files from
-    before classes of crashes named a place are an exception: they are accepted if the run is the
+    before the reasons of crashes named a place are an exception: they are accepted if the run is the
     same up to the same crash.
     """
     if now.verdict not in BY_THE_CONTROLLER:

@@ -1,4 +1,4 @@
-"""Compare two corpora class by class."""
+"""Compare two corpora cause by cause."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Difference = Literal["new", "gone", "smaller", "larger", "same"]
 
 
 @dataclass(frozen=True)
-class BucketDifference:
-    """A class of failures in two corpora.
+class CauseDifference:
+    """The failures of one cause in two corpora.
 
     Args:
-        change: How the class changed.
+        change: How they changed.
         old: Its simplest failure in the old corpus, if there is one.
         new: Its simplest failure in the new corpus, if there is one.
     """
@@ -39,8 +39,8 @@ class BucketDifference:
         return found
 
 
-def differences(old: Iterable[CorpusEntry], new: Iterable[CorpusEntry]) -> list[BucketDifference]:
-    """Return every class of either corpus by controller, motion and name, new ones first."""
+def differences(old: Iterable[CorpusEntry], new: Iterable[CorpusEntry]) -> list[CauseDifference]:
+    """Return every cause of either corpus by controller, motion and name, new ones first."""
     before = smallest(old)
     now = smallest(new)
     found = [
@@ -49,11 +49,11 @@ def differences(old: Iterable[CorpusEntry], new: Iterable[CorpusEntry]) -> list[
     return sorted(found, key=lambda difference: difference.change != "new")
 
 
-def _difference(old: CorpusEntry | None, new: CorpusEntry | None) -> BucketDifference:
+def _difference(old: CorpusEntry | None, new: CorpusEntry | None) -> CauseDifference:
     if old is None:
-        return BucketDifference("new", old, new)
+        return CauseDifference("new", old, new)
     if new is None:
-        return BucketDifference("gone", old, new)
+        return CauseDifference("gone", old, new)
     if new.facts.size == old.facts.size:
-        return BucketDifference("same", old, new)
-    return BucketDifference("smaller" if new.facts.size < old.facts.size else "larger", old, new)
+        return CauseDifference("same", old, new)
+    return CauseDifference("smaller" if new.facts.size < old.facts.size else "larger", old, new)

@@ -1,4 +1,4 @@
-"""Facts about a stored failure without its world: controller, class, size."""
+"""Facts about a stored failure without its world: controller, cause, size."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class Facts:
     Args:
         controller: With its options, as commands take it; without motion model, time step and seed.
         motion: Name of the motion model.
-        bucket: The failure's bucket.
+        group: See :attr:`fuzz.failure.Failure.group`.
+        signature: See :attr:`fuzz.failure.Failure.signature`.
         verdict: Recorded verdict.
         width: Width in cells.
         height: Height in cells.
@@ -40,7 +41,8 @@ class Facts:
 
     controller: str
     motion: str
-    bucket: str
+    group: str
+    signature: str
     verdict: str
     width: int
     height: int
@@ -75,7 +77,8 @@ class Facts:
         return cls(
             controller=controller,
             motion=record.motion,
-            bucket=failure.bucket,
+            group=failure.group,
+            signature=failure.signature,
             verdict=record.verdict,
             width=world.width,
             height=world.height,
@@ -94,8 +97,8 @@ class Facts:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """The key by which failures are grouped: controller, motion model, class."""
-        return in_plain_place(self.controller), self.motion, self.bucket
+        """The key by which failures are grouped: controller, motion model, cause."""
+        return in_plain_place(self.controller), self.motion, self.group
 
     @property
     def order(self) -> FailureOrder:
@@ -124,7 +127,7 @@ class CorpusEntry:
 
     @property
     def order(self) -> tuple[tuple[str, str, str], FailureOrder, str]:
-        """Sort key: class by class, the simplest failure first; equal files by path."""
+        """Sort key: cause by cause, the simplest failure first; equal files by path."""
         return self.facts.key, self.facts.order, str(self.path)
 
     @property
@@ -147,20 +150,21 @@ class CorpusEntry:
         """Return one row of a table: column names and values."""
         facts = asdict(self.facts)
         del facts["size"]  # the other columns describe the world well enough
+        del facts["signature"]
         row = {"file": str(self.path)}
-        row |= {("class" if name == "bucket" else name): value for name, value in facts.items()}
+        row |= {("cause" if name == "group" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen
         return row
 
 
 def name_of(facts: Facts, number: int = 1) -> str:
-    """Return a failure's file name, such as ``turn-right/swept/loop-1bump-end-turn-near-away``.
+    """Return a failure's file name, such as ``turn-right/swept/returns-to-a-wall``.
 
-    It is a path without suffix, valid on every file system, and different for different classes.
-    Further failures of the same class get ``~2`` and so on appended.
+    It is a path without suffix, valid on every file system, and different for different causes.
+    Further failures of the same cause get ``-2`` and so on appended.
     """
-    controller, motion, bucket = (_plain(word) for word in facts.key)
-    return f"{controller}/{motion}/{bucket}" + (f"~{number}" if number > 1 else "")
+    controller, motion, group = (_plain(word) for word in facts.key)
+    return f"{controller}/{motion}/{group}" + (f"-{number}" if number > 1 else "")
 
 
 def _plain(text: str) -> str:

@@ -21,12 +21,13 @@ from worldgen.plugins.installation import pip_install
 
 TABLE = "corpus.csv"  # name of the table in an archive
 # The table's columns stay as they are, because scripts read them; the files say the rest.
-_FACTS = [field.name for field in fields(Facts) if field.name not in ("size", "shrinking")]
-_COLUMNS = ("file", *("class" if name == "bucket" else name for name in _FACTS))
+_HIDDEN = ("size", "shrinking", "signature")
+_FACTS = [field.name for field in fields(Facts) if field.name not in _HIDDEN]
+_COLUMNS = ("file", *("cause" if name == "group" else name for name in _FACTS))
 
 
 def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) -> int:
-    """Write failures to one file, ordered by controller, motion model, class and size.
+    """Write failures to one file, ordered by controller, motion model, cause and size.
 
     Args:
         entries: Entries of any number of corpora; identical failures are written once.

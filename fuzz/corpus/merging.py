@@ -1,4 +1,4 @@
-"""Choose entries from several corpora, and merge them, keeping the simplest of each class."""
+"""Choose entries from several corpora, and merge them, keeping the simplest of each cause."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fuzz.corpus.entry import CorpusEntry, name_of
-from fuzz.failure import Failure
+from fuzz.failure import MOST_SHOWN, Failure
 from fuzz.simplicity import FailureOrder
 from worldgen.errors import OutputError
 from worldgen.files.whole import refused_writes, write_bytes
@@ -29,8 +29,21 @@ def places(entries: Iterable[CorpusEntry]) -> dict[FailureOrder, int]:
     }
 
 
+def shown(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], list[CorpusEntry]]:
+    """Return the failures to keep by controller, motion model and cause, the simplest first.
+
+    They are at most three, with different signatures, like those that a campaign shows.
+    """
+    kept: dict[tuple[str, str, str], dict[str, CorpusEntry]] = {}
+    for entry in distinct(entries):
+        own = kept.setdefault(entry.facts.key, {})
+        if len(own) < MOST_SHOWN:
+            own.setdefault(entry.facts.signature, entry)
+    return {key: list(own.values()) for key, own in kept.items()}
+
+
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:
-    """Return the simplest failure by controller, motion model and class, regardless of order."""
+    """Return the simplest failure by controller, motion model and cause, regardless of order."""
     best: dict[tuple[str, str, str], CorpusEntry] = {}
     for entry in distinct(entries):
         best.setdefault(entry.facts.key, entry)
@@ -40,7 +53,7 @@ def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], Corpu
 def merge(
     entries: Iterable[CorpusEntry], out: Path, *, force: bool = False
 ) -> dict[Path, CorpusEntry]:
-    """Write the simplest failure of each class to a folder, dated by the first of its class.
+    """Write the simplest failures of each cause to a folder, dated by the first of its cause.
 
     Args:
         entries: Entries of any number of corpora.
@@ -55,11 +68,15 @@ def merge(
         FormatError: If a file can no longer be read.
     """
     entries = list(entries)
-    chosen = {out / f"{name_of(entry.facts)}.grid": entry for entry in smallest(entries).values()}
+    chosen = {
+        out / f"{name_of(entry.facts, number)}.grid": entry
+        for own in shown(entries).values()
+        for number, entry in enumerate(own, 1)
+    }
     texts = {path: Failure.read(entry.path).dumps() for path, entry in chosen.items()}
     if not force:
         _refuse_others(out, texts)
-    # A class is as old as its oldest failure, whichever failure is the simplest.
+    # A cause is as old as its oldest failure, whichever failure is the simplest.
     first: dict[tuple[str, str, str], int] = {}
     for entry in entries:
         if entry.seen is not None:

@@ -20,7 +20,7 @@ _MOST = 200  # panels: a sheet of five columns is then 16,000 px high
 def draw_failure(entry: CorpusEntry, failure: Failure) -> bytes:
     """Return a picture of a failure as the bytes of a PNG file."""
     facts = entry.facts
-    title = f"{facts.controller}, {facts.motion}: {facts.bucket}"
+    title = f"{facts.controller}, {facts.motion}: {facts.group}"
     return draw_png(failure.stored, trail=_trails(failure), title=title, pixels=_PIXELS)
 
 
@@ -56,7 +56,7 @@ def _panel(entry: CorpusEntry) -> Panel:
         else facts.controller.rpartition("/")[2]
     )
     return Panel(
-        failure.stored, facts.bucket, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
+        failure.stored, facts.group, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
     )
 
 

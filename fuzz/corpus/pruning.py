@@ -1,4 +1,4 @@
-"""Find failures that a corpus does not need: fixed ones, and all but the simplest of each class."""
+"""Find failures that a corpus does not need: fixed ones, and all but the simplest of each cause."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from fuzz.corpus.entry import CorpusEntry
-from fuzz.failure import Failure
+from fuzz.failure import MOST_SHOWN, Failure
 from fuzz.triage.judging import replay
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
@@ -20,7 +20,7 @@ class Judgement:
     Args:
         entry: The failure.
         keep: True if it stays.
-        reason: The reason; empty for the simplest of its class that replays.
+        reason: The reason; empty for the simplest of its cause that replay.
         judged: False if it could not be run, perhaps because its controller is missing; it then
             stays.
     """
@@ -32,27 +32,30 @@ class Judgement:
 
 
 def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
-    """Replay the failures of each class, simplest first, until one is confirmed.
+    """Replay the failures of each cause, simplest first, until three different ones are confirmed.
 
-    The rest of the class can be deleted.
+    The rest of the cause can be deleted.
     """
     ordered = sorted(entries, key=lambda entry: entry.order)
     for _, group in groupby(ordered, key=lambda entry: entry.facts.key):
-        kept: CorpusEntry | None = None
+        kept: dict[str, CorpusEntry] = {}
         for entry in group:
-            # A simpler failure of the class is confirmed, so this one need not be run.
-            if kept is not None:
-                what = (
-                    "the same world"
-                    if kept.facts.digest == entry.facts.digest
-                    else "a smaller world"
+            # A simpler failure that looks the same is confirmed, or enough of the cause are, so
+            # this one need not be run.
+            alike = kept.get(entry.facts.signature)
+            if alike is not None and alike.facts.digest == entry.facts.digest:
+                yield Judgement(entry, False, f"{alike.path} is the same world")
+            elif alike is not None:
+                yield Judgement(
+                    entry, False, f"{alike.path} is a smaller world that looks the same"
                 )
-                yield Judgement(entry, False, f"{kept.path} is {what} of its class")
-                continue
-            judgement = _judge(entry)
-            if judgement.keep and judgement.judged:
-                kept = entry
-            yield judgement
+            elif len(kept) == MOST_SHOWN:
+                yield Judgement(entry, False, f"{MOST_SHOWN} smaller worlds have its cause")
+            else:
+                judgement = _judge(entry)
+                if judgement.keep and judgement.judged:
+                    kept[entry.facts.signature] = entry
+                yield judgement
 
 
 def _judge(entry: CorpusEntry) -> Judgement:

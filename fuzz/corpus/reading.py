@@ -25,19 +25,19 @@ class Selection:
 
     Args:
         controllers: Shell patterns for controllers, such as ``turn-*``.
-        buckets: Shell patterns for classes.
+        causes: Shell patterns for causes.
         verdicts: Shell patterns for verdicts.
     """
 
     controllers: tuple[str, ...] = ()
-    buckets: tuple[str, ...] = ()
+    causes: tuple[str, ...] = ()
     verdicts: tuple[str, ...] = ()
 
     def fits(self, facts: Facts) -> bool:
         """Return True if a failure is selected."""
         wanted = (
             (self.controllers, facts.controller),
-            (self.buckets, facts.bucket),
+            (self.causes, facts.group),
             (self.verdicts, facts.verdict),
         )
         return all(not patterns or _fits_one(text, patterns) for patterns, text in wanted)

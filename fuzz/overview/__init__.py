@@ -10,9 +10,9 @@ Contents:
     read_overview: Reads that file.
 """
 
+from fuzz.cause import Cause, Severity
 from fuzz.overview.causes import CauseTotals, causes_of
 from fuzz.overview.overview import Overview, read_overview
-from fuzz.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 
 __all__ = ["Cause", "CauseTotals", "Overview", "Severity", "cause_of", "causes_of", "read_overview"]

@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
+from fuzz.cause import Cause, Severity
 from fuzz.corpus import Baseline
-from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_natural
+from fuzz.failure import MOST_SHOWN, SHRINKING, Failure, ShrinkState
+from fuzz.overview.causes import CauseTotals, causes_of, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
-from fuzz.overview.natural import NATURAL, NaturalRuns, natural_families, natural_runs
+from fuzz.overview.natural import (
+    NATURAL,
+    NaturalRuns,
+    describe_fall,
+    natural_families,
+    natural_runs,
+)
 from fuzz.overview.overview import Overview
+from fuzz.overview.table import NaturalRow
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
-from fuzz.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts
@@ -63,6 +70,8 @@ class Conclusion:
     Args:
         known: Failures that the user already knows, as a baseline.
         last: Failures of the last campaign in the same folder.
+        before: Results in natural worlds of the baseline's campaign, or of the last one; ``None``
+            if unknown.
         seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that the
             result depends only on the seed.
         with_code: False to leave out what runs inside the controller.
@@ -70,6 +79,7 @@ class Conclusion:
 
     known: Baseline = field(default_factory=Baseline)
     last: Baseline = field(default_factory=Baseline)
+    before: NaturalRow | None = None
     seconds: float | None = None
     with_code: bool = True
 
@@ -79,14 +89,12 @@ class WorldFile(NamedTuple):
 
     Args:
         failure: The failure.
-        file: Name of its file.
-        exists: False if the file is only written if the cause shows it.
+        file: Name of its file; empty if it has none yet.
         original: The failure that it was shrunk from, if the campaign's store does not have it yet.
     """
 
     failure: Failure
-    file: str
-    exists: bool = True
+    file: str = ""
     original: Failure | None = None
 
 
@@ -105,14 +113,7 @@ def build_overview(
     seconds = conclusion.seconds
 
     # Group first, because that needs no runs.
-    found = {**state.best, **state.memory.failures}
-    causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
-    # Shrinking may change the cause but not the class. The files then show a cause that no run met.
-    known = {one.cause for one in causes}
-    changed = {
-        bucket: failure for bucket, failure in state.best.items() if cause_of(failure) not in known
-    }
-    causes = in_order([*causes, *causes_of(changed, dict.fromkeys(changed, 0))])
+    causes = causes_of({**state.best, **state.memory.failures}.values(), state.met)
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
@@ -134,11 +135,10 @@ def build_overview(
     shown = with_worlds(
         causes,
         lambda cause: (
-            _in_search(cause, state, conclusion.known)
+            _in_search(cause, state)
             or _in_natural_world(
                 cause,
                 examples,
-                state.best,
                 conclusion.known,
                 lambda failure: _shrunk(failure, until) if config.shrink else failure,
                 config.constraint,
@@ -148,11 +148,15 @@ def build_overview(
         with_code=conclusion.with_code,
     )
 
-    shown = list(with_own_files(shown))
-    comparison = _compared(state, conclusion)
+    files = files_of(
+        state.best.values(),
+        [one.failure for one in shown if one.failure and not conclusion.known.has(one.failure)],
+    )
+    shown = [_with_files(one, files, conclusion.known) for one in shown]
+    comparison = _compared(state, conclusion, runs)
     if comparison is not None:
         shown = with_states(shown, comparison)
-    return Overview(tuple(shown), runs, comparison)
+    return Overview(tuple(shown), runs, comparison, files)
 
 
 def families_of(config: CampaignConfig) -> list[str]:
@@ -174,10 +178,10 @@ def answer_numbers(
         config: Its definition.
         state: Its results.
         overview: Its overview; empty before it is built.
-        failing: Classes of failures that no baseline has, without hazards that do not count.
+        failing: Causes of failures that no baseline has, without hazards that do not count.
     """
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
-    shown = {one.failure.bucket for one in own if one.failure is not None}
+    shown = {one.failure.group for one in own if one.failure is not None}
     natural = overview.natural or NaturalRuns()
     return AnswerNumbers(
         failures=len(failing),
@@ -264,9 +268,7 @@ def _with_worlds(
     cause: CauseTotals, own: Sequence[WorldFile], is_over: Callable[[], bool] | None
 ) -> CauseTotals:
     """Return a cause with its clearest and its smallest world."""
-    # The smallest is preferably one that has a file anyway.
-    existing = [one for one in own if one.exists]
-    smallest = min(existing or own, key=lambda one: one.failure.order, default=None)
+    smallest = min(own, key=lambda one: one.failure.order, default=None)
     if smallest is None:
         return cause
     # An error of the controller shows in its message, not in the picture.
@@ -277,30 +279,28 @@ def _with_worlds(
         chosen = next((one for one in own if one.failure is best), smallest)
     return replace(
         cause,
-        classes=cause.classes or (chosen.failure.bucket,),
+        groups=cause.groups or (chosen.failure.group,),
         file=chosen.file,
         failure=chosen.failure,
-        smallest=smallest.file if existing else chosen.file,
+        smallest=smallest.file,
         fault=_fault_of(chosen.failure),
         original=chosen.original,
     )
 
 
-def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
+def _in_search(cause: Cause, state: CampaignState) -> list[WorldFile]:
     """Return the failures of a campaign's search that have a cause."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
     # A failure that waits to be shrunk is in both, but only the first says how far that got.
     distinct: dict[str, Failure] = {}
     for one in found:
         distinct.setdefault(one.without(SHRINKING).id, one)
-    own = [one for one in distinct.values() if cause_of(one) == cause]
-    return [_world_file(failure, cause, state.best, known) for failure in own]
+    return [WorldFile(one) for one in distinct.values() if cause_of(one) == cause]
 
 
 def _in_natural_world(
     cause: Cause,
     examples: Mapping[Cause, Case],
-    best: Mapping[str, Failure],
     known: Baseline,
     shrunk: Callable[[Failure], Failure],
     constraint: Constraint,
@@ -319,13 +319,11 @@ def _in_natural_world(
     if failure is None or cause_of(failure) != cause:
         return []
     if known.has(failure):
-        return [WorldFile(failure, "", exists=False)]
+        return [WorldFile(failure)]
     smaller = shrunk(failure)
-    if smaller.world is failure.world or cause_of(smaller) != cause:
-        same = smaller if smaller.world is failure.world else failure
-        return [_world_file(same, cause, best, known)]
-    small = _world_file(smaller, cause, best, known)._replace(original=failure)
-    return [small, _world_file(failure, cause, best, known)]
+    if smaller.world is failure.world:
+        return [WorldFile(smaller)]
+    return [WorldFile(smaller, original=failure), WorldFile(failure)]
 
 
 def _shrunk(failure: Failure, until: float | None) -> Failure:
@@ -342,33 +340,54 @@ def _shrunk(failure: Failure, until: float | None) -> Failure:
     return result.failure
 
 
-def _world_file(
-    failure: Failure, cause: Cause, best: Mapping[str, Failure], known: Baseline
-) -> WorldFile:
-    """Return a failure with its file in the campaign's folder.
+def files_of(best: Iterable[Failure], clearest: Iterable[Failure] = ()) -> dict[str, Failure]:
+    """Return the failures that a campaign shows, by the stem of their file.
 
-    It is the file of the failure's class, or the cause's own file if the class has another world.
+    Args:
+        best: Failures with different keys, the candidates.
+        clearest: Failures that come first in their group, whether they are candidates or not.
+
+    Returns:
+        Of each group at most three, the others in order: ``CAUSE``, ``CAUSE-2`` and ``CAUSE-3``.
+    """
+    groups: dict[str, dict[str, Failure]] = {}
+    for failure in (*clearest, *sorted(best, key=lambda one: one.order)):
+        groups.setdefault(failure.group, {}).setdefault(failure.signature, failure)
+    files: dict[str, Failure] = {}
+    for group, own in groups.items():
+        files[group], *others = list(own.values())[:MOST_SHOWN]
+        # The reason of an error may end in a number, too.
+        for number, failure in enumerate(others, 2):
+            stem = f"{group}-{number}"
+            files[f"{stem}-more" if stem in groups else stem] = failure
+    return files
+
+
+def group_of_file(name: str) -> str:
+    """Return the group of a failure by the name of its file in a campaign's folder."""
+    stem = name.removesuffix(".grid")
+    group, _, number = stem.rpartition("-")
+    return group if number in map(str, range(2, MOST_SHOWN + 1)) else stem
+
+
+def _with_files(cause: CauseTotals, files: Mapping[str, Failure], known: Baseline) -> CauseTotals:
+    """Return a cause with the names of its files in the campaign's folder.
+
     A known failure is not written; the campaign's store has it.
     """
-    stored = best.get(failure.bucket)
-    if stored is not None and stored.id == failure.id:
-        return WorldFile(failure, f"{failure.bucket}.grid")
-    if known.has(failure):
-        return WorldFile(failure, f"{MEMORY}/failures/{failure.id}.grid", exists=False)
-    return WorldFile(failure, f"{cause if stored else failure.bucket}.grid", exists=False)
-
-
-def with_own_files(causes: Iterable[CauseTotals]) -> Iterator[CauseTotals]:
-    """Yield causes; if several worlds would get the same file, all but one get another."""
-    taken: dict[str, str] = {}
-    for cause in causes:
-        shown = cause.failure
-        if shown is not None and cause.file and taken.setdefault(cause.file, shown.id) != shown.id:
-            own = f"{cause.cause}.grid"
-            smallest = own if cause.smallest == cause.file else cause.smallest
-            yield replace(cause, file=own, smallest=smallest)
-        else:
-            yield cause
+    shown = cause.failure
+    if shown is None:
+        return cause
+    own = {stem: one for stem, one in files.items() if one.group in cause.groups}
+    if known.has(shown):
+        file = f"{MEMORY}/failures/{shown.id}.grid"
+        # A failure that only a natural world shows was never stored.
+        return replace(cause, file=file if cause.met else "", smallest=file if cause.met else "")
+    names = {one.id: f"{stem}.grid" for stem, one in own.items()}
+    smallest = min(own.values(), key=lambda one: one.order)
+    return replace(
+        cause, file=names[shown.id], smallest=names[smallest.id], files=tuple(names.values())
+    )
 
 
 def _fault_of(failure: Failure) -> str:
@@ -418,7 +437,9 @@ def explained(
     return found if found.changes or found.is_complete else None
 
 
-def _compared(state: CampaignState, conclusion: Conclusion) -> RegressionView | None:
+def _compared(
+    state: CampaignState, conclusion: Conclusion, natural: NaturalRuns | None
+) -> RegressionView | None:
     if conclusion.known.is_empty and conclusion.last.is_empty:
         return None
     against, before = (
@@ -426,22 +447,15 @@ def _compared(state: CampaignState, conclusion: Conclusion) -> RegressionView | 
         if not conclusion.known.is_empty
         else ("last campaign", conclusion.last)
     )
-    now = {bucket: cause_of(failure) for bucket, failure in state.best.items()}
-    return compare(against, now, _causes(before.failing()), _causes(before.fixed))
+    return compare(
+        against,
+        now={one.group for one in state.best.values()},
+        still={one.group for one in before.failing()},
+        fixed={one.group for one in before.fixed},
+        fall=describe_fall(natural, conclusion.before),
+    )
 
 
-def _causes(failures: Iterable[Failure]) -> dict[str, Cause]:
-    """Return the cause of each class; the first failure of a class decides."""
-    found: dict[str, Cause] = {}
-    for failure in failures:
-        if failure.bucket not in found:
-            found[failure.bucket] = cause_of(failure)
-    return found
-
-
-def causes_in(failures: Sequence[Failure]) -> list[CauseTotals]:
+def causes_in(failures: Iterable[Failure]) -> list[CauseTotals]:
     """Return the causes of failures that belong to no campaign."""
-    found: dict[str, Failure] = {}
-    for failure in failures:
-        found.setdefault(failure.bucket, failure)
-    return causes_of(found, {})
+    return causes_of(failures)

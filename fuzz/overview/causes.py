@@ -1,4 +1,4 @@
-"""Group the buckets of a campaign into causes, the worst first."""
+"""Group the failures of a campaign by cause, the worst first."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from fuzz.cause import Cause, Diagnosis, Severity
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.table import CauseRow
-from fuzz.cause import Cause, Diagnosis, Severity
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.run_facts import RunFacts
 
@@ -24,14 +24,16 @@ class CauseTotals:
 
     Args:
         cause: The cause.
-        classes: Its buckets, by name.
-        verdicts: Counts of each verdict among the classified failures.
+        groups: Names under which its failures are filed: its own or, if errors have different
+            reasons, theirs.
+        verdicts: Number of examined failures by verdict.
         natural: Number of natural worlds in which it occurred; ``None`` if none were tried.
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
         failure: The failure in ``file``.
         original: The failure that ``failure`` was shrunk from, if only natural worlds have it.
         smallest: File of the simplest world; empty if there is none.
+        files: All its files, the clearest first.
         shown: What the run in ``file`` shows; empty if not tried.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
@@ -40,13 +42,14 @@ class CauseTotals:
     """
 
     cause: Cause
-    classes: tuple[str, ...]
+    groups: tuple[str, ...]
     verdicts: Mapping[str, int] = field(default_factory=dict)
     natural: int | None = None
     file: str = ""
     failure: Failure | None = None
     original: Failure | None = None
     smallest: str = ""
+    files: tuple[str, ...] = ()
     shown: RunFacts = field(default_factory=RunFacts)
     why: Counterfactuals | None = None
     fault: str = ""
@@ -64,7 +67,7 @@ class CauseTotals:
 
     @property
     def met(self) -> int:
-        """Number of classified failures of this cause."""
+        """Number of examined failures of this cause."""
         return sum(self.verdicts.values())
 
     @property
@@ -83,7 +86,8 @@ class CauseTotals:
             met=self.met,
             verdicts=dict(self.verdicts),
             natural=self.natural,
-            classes=list(self.classes),
+            groups=list(self.groups),
+            files=list(self.files),
             file=self.file,
             smallest=self.smallest,
             fault=self.fault,
@@ -93,23 +97,32 @@ class CauseTotals:
         )
 
 
-def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[CauseTotals]:
-    """Group buckets by the cause of a failure of each, the worst and most frequent first.
+def causes_of(
+    failures: Iterable[Failure], met: Mapping[tuple[str, str], int] | None = None
+) -> list[CauseTotals]:
+    """Group failures by cause, the worst and most frequent first.
 
     Args:
-        failures: By bucket, one of its failures. Failures whose record names no cause, because an
-            older version wrote it, are run.
-        met: Number of occurrences by bucket; 1 if it is not listed.
+        failures: Any failures. Those whose record names no cause, because an older version wrote
+            it, are run.
+        met: By group and verdict, the number of failures that a campaign has examined. If omitted,
+            the failures are counted.
     """
-    classes: dict[Cause, list[str]] = {}
+    groups: dict[Cause, set[str]] = {}
+    found: Counter[tuple[str, str]] = Counter()
+    for failure in failures:
+        groups.setdefault(cause_of(failure), set()).add(failure.group)
+        found[failure.group, failure.verdict] += 1
+    counts = found if met is None else met
     verdicts: dict[Cause, Counter[str]] = {}
-    for bucket, failure in sorted(failures.items()):
-        cause = cause_of(failure)
-        classes.setdefault(cause, []).append(bucket)
-        verdicts.setdefault(cause, Counter())[failure.verdict] += met.get(bucket, 1)
+    for cause, own in groups.items():
+        verdicts[cause] = Counter()
+        for (group, verdict), count in counts.items():
+            if group in own:
+                verdicts[cause][verdict] += count
     return in_order(
-        CauseTotals(cause, tuple(buckets), dict((+verdicts[cause]).most_common()))
-        for cause, buckets in classes.items()
+        CauseTotals(cause, tuple(sorted(own)), dict((+verdicts[cause]).most_common()))
+        for cause, own in groups.items()
     )
 
 

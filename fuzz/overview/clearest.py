@@ -10,10 +10,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from fuzz.cause import Circumstance
 from fuzz.failure import Failure, ShrinkState
 from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.cause import Circumstance
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.clock.stopping import OutOfTime
 from worldgen.errors import WorldgenError

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Set
 from dataclasses import dataclass, replace
 
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.table import ChangesRow, ComparisonRow
-from fuzz.cause import Cause
 from worldgen.support.plain_text import counted
 
 
@@ -15,71 +14,63 @@ from worldgen.support.plain_text import counted
 class RegressionView:
     """What changed since an earlier campaign or a baseline.
 
+    Failures are compared by group: by cause, or by the reason of an error.
+
     Args:
         against: ``baseline`` or ``last campaign``.
-        new: Classes met now that were not known.
-        still: Known classes that still fail.
-        fixed: Known classes whose known failure no longer fails.
-        new_causes: Causes met now that had no known failure.
-        still_causes: Previously known causes that still occur.
-        fixed_causes: Previously known causes that no longer occur.
+        new: Groups met now that were not known.
+        still: Known groups that still fail.
+        fixed: Known groups whose known failures no longer fail.
+        fall: That the robot arrives in fewer natural worlds than before; empty unless it does.
     """
 
     against: str
     new: tuple[str, ...]
     still: tuple[str, ...]
     fixed: tuple[str, ...]
-    new_causes: tuple[Cause, ...]
-    still_causes: tuple[Cause, ...]
-    fixed_causes: tuple[Cause, ...]
+    fall: str = ""
 
     def table(self) -> ComparisonRow:
         """Return the form of this record in JSON."""
-        causes = (self.new_causes, self.still_causes, self.fixed_causes)
         return ComparisonRow(
             against=self.against,
-            causes=ChangesRow(*([cause.value for cause in some] for some in causes)),
-            classes=ChangesRow(list(self.new), list(self.still), list(self.fixed)),
+            causes=ChangesRow(list(self.new), list(self.still), list(self.fixed)),
             sentence=self.describe(),
         )
 
     def describe(self) -> str:
-        """Return one sentence: ``against the baseline: 1 new cause (crashes), 2 fixed classes``."""
+        """Return one sentence: ``against the baseline, new: 1 cause (crashes); fixed: none``."""
         parts = []
-        for words, causes, classes in (
-            ("new", self.new_causes, self.new),
-            ("fixed", self.fixed_causes, self.fixed),
-            ("still there", self.still_causes, self.still),
+        for words, groups in (
+            ("new", self.new),
+            ("fixed", self.fixed),
+            ("still there", self.still),
         ):
-            names = f" ({', '.join(causes)})" if causes else ""
-            count = f"{counted(len(causes), 'cause')}{names} and " if causes else ""
-            parts.append(f"{words}: {count}{counted(len(classes), 'class', 'classes')}")
+            names = f" ({', '.join(groups)})" if groups else ""
+            parts.append(f"{words}: {counted(len(groups), 'cause')}{names}")
+        if self.fall:
+            parts.append(self.fall)
         return f"against the {self.against}, {'; '.join(parts)}"
 
 
 def compare(
-    against: str, now: Mapping[str, Cause], still: Mapping[str, Cause], fixed: Mapping[str, Cause]
+    against: str, now: Set[str], still: Set[str], fixed: Set[str], fall: str = ""
 ) -> RegressionView:
     """Return what changed.
 
     Args:
         against: Name of the reference.
-        now: The cause of current failures, by class.
-        still: By class, the cause of known failures that still fail.
-        fixed: By class, the cause of known failures that no longer fail.
+        now: Groups of the current failures.
+        still: Groups of the known failures that still fail.
+        fixed: Groups of the known failures that no longer fail.
+        fall: See :class:`RegressionView`.
     """
-    known = still.keys() | fixed.keys()
-    causes_before = {*still.values(), *fixed.values()}
-    causes_now = {*now.values(), *still.values()}
     return RegressionView(
         against,
-        new=tuple(sorted(now.keys() - known)),
+        new=tuple(sorted(now - still - fixed)),
         still=tuple(sorted(still)),
-        fixed=tuple(sorted(fixed.keys() - still.keys() - now.keys())),
-        new_causes=_sorted(causes_now - causes_before),
-        still_causes=_sorted(causes_now & causes_before),
-        # Without a run, the cause of an old failure that is fixed remains unknown.
-        fixed_causes=_sorted(causes_before - causes_now - {Cause.UNKNOWN}),
+        fixed=tuple(sorted(fixed - still - now)),
+        fall=fall,
     )
 
 
@@ -88,17 +79,10 @@ def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> li
 
     An earlier campaign had other failures in its folder, not the natural worlds that it ran.
     """
-    new = set(comparison.new_causes)
-    still = set(comparison.still_causes)
 
-    def state(cause: Cause) -> str:
-        if cause in still:
-            return "still"
-        return "new" if cause in new else ""
+    def state(one: CauseTotals) -> str:
+        if set(one.groups) & set(comparison.new):
+            return "new"
+        return "still" if set(one.groups) & set(comparison.still) else ""
 
-    return [replace(one, state=state(one.cause)) for one in causes]
-
-
-def _sorted(causes: Iterable[Cause]) -> tuple[Cause, ...]:
-    order = list(Cause)
-    return tuple(sorted(causes, key=order.index))
+    return [replace(one, state=state(one)) for one in causes]

@@ -60,12 +60,11 @@ def describe(
     Args:
         failure: The failure.
         path: Its file.
-        met: By class, the number of times that a campaign met it.
+        met: By group, the number of times that a campaign met it.
         why: The changes after which its robot arrives; the picture marks their cells.
     """
     world = failure.world
     record = failure.record
-    bucket = failure.bucket
     evidence: Evidence | None
     try:
         episode, words = run_to_draw(failure)
@@ -78,7 +77,7 @@ def describe(
         evidence = failure.evidence
 
     # Collect everything known about how often, from where and how reliably the failure occurs.
-    often = f", met {counted(met[bucket], 'time')}" if met and met[bucket] else ""
+    often = f", met {counted(met[failure.group], 'time')}" if met and met[failure.group] else ""
     seeds = describe_seeds(failure)
     chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
@@ -103,7 +102,7 @@ def describe(
         f"{describe_frames(evidence)}"
         f"{_doubt(failure)}"
         f"{f'  {shown(begins)}{chr(10)}' if begins else ''}"
-        f"  cause {cause.value}, class {shown(bucket)}{often}; "
+        f"  cause {shown(failure.group)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid, "
         f"{_SHRUNK[failure.shrinking]}{chance}\n",
         draw_terminal(failure.stored, trail=marked, color=color),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fuzz.cause import Diagnosis
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.describe import run_to_draw
-from fuzz.cause import Diagnosis
 from fuzz.triage.diagnosis import CAUSE, CIRCUMSTANCE, GAP, diagnosis_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.drawing.picture import trails_of

@@ -15,13 +15,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fuzz.cause import Cause
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.hazards import could_not_know
 from fuzz.facts.proofs import certified
 from fuzz.layouts.variation import Variation, applied, generated
 from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.simplicity import Case, simplicity
-from fuzz.cause import Cause
 from fuzz.triage.diagnosis import cause_of_run
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import Episode, simulate
@@ -234,6 +234,23 @@ def _run(case: Case) -> tuple[Episode, Cause | None]:
         return episode, Cause.HARMED_UNSENSED
     others = OtherWorlds(scenario.controller, options)
     return episode, cause_of_run(world, episode, others)
+
+
+def describe_fall(now: NaturalRuns | None, before: NaturalRow | None) -> str:
+    """Return that a robot arrives in fewer natural worlds than before; empty unless it surely does.
+
+    Args:
+        now: The results now.
+        before: The results before; both ``None`` if unknown.
+    """
+    if now is None or before is None or not now.worlds or not before.worlds:
+        return ""
+    if now.interval[1] >= before.low:
+        return ""
+    return (
+        f"it arrives in {now.percent} % of natural worlds, and arrived in "
+        f"{whole_percent(before.arrived, before.worlds)} % before"
+    )
 
 
 def _quarter_turns(witness: Witness) -> float:

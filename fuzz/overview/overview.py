@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzz.campaign.store import MEMORY, OVERVIEW_FILE
+from fuzz.failure import Failure
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.comparison import RegressionView
 from fuzz.overview.natural import NaturalRuns
@@ -14,7 +16,7 @@ from worldgen.files.json_file import JsonFile
 
 _FILE = JsonFile(
     OverviewTable,
-    version=1,
+    version=2,
     code="invalid-overview",
     problem="not an overview of a campaign: {reason}",
     remedy="run the campaign again, or delete the file if you don't need the overview",
@@ -29,11 +31,13 @@ class Overview:
         causes: The causes, the worst first.
         natural: The results in natural worlds; ``None`` if none were run.
         comparison: Changes since an earlier campaign; ``None`` if it is the first.
+        files: By the stem of its file, each failure that the campaign shows.
     """
 
     causes: tuple[CauseTotals, ...]
     natural: NaturalRuns | None = None
     comparison: RegressionView | None = None
+    files: Mapping[str, Failure] = field(default_factory=dict)
 
     def table(self) -> OverviewTable:
         """Return the form of the answer in JSON."""
@@ -59,6 +63,6 @@ def read_overview(folder: Path) -> OverviewTable | None:
     The form is checked, so that pages can rely on it whatever the file's origin.
 
     Raises:
-        FormatError: If the file cannot be read, or is not an overview of version 1.
+        FormatError: If the file cannot be read, or is not an overview of version 2.
     """
     return _FILE.find(folder / MEMORY / OVERVIEW_FILE)

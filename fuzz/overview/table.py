@@ -31,7 +31,8 @@ class CauseRow(msgspec.Struct, frozen=True, kw_only=True):
     met: _Count
     verdicts: dict[str, _Count]
     natural: _Count | None
-    classes: list[str]
+    groups: list[str]
+    files: list[_File]
     file: _File
     smallest: _File
     fault: str = ""  # earlier versions did not write it
@@ -83,7 +84,6 @@ class ComparisonRow(msgspec.Struct, frozen=True, kw_only=True):
 
     against: str
     causes: ChangesRow
-    classes: ChangesRow
     sentence: str
 
 

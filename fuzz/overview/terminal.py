@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.campaign.store import MEMORY
+from fuzz.cause import Cause, Severity
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
-from fuzz.cause import Cause, Severity
 from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
@@ -93,7 +93,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
-    # Known classes have their own line, and the report lists what was tried.
+    # Known causes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
     # Finally, suggest what to do next.
@@ -220,8 +220,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
     failed = styled(words, f"{_COLOURS[worst]};1")
-    classes = counted(sum(len(one.classes) for one in own), "class", "classes")
-    found = f"; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+    found = f"; {counted(len(own), 'cause')}, {searched}"
     return joined(who, ": ", failed, found)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import msgspec
 
+from fuzz.cause import Severity
 from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
@@ -18,7 +19,6 @@ from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
 from fuzz.overview.terminal import how_often_it_arrives, never_tried
 from fuzz.report.gather import ReportedCampaign
-from fuzz.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain

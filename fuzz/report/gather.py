@@ -119,7 +119,7 @@ def gather(paths: Sequence[Path], skip: Skip | None = None) -> ReportSubject:
         raise InvalidParameter(
             "too-many",
             "{count} failures are more than the {most} that fit into a report",
-            "keep only the smallest of each class: worldgen corpus merge",
+            "keep only the smallest of each cause: worldgen corpus merge",
             at_terminal=True,
             count=len(entries),
             most=MOST_FAILURES,

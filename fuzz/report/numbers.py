@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
+from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
 from fuzz.failure import SHRINKING, ShrinkState
 from fuzz.overview.describe import describe_seeds
 from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
@@ -28,7 +29,9 @@ class FactGroup(NamedTuple):
 # Details that have their own row; others are listed under their names.
 _SAID = (
     "class",
-    "cause",
+    CAUSE,
+    CIRCUMSTANCE,
+    GAP,
     "motion_version",
     "original",
     "one_minimal",
@@ -47,7 +50,11 @@ _SHRUNK = {
     ShrinkState.CUT_SHORT: "cut short: time ran out before it finished",
     ShrinkState.NONE: "none: the world is as it was found",
 }
-_KEPT = {"verdict": "kept the verdict", "class": "kept the class"}
+_KEPT = {
+    "verdict": "kept the verdict",
+    "class": "kept the class",
+    CAUSE: "kept the verdict and the cause",
+}
 
 
 def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[FactGroup]:
@@ -76,7 +83,7 @@ def _of_the_failure(reported: Reported) -> list[Row]:
     record = seen.failure.record
     rows = [
         ("verdict", record.verdict),
-        ("class", facts.bucket),
+        ("cause", facts.group),
         ("controller", facts.controller),
         (
             "motion model",
@@ -169,15 +176,15 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
     rows = []
     if "found_by" in details:
         rows.append(("found by strategy", describe_value(details["found_by"])))
-    # The campaign knows how often and when the class was met.
+    # The campaign knows how often and when the cause was met.
     if campaign is not None:
-        bucket = reported.entry.facts.bucket
-        if bucket in campaign.met:
-            rows.append(("class met", counted(campaign.met[bucket], "time")))
-        first = next((find for find in campaign.found if find.bucket == bucket), None)
+        group = reported.entry.facts.group
+        if group in campaign.met:
+            rows.append(("cause met", counted(campaign.met[group], "time")))
+        first = next((find for find in campaign.found if find.cause == group), None)
         if first is not None:
             until = f"in world {first.worlds:,}, after {first.steps:,} steps, {first.seconds:.3g} s"
-            rows.append(("class first met", until))
+            rows.append(("cause first met", until))
         if campaign.survives_reset:
             rows.append(("state that survives reset()", ", ".join(campaign.survives_reset)))
     if "shrunk_from" in details:

@@ -129,7 +129,7 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
 
 def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
     """Return new classes and failures per unit of cost, starting from the first estimate."""
-    found = brought.classes + _FAILURE * brought.failures
+    found = brought.variants + _FAILURE * brought.failures
     worlds = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof
     return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)

@@ -5,7 +5,6 @@ Contents:
     shrink_class: Returns the simplest result over several failures.
     Shrunk: The result of both.
     snippet: Writes a failure as a test module that contains its world.
-    KEEP: The properties that a shrunk failure may have in common with the original.
     PASSES: The list of simplifications.
     ORDER: The measures that define "simpler".
     removable: Lists the parts that could still be removed; empty for a 1-minimal world.
@@ -13,8 +12,8 @@ Contents:
 
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.passes import PASSES
-from fuzz.shrink.run import KEEP, Shrunk, shrink, shrink_class
+from fuzz.shrink.run import Shrunk, shrink, shrink_class
 from fuzz.shrink.snippet import snippet
 from fuzz.simplicity import ORDER
 
-__all__ = ["KEEP", "ORDER", "PASSES", "Shrunk", "removable", "shrink", "shrink_class", "snippet"]
+__all__ = ["ORDER", "PASSES", "Shrunk", "removable", "shrink", "shrink_class", "snippet"]

@@ -5,10 +5,13 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
+from fuzz.cause import CAUSE, Cause, Severity
+from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.crash_bucket import crash_bucket, has_facts
 from fuzz.facts.signature import standoff
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
+from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.judging import oracle_of
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
@@ -30,6 +33,8 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import World
 
 _PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in OUT_OF_BUDGET)
+# Severities of the causes that the verdict does not imply and the run alone shows.
+_SHOWN_BY_THE_RUN = (Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
 _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 
 
@@ -59,8 +64,8 @@ class StillFails:
         oracle: The oracle that must still find a violation.
         manner: Property to keep in addition to the verdict: the cause of a tunnel or overlap, the
             kind of a stalled run, the bucket of a crash; empty for any.
-        bucket: The bucket to keep as well; empty for any. A violation of a user's oracle always
-            keeps its bucket.
+        cause: The cause to keep as well; ``None`` for any.
+        rule: Name of a user's oracle's kind of violation, which is kept as well; else empty.
     """
 
     scenario: Scenario
@@ -68,33 +73,35 @@ class StillFails:
     budget: int
     oracle: Oracle = VERDICT
     manner: str = ""
-    bucket: str = ""
+    cause: Cause | None = None
+    rule: str = ""
     simulations: int = 0
 
     @classmethod
     def of(
-        cls, failure: Failure, budget: int | None = None, *, bucket: str | None = None
+        cls, failure: Failure, budget: int | None = None, *, cause: Cause | None = None
     ) -> StillFails:
         """Return the predicate that keeps what a failure's record states.
 
         Args:
             failure: The failure to shrink.
             budget: See the class; the recorded budget if omitted.
-            bucket: See the class; if omitted, the recorded bucket, provided that shrinking kept it.
+            cause: See the class; if omitted, the recorded cause, provided that shrinking kept it.
         """
         oracle = oracle_of(failure)
+        rule = ""
         if isinstance(oracle, NamedOracle):
-            bucket = oracle.bucket_of(failure.violation.facts)
-        elif bucket is None:
-            details = failure.record.details
-            bucket = failure.bucket if details.get("kept") == "class" and "class" in details else ""
+            rule = oracle.bucket_of(failure.violation.facts)
+        elif cause is None and failure.record.details.get("kept") == CAUSE:
+            cause = cause_of(failure)
         return cls(
             failure.scenario,
             failure.verdict,
             failure.options.steps if budget is None else budget,
             oracle,
             manner=_manner_of(failure.evidence),
-            bucket=bucket,
+            cause=cause if cause is not None and cause.severity in _SHOWN_BY_THE_RUN else None,
+            rule=rule,
         )
 
     @property
@@ -146,6 +153,21 @@ class StillFails:
         except (InvalidWorld, InvalidParameter):
             return False
 
+    def keeps_cause(self, candidate: World, scenario: Scenario) -> bool:
+        """Return True if a candidate that fails has the cause to keep.
+
+        It needs no certificate if the run itself proves the verdict.
+        """
+        return self._has_cause(candidate, scenario.options(candidate, self.least_budget))
+
+    def _has_cause(self, world: World, options: RunOptions) -> bool:
+        if self.cause is None:
+            return True
+        episode = simulate(world, self.controller, options, record=True)
+        # Several robots may have to be told from one that fails alone.
+        others = OtherWorlds(self.scenario.controller, options) if world.others else None
+        return cause_of_run(world, episode, others) == self.cause
+
     def _failing(self, candidate: World, scenario: Scenario) -> World | None:
         # Run first and prove later where possible: a run costs less than a certificate.
         if not self.oracle.by_verdict:
@@ -162,26 +184,17 @@ class StillFails:
             options = scenario.options(proved)
             if not self._fails(proved, options):
                 return None
-        if proved is None or not self.bucket:
-            return proved
-        return (
-            proved
-            if self._is_in_bucket(Trial.recorded(proved, scenario.controller, options))
-            else None
-        )
+        return proved if proved is not None and self._has_cause(proved, options) else None
 
     def _objected_to(self, candidate: World, scenario: Scenario) -> World | None:
-        """Return the candidate with a new witness if the user's oracle finds the same bucket."""
+        """Return the candidate with a new witness if the user's oracle finds the same."""
         proved = self.oracle.prove(candidate)
         if proved is None:
             return None
         self.simulations += 1
         trial = Trial(proved, scenario.controller, scenario.options(proved))
-        return proved if self._is_in_bucket(trial) else None
-
-    def _is_in_bucket(self, trial: Trial) -> bool:
         found = self.oracle.check(trial)
-        return found is not None and found.bucket == self.bucket
+        return proved if found is not None and found.bucket == self.rule else None
 
     def _fails(self, world: World, options: RunOptions) -> bool:
         self.simulations += 1

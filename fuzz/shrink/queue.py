@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,13 +12,15 @@ from fuzz.failure import Failure
 from fuzz.shrink import shrink
 from fuzz.simplicity import FailureOrder
 from fuzz.unit.deadline import Deadline
+from fuzz.unit.result import FailureKey
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
 from worldgen.errors import WorldgenError
 
-# Number of failures per class that are shrunk; the smallest result is kept.
-RESTARTS = 6
+# Number of failures of each cause that are shrunk: three are shown, and the first one found rarely
+# leads to the smallest.
+MOST_SHRUNK = 4
 
 
 @dataclass(frozen=True)
@@ -42,20 +44,15 @@ class ShrinkJob:
 
     Args:
         failure: The failure as found.
-        kept: What shrinking must preserve: ``verdict`` or ``class``.
-        before: Number of failures of its class that are shrunk before it.
+        before: Number of failures of its group that are shrunk before it.
     """
 
     failure: Failure
-    kept: str = "verdict"
     before: int = 0
 
 
 class ShrinkQueue:
-    """Failures that wait to be shrunk, by class and urgency.
-
-    A few failures of each class are shrunk, because the first one found rarely leads to the
-    smallest.
+    """Failures that wait to be shrunk, by group and urgency.
 
     Args:
         shrinks: Whether failures are shrunk at all.
@@ -67,43 +64,40 @@ class ShrinkQueue:
         self._shrinks = shrinks
         self._order: Callable[[ShrinkJob], Any] = _by_size if by_size else _by_turn
         self._waiting: list[ShrinkJob] = []
-        # Failures that have been queued, by class.
+        # Failures that have been queued, by group.
         self._queued: dict[str, list[Failure]] = {}
-        # Failures that would have been queued if their class were not known, by class.
+        # Failures that would have been queued if their group were not known, by group.
         self._known: dict[str, list[Failure]] = {}
-        # Classes that have been shrunk once more, preserving the class.
-        self._retried: set[str] = set()
 
     def __len__(self) -> int:
         return len(self._waiting)
 
     def job_for(
-        self, bucket: str, failure: Failure, *, is_known: bool, is_interesting: bool
+        self, failure: Failure, *, is_known: bool, is_interesting: bool
     ) -> ShrinkJob | None:
         """Return the work on a new failure.
 
-        It is ``None`` if enough of its class are shrunk, or shrinking is off.
+        It is ``None`` if enough of its group are shrunk, or shrinking is off.
 
         Args:
-            bucket: Its class.
             failure: The failure as found.
-            is_known: Whether the class is known. Such failures are counted, but not shrunk.
-            is_interesting: Whether it is the first or the smallest of its class. Without shrinking,
+            is_known: Whether it is known. Such failures are counted, but not shrunk.
+            is_interesting: Whether it is the first or the smallest with its key. Without shrinking,
                 only these matter.
         """
-        group = self._known if is_known else self._queued
-        before = len(group.get(bucket, ()))
-        if not (before < RESTARTS if self._shrinks else is_interesting):
+        groups = self._known if is_known else self._queued
+        before = len(groups.get(failure.group, ()))
+        if not (before < MOST_SHRUNK if self._shrinks else is_interesting):
             return None
-        group.setdefault(bucket, []).append(failure)
-        return None if is_known else ShrinkJob(failure, before=before)
+        groups.setdefault(failure.group, []).append(failure)
+        return None if is_known else ShrinkJob(failure, before)
 
     def add(self, job: ShrinkJob) -> None:
         """Add a failure to the queue."""
         self._waiting.append(job)
 
     def take(self, *, first_only: bool = False) -> ShrinkJob | None:
-        """Remove the most urgent failure and return it, the first of each class before others.
+        """Remove the most urgent failure and return it, the first of each group before others.
 
         Args:
             first_only: Return ``None`` if only others wait.
@@ -118,50 +112,31 @@ class ShrinkQueue:
         """Return the number of waiting failures that are at least as urgent."""
         return sum(one.before <= job.before for one in self._waiting)
 
-    def unshrunk(self, best: Container[str]) -> dict[str, Failure]:
-        """Return the smallest failure of each class that has no shrunk one in ``best``."""
-        return {
-            bucket: min(found, key=lambda failure: failure.order)
-            for bucket, found in self._queued.items()
-            if bucket not in best
-        }
-
-    def jobs_for_lost_classes(
-        self, best: Container[str], busy: Container[str] = ()
-    ) -> list[ShrinkJob]:
-        """Return jobs for the classes that shrinking has lost, each only once.
-
-        A class is lost if all its worlds changed class while they were shrunk. Its smallest failure
-        is then shrunk again, preserving the class. Each of these takes a second.
+    def unshrunk(self, best: Iterable[FailureKey]) -> list[Failure]:
+        """Return the smallest failure of each group that has no shrunk one.
 
         Args:
-            best: Classes that have a shrunk failure.
-            busy: Classes to leave out, because one of their failures is still being shrunk.
+            best: Keys of the shrunk failures.
         """
-        lost = {
-            bucket: failure
-            for bucket, failure in sorted(self.unshrunk(best).items())
-            if bucket not in busy and bucket not in self._retried
-        }
-        self._retried.update(lost)
-        return [ShrinkJob(failure, "class") for failure in lost.values()]
-
-    def classes_with_a_first(self) -> set[str]:
-        """Return the classes whose first failure is waiting."""
-        return {job.failure.bucket for job in self._waiting if not job.before}
+        done = {group for group, _ in best}
+        return [
+            min(waiting, key=lambda failure: failure.order)
+            for group, waiting in self._queued.items()
+            if group not in done
+        ]
 
 
 def _by_turn(job: ShrinkJob) -> tuple[int]:
     return (job.before,)
 
 
-def _by_size(job: ShrinkJob) -> tuple[int, int, FailureOrder]:
-    """Return the first failure of each class, smallest first, so that most get done in time."""
-    return min(job.before, 1), int(job.kept == "class"), job.failure.order
+def _by_size(job: ShrinkJob) -> tuple[int, FailureOrder]:
+    """Return the first failure of each group, smallest first, so that most get done in time."""
+    return min(job.before, 1), job.failure.order
 
 
 def shrunk_or_same(
-    failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
+    failure: Failure, *, seconds: float | None = None, end: float = math.inf
 ) -> Shrinking:
     """Return the shrunk failure with its boundaries.
 
@@ -169,21 +144,20 @@ def shrunk_or_same(
 
     Args:
         failure: The failure as found.
-        kept: What shrinking must preserve, as for :func:`fuzz.shrink.shrink`.
         seconds: Time limit, after which the best result so far is used.
         end: Time by :func:`fuzz.unit.deadline.now`: if the result isn't proved by then, the
             failure stays unchanged.
     """
     began = Effort.so_far()
     as_loaded(failure.record.controller)
-    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
+    return replace(_shrunk_or_same(failure, seconds, end), effort=began.since())
 
 
-def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: float) -> Shrinking:
+def _shrunk_or_same(failure: Failure, seconds: float | None, end: float) -> Shrinking:
     try:
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()
-            made = shrink(failure, keep=kept, seconds=seconds)
+            made = shrink(failure, seconds=seconds)
             if not made.complete:
                 return Shrinking(made.failure, complete=False)
             try:

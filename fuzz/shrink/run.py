@@ -7,17 +7,17 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
 from fuzz.chance import chance_details
 from fuzz.facts.hazards import HAZARD_DETAILS
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.simplicity import Case
-from fuzz.triage.diagnosis import CIRCUMSTANCE, GAP
-from fuzz.triage.judging import failure_of, oracle_of
+from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.judging import failure_of
 from fuzz.unit.constraint import Constraint
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode import simulate
@@ -25,11 +25,7 @@ from sim.evidence import WallEvidence
 from sim.options.run import MAX_STEPS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_choice
 from worldgen.world import Value, World
-
-KEEP = ("verdict", "class")
-"""The properties that a shrunk failure can be required to share with the original."""
 
 # A simpler world may need more steps than the original until it fails.
 _MORE_STEPS = 4
@@ -61,7 +57,6 @@ class Shrunk:
         simulations: Number of runs that shrinking took.
         left: Parts that could still be removed; empty if the world is 1-minimal.
         complete: True if every pass finished before the time was up.
-        kept: The property shared with the original, one of :data:`KEEP`.
         interrupted: True if Ctrl-C ended it.
     """
 
@@ -71,7 +66,6 @@ class Shrunk:
     simulations: int
     left: tuple[str, ...]
     complete: bool
-    kept: str = "verdict"
     interrupted: bool = False
 
 
@@ -81,11 +75,11 @@ def shrink(
     seconds: float | None = None,
     progress: Progress | None = None,
     keep_on_interrupt: bool = False,
-    keep: str = "verdict",
 ) -> Shrunk:
     """Make a failure's world as small as possible, keeping its certificate.
 
-    It keeps what the failure's campaign fixed, according to its record.
+    It keeps the verdict and the cause, and what the failure's campaign fixed, according to its
+    record.
 
     Args:
         failure: The failure to shrink.
@@ -93,20 +87,14 @@ def shrink(
             does not depend on the clock.
         progress: Called with each simpler world.
         keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
-        keep: ``verdict`` keeps the verdict, and also the cause of a tunnel or overlap, the kind of
-            a stalled run or the bucket of an oracle's violation. ``class`` keeps the failure's
-            bucket as well.
 
     Returns:
         The shrunk failure.
 
     Raises:
-        InvalidParameter: If it does not fail, or no longer fails, or ``keep`` is unknown.
+        InvalidParameter: If it does not fail, or no longer fails.
     """
-    check_choice("keep", keep, tuple(KEEP))
-    reducer = _Reducer(
-        failure, keep, None if seconds is None else time.monotonic() + seconds, progress
-    )
+    reducer = _Reducer(failure, None if seconds is None else time.monotonic() + seconds, progress)
     try:
         reducer.run()
     except KeyboardInterrupt:
@@ -122,7 +110,6 @@ def shrink_class(
     seconds: float | None = None,
     progress: Progress | None = None,
     keep_on_interrupt: bool = False,
-    keep: str = "verdict",
 ) -> Shrunk:
     """Return the simplest world that shrinking any of several failures leads to.
 
@@ -133,7 +120,6 @@ def shrink_class(
         seconds: Time for all of them together; each gets an equal share of the remaining time.
         progress: Called with each simpler world.
         keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
-        keep: As for :func:`shrink`.
 
     Raises:
         InvalidParameter: If there are no failures, or as for :func:`shrink`.
@@ -151,13 +137,7 @@ def shrink_class(
         if results and left is not None and left <= 0.0:
             break
         results.append(
-            shrink(
-                failure,
-                seconds=left,
-                progress=progress,
-                keep_on_interrupt=keep_on_interrupt,
-                keep=keep,
-            )
+            shrink(failure, seconds=left, progress=progress, keep_on_interrupt=keep_on_interrupt)
         )
         if results[-1].interrupted:
             break
@@ -167,14 +147,11 @@ def shrink_class(
 class _Reducer:
     """Holds the simplest case so far, so that the deadline or Ctrl-C can stop it at any time."""
 
-    def __init__(
-        self, failure: Failure, keep: str, deadline: float | None, progress: Progress | None
-    ) -> None:
+    def __init__(self, failure: Failure, deadline: float | None, progress: Progress | None) -> None:
         self._failure = failure
-        self._keep = keep
         self._deadline = deadline
         self._progress = progress
-        self._still_fails = _judge(failure, keep)
+        self._still_fails = _judge(failure)
         self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
         constraint = Constraint.recorded(failure.record.details)
         self._trying = Trying(self._still_fails, deadline, constraint)
@@ -242,7 +219,6 @@ class _Reducer:
             simulations=self._still_fails.simulations,
             left=self._left,
             complete=self._complete,
-            kept=self._keep,
         )
 
     def _with_details(self, made: Failure, scenario: Scenario) -> Failure:
@@ -255,7 +231,7 @@ class _Reducer:
             details |= chance_details(made.world, scenario)
         details |= {
             "shrunk_from": self._failure.world.solid_cells,
-            "kept": self._keep,
+            "kept": CAUSE,
             "one_minimal": not self._left,
             SHRINKING: (ShrinkState.DONE if self._complete else ShrinkState.CUT_SHORT).value,
             "simulations": self._still_fails.simulations,
@@ -311,7 +287,7 @@ class _Reducer:
         return failure_of(proved, self._best.scenario, oracle, steps=budget)
 
 
-def _judge(failure: Failure, keep: str) -> StillFails:
+def _judge(failure: Failure) -> StillFails:
     """Return a judge that agrees that the original fails.
 
     Raises:
@@ -319,15 +295,12 @@ def _judge(failure: Failure, keep: str) -> StillFails:
     """
     record = failure.record
     options = failure.options
-    bucket = ""
-    if keep == "class":
-        found = oracle_of(failure).check(Trial.recorded(failure.world, record.controller, options))
-        bucket = "" if found is None else found.bucket
+    cause = cause_of(failure)
     # Try a generous budget first. With more steps an overlap may end as a tunnel; then use the
     # recorded budget.
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
     for budget in (min(more, MAX_STEPS), options.steps):
-        still_fails = StillFails.of(failure, budget, bucket=bucket)
+        still_fails = StillFails.of(failure, budget, cause=cause)
         if still_fails(failure.world.bare) is not None:
             return still_fails
     by = "" if failure.oracle is None else f" with a violation of oracle {failure.oracle}"

@@ -60,8 +60,7 @@ class Trying:
         self._constraint = constraint
         self._still_fails = still_fails
         self._deadline = deadline
-        whole = still_fails.oracle == VERDICT and not still_fails.bucket
-        self._quick_is_enough = whole and still_fails.is_proved_by_the_run
+        self._quick_is_enough = still_fails.oracle == VERDICT and still_fails.is_proved_by_the_run
         run = still_fails.scenario.run
         # The core can't compute the cells to cover in an edited world.
         self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
@@ -136,7 +135,7 @@ class Trying:
             ):
                 return None
             if self._quick_is_enough:
-                return candidate
+                return candidate if self._still_fails.keeps_cause(*candidate) else None
         return None if self._still_fails(*candidate) is None else candidate
 
     def _has_way(self, case: Case, candidate: Case, edit: Edit, *, looked: bool) -> bool:

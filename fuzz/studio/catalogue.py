@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fuzz.cause import Cause
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.campaigns.fuzz_arguments import options
 from fuzz.studio.requests.folder import KNOWN
 from fuzz.studio.requests.refusals import refusal
-from fuzz.cause import Cause
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS, THESIS

@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.boundary import describe_boundaries
+from fuzz.cause import Cause
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.facts.changed_worlds import OtherWorlds
@@ -21,7 +22,6 @@ from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.requests.messages import Request, SendPart
 from fuzz.studio.requests.messages import field as part_of
 from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
-from fuzz.cause import Cause
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
@@ -72,7 +72,7 @@ class WallAnswers(Opened):
             "failures": [
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
-                    "class": entry.facts.bucket,
+                    "class": entry.facts.group,
                     "cause": self._cause(entry),
                     "shrinking": self._record(entry)[1],
                     "verdict": entry.facts.verdict,
@@ -145,7 +145,7 @@ class WallAnswers(Opened):
         return {"text": snippet(failure)}
 
     def know(self, message: Request, part: SendPart) -> dict[str, Any]:
-        """Mark a failure's class as known, by a copy in the folder for known ones, or unmark it."""
+        """Mark a failure's cause as known, by a copy in the folder for known ones, or unmark it."""
         path = self.folder.place(part_of(message, "name", str))
         failure = Failure.found_in(read_world(path))
         if failure is None:

@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP, Cause, Circumstance, Diagnosis
 from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
 from fuzz.facts.hazards import Hazard, hazard_in
 from fuzz.facts.signature import Standoff, is_entered, standoff
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
-from fuzz.cause import Cause, Circumstance, Diagnosis
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (
@@ -31,15 +31,6 @@ from sim.outcome import FleetEpisode
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, World
-
-CAUSE = "cause"
-"""Name of the detail of a failure's record that holds its cause."""
-
-CIRCUMSTANCE = "circumstance"
-"""Name of the detail that holds its circumstance, if one is known."""
-
-GAP = "gap"
-"""Name of the detail that holds the width of the gap in front of it, in radii of the robot."""
 
 # Robot radii. A robot that stays within this distance counts as standing at one place, however it
 # moves there.

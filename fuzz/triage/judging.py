@@ -180,10 +180,10 @@ def _diagnosis(
     trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]
 ) -> dict[str, Value]:
     """Return the details that hold a new failure's cause; a replay finds them in the file."""
+    from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
     from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
     from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
     from fuzz.triage import diagnosis  # noqa: PLC0415
-    from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
 
     if not oracle.by_verdict:
         return diagnosis.details_of(Diagnosis(Cause.BREAKS_A_RULE))
@@ -261,7 +261,7 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
     if found is None and failure.oracle is not None:
         return f"oracle {failure.oracle} finds nothing wrong with the run"
     if found is None:
-        unchanged = Violation(failure.bucket, trial.episode.evidence)
+        unchanged = Violation(failure.signature, trial.episode.evidence)
         return (
             _difference(failure.record, trial.episode, unchanged.table)
             or trial.flaw

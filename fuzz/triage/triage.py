@@ -31,7 +31,7 @@ _PROVE_HANGS_AT_MOST = 2  # far fewer, because each hang takes a whole deadline,
 
 
 class Triage:
-    """Turns runs that look like failures into failures, and keeps the simplest of each bucket.
+    """Turns runs that look like failures into failures, and keeps the simplest of each signature.
 
     Args:
         config: The campaign's configuration.
@@ -73,7 +73,7 @@ class Triage:
         The oracles that the user chose judge it too.
 
         Returns:
-            The bucket of a failure; empty if there is none.
+            The signature of a failure; empty if there is none.
 
         Raises:
             OutOfTime: If the unit's time is over. The run has then been counted and, if it failed,
@@ -102,15 +102,15 @@ class Triage:
             cause: Cause of the verdict, if the core knows it.
 
         Returns:
-            The bucket of a failure; empty if there is none.
+            The signature of a failure; empty if there is none.
 
         Raises:
             OutOfTime: If the unit's time is over.
         """
         self.count(verdict, steps)
-        bucket = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
+        signature = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
         check_time()
-        return self.ask(world, scenario) or bucket
+        return self.ask(world, scenario) or signature
 
     def enter(
         self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any
@@ -126,7 +126,7 @@ class Triage:
             **details: Further details for the failure's record.
 
         Returns:
-            Its bucket; empty if it was not kept.
+            Its signature; empty if it was not kept.
         """
         if not self._is_one_of_few(verdict, cause):
             self.count_alike(verdict, cause, 1)
@@ -162,24 +162,24 @@ class Triage:
     def _proved(
         self, world: World, scenario: Scenario, verdict: str, cause: str, details: dict[str, Any]
     ) -> str:
-        """Prove, classify and keep a run; return its bucket, or an empty string."""
+        """Prove, classify and keep a run; return its signature, or an empty string."""
         if verdict == "breach":
             steps = scenario.options(world).steps
-            bucket, is_settled = self._judged(
+            signature, is_settled = self._judged(
                 BREACH, BREACH.prove(world), scenario, steps=steps, **details
             )
         else:
-            bucket, is_settled = self._judged(
+            signature, is_settled = self._judged(
                 VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details
             )
         self.result.judged += is_settled
         self._settled[verdict, cause] += is_settled
-        return bucket
+        return signature
 
     def ask(self, world: World, scenario: Scenario) -> str:
         """Let every oracle that the user chose judge the run, with its witness's budget.
 
-        Return the bucket of the last violation.
+        Return the signature of the last violation.
         """
         proved = _with_witness(world) if self._oracles else None
         if proved is None:
@@ -197,7 +197,7 @@ class Triage:
     ) -> tuple[str, bool]:
         """Judge a run in a proved world and keep the failure.
 
-        Return its bucket, which is empty without a failure, and whether that is settled.
+        Return its signature, which is empty without a failure, and whether that is settled.
         """
         # No robot can be blamed for a target that cannot be reached.
         if world is None:
@@ -218,12 +218,11 @@ class Triage:
     def _keep(self, failure: Failure | None) -> str:
         if failure is None:
             return ""
-        bucket = failure.bucket
-        self.result.met[bucket] += 1
-        before = self.result.failures.get(bucket)
+        self.result.met[failure.group, failure.verdict] += 1
+        before = self.result.failures.get(failure.key)
         if before is None or failure.order < before.order:
-            self.result.failures[bucket] = failure
-        return bucket
+            self.result.failures[failure.key] = failure
+        return failure.signature
 
 
 def _with_witness(world: World) -> World | None:

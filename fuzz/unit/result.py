@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 from fuzz.failure import Failure
 from sim.clock.controller_time import Effort
+
+FailureKey: TypeAlias = tuple[str, str]
+"""See :attr:`fuzz.failure.Failure.key`."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +39,10 @@ class UnitResult:
         steps: Number of steps simulated.
         verdicts: Counts of verdicts in screening; if the target is walled off, ``breach`` for a
             robot that got there, ``sealed`` for one that did not.
-        failures: The smallest failure of each class, with witness, evidence and class.
+        failures: By key, the smallest failure, with witness, evidence and cause.
         judged: Number of runs that did not arrive and were judged: proved to be failures, or known
             not to be any.
-        met: Counts of each class among the classified failures.
+        met: Number of examined failures, by group and verdict.
         elites: Candidates for the archive, by cell.
         cut: Whether time ran out before its work was done; the other fields hold the results until
             then.
@@ -51,8 +55,8 @@ class UnitResult:
     steps: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
     judged: int = 0
-    failures: dict[str, Failure] = field(default_factory=dict)
-    met: Counter[str] = field(default_factory=Counter)
+    failures: dict[FailureKey, Failure] = field(default_factory=dict)
+    met: Counter[tuple[str, str]] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
     cut: bool = False
     interrupted: bool = False
@@ -68,14 +72,14 @@ class StrategyYield:
         worlds: Scenarios simulated.
         steps: Steps simulated.
         failures: Failures proved and classified.
-        classes: Classes that it was the first to find.
+        variants: Signatures that it was the first to find.
     """
 
     units: int = 0
     worlds: int = 0
     steps: int = 0
     failures: int = 0
-    classes: int = 0
+    variants: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,12 +90,12 @@ class SearchState:
 
     Args:
         strategies: Yield of each strategy.
-        failures: The smallest failure of each class as found, before shrinking.
+        failures: By key, the smallest failure as found, before shrinking.
         elites: The archive.
     """
 
     strategies: Mapping[str, StrategyYield] = field(default_factory=dict)
-    failures: Mapping[str, Failure] = field(default_factory=dict)
+    failures: Mapping[FailureKey, Failure] = field(default_factory=dict)
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
     def after(self, result: UnitResult) -> SearchState:
@@ -103,13 +107,9 @@ class SearchState:
             worlds=had.worlds + result.worlds,
             steps=had.steps + result.steps,
             failures=had.failures + result.met.total(),
-            classes=had.classes + len(result.failures.keys() - self.failures.keys()),
+            variants=had.variants + len(result.failures.keys() - self.failures.keys()),
         )
-        smaller = {
-            bucket: one
-            for bucket, one in result.failures.items()
-            if self.is_interesting(bucket, one)
-        }
+        smaller = {key: one for key, one in result.failures.items() if self.is_interesting(one)}
         better = {
             cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)
         }
@@ -119,9 +119,9 @@ class SearchState:
             {**self.elites, **better},
         )
 
-    def is_interesting(self, bucket: str, failure: Failure) -> bool:
-        """Return True if a failure is the first of its class, or before the known one in order."""
-        before = self.failures.get(bucket)
+    def is_interesting(self, failure: Failure) -> bool:
+        """Return True if a failure is the first with its key, or before the known one in order."""
+        before = self.failures.get(failure.key)
         return before is None or failure.order < before.order
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:

@@ -10,7 +10,7 @@ Contents:
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
     errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
         other programs.
-    Summary, Status, StrategyTotals, BucketTotals, Archive, read_summary: The numbers in
+    Summary, Status, StrategyTotals, FindTotals, Archive, read_summary: The numbers in
         ``summary.json``.
     MEMORY: Name of the store's folder in a campaign's folder.
 
@@ -26,7 +26,7 @@ from fuzz.campaign.store.summary import (
     OVERVIEW_FILE,
     SUMMARY,
     Archive,
-    BucketTotals,
+    FindTotals,
     Status,
     StrategyTotals,
     Summary,
@@ -38,10 +38,10 @@ __all__ = [
     "OVERVIEW_FILE",
     "SUMMARY",
     "Archive",
-    "BucketTotals",
     "Budget",
     "CampaignRun",
     "CampaignStore",
+    "FindTotals",
     "Fingerprint",
     "FolderStore",
     "Status",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
@@ -32,7 +32,7 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
         unit: Number of the unit.
         strategy: See :class:`UnitResult`, also for the other fields.
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
-        failures: Name of the failure's file, by class.
+        failures: Names of the failures' files.
     """
 
     unit: int
@@ -42,8 +42,8 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     verdicts: dict[str, int]
     judged: int
-    met: dict[str, int]
-    failures: dict[str, _FailureId]
+    met: list[tuple[str, str, int]]
+    failures: list[_FailureId]
     elites: list[StoredElite]
 
 
@@ -64,14 +64,14 @@ class Done:
     seconds: float
 
 
-def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, str]) -> bytes:
+def write_entry(unit: int, done: Done, fingerprint: str, failures: Sequence[str]) -> bytes:
     """Return the text of an entry.
 
     Args:
         unit: Number of the unit.
         done: Its result.
         fingerprint: Digest of the campaign's fingerprint, without which an entry is meaningless.
-        failures: Name of the failure's file, by class.
+        failures: Names of the failures' files.
     """
     result = done.result
     entry = UnitEntry(
@@ -82,8 +82,8 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
         seconds=round(done.seconds, 3),
         verdicts=dict(result.verdicts),
         judged=result.judged,
-        met=dict(result.met),
-        failures=dict(failures),
+        met=[(*kind, count) for kind, count in result.met.items()],
+        failures=list(failures),
         elites=[
             (list(cell), elite.layout.hex(), elite.quality, elite.verdict)
             for cell, elite in result.elites.items()
@@ -119,8 +119,8 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
         steps=entry.steps,
         verdicts=Counter(entry.verdicts),
         judged=entry.judged,
-        met=Counter(entry.met),
-        failures={bucket: failure(name) for bucket, name in entry.failures.items()},
+        met=Counter({(group, verdict): count for group, verdict, count in entry.met}),
+        failures={one.key: one for one in map(failure, entry.failures)},
         elites={
             tuple(cell): Elite(bytes.fromhex(layout), quality, verdict)
             for cell, layout, quality, verdict in entry.elites

@@ -38,7 +38,7 @@ from worldgen.files.locks import lock, sign
 from worldgen.files.whole import read_text, refused_writes, write_bytes
 
 _SHRUNK = re.compile(
-    rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
+    rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}})-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
 )
 _CUT = ".cut.json"
 _WRITTEN = "written.json"
@@ -68,7 +68,7 @@ class _Stored:
 _CAMPAIGN_FILE = "campaign.json"
 _CAMPAIGN = JsonFile(
     _Stored,
-    version=2,
+    version=3,
     code="invalid-campaign",
     problem="is not a campaign's configuration: {reason}",
     remedy="--force begins a new campaign",
@@ -108,11 +108,11 @@ class CampaignStore:
         """Return the duration of earlier runs, as far as known."""
         return 0.0
 
-    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
+    def shrunk(self, failure: Failure) -> Failure | None:
         """Return the stored result of shrinking a failure; ``None`` if it has yet to be shrunk."""
         return None
 
-    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
+    def save_shrunk(self, failure: Failure, shrunk: Failure) -> None:
         """Store the result of shrinking a failure."""
 
 
@@ -240,9 +240,9 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        names: dict[str, str] = {}
-        for bucket, failure in done.result.failures.items():
-            names[bucket] = failure.id
+        names = []
+        for failure in done.result.failures.values():
+            names.append(failure.id)
             self.save_original(failure)
         file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
         write_bytes(file, write_entry(unit, done, self._fingerprint, names), force=True)
@@ -257,12 +257,12 @@ class FolderStore(CampaignStore):
         """
         self._save(f"failures/{failure.id}.grid", failure.dumps())
 
-    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
+    def shrunk(self, failure: Failure) -> Failure | None:
         """Return the stored result of shrinking a failure.
 
         It is ``None`` if it has yet to be shrunk, or the file is incomplete.
         """
-        file = self._shrunk.get(f"{failure.id}-{kept}")
+        file = self._shrunk.get(failure.id)
         if file is None:
             return None
         try:
@@ -270,19 +270,18 @@ class FolderStore(CampaignStore):
         except (ValueError, WorldgenError):
             return None
 
-    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
+    def save_shrunk(self, failure: Failure, shrunk: Failure) -> None:
         """Store the result of shrinking a failure.
 
         Args:
             failure: The failure before shrinking.
-            kept: What shrinking preserved.
             shrunk: The failure after shrinking.
 
         Raises:
             OutputError: If it cannot be written.
         """
         data = shrunk.dumps()
-        self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
+        self._save(f"shrunk/{failure.id}-{_content_name(data)}.grid", data)
 
     def written(self) -> dict[str, str]:
         """Return a digest of each failure that this campaign wrote to its folder, by file name."""

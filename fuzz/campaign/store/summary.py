@@ -35,7 +35,7 @@ class Status(StrEnum):
 class StrategyTotals(msgspec.Struct, frozen=True):
     """Totals of one strategy.
 
-    ``classes`` counts those that it was the first to find.
+    ``variants`` counts the kinds of runs that it was the first to find.
     """
 
     strategy: _Name
@@ -43,18 +43,18 @@ class StrategyTotals(msgspec.Struct, frozen=True):
     worlds: _Count
     steps: _Count
     failures: _Count
-    classes: _Count
+    variants: _Count
 
 
-class BucketTotals(msgspec.Struct, frozen=True, kw_only=True):
-    """A class found for the first time, or a failure that comes before the known one in order.
+class FindTotals(msgspec.Struct, frozen=True, kw_only=True):
+    """A new variant of a cause, or a failure that comes before the known one in order.
 
     ``worlds`` and the following fields are totals up to then.
     """
 
     unit: _Count
     strategy: _Name
-    bucket: _Name = msgspec.field(name="class")
+    cause: _Name
     solid_cells: _Count
     worlds: _Count
     steps: _Count
@@ -122,8 +122,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         survives_reset: State that the controller was found to keep from run to run, in the last
             run of the campaign.
         verdicts: Counts of each verdict in screening.
-        met: Counts of each class.
-        known: The same, for known classes.
+        met: Counts of each cause.
+        known: The same, for known causes.
         strategies: Totals of each strategy.
         found: Finds, in order of time.
         archive: Behaviours found, if there is an archive.
@@ -149,7 +149,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     met: dict[str, _Count] = {}
     known: dict[str, _Count] = {}
     strategies: Annotated[list[StrategyTotals], _Rows] = []
-    found: Annotated[list[BucketTotals], _Rows] = []
+    found: Annotated[list[FindTotals], _Rows] = []
     archive: Archive | None = None
 
     def __post_init__(self) -> None:
@@ -159,7 +159,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
 SUMMARY = JsonFile(
     Summary,
-    version=2,
+    version=3,
     code="invalid-summary",
     problem="not a campaign summary: {reason}",
     remedy="resume the campaign to write it again, or delete it",
@@ -171,6 +171,6 @@ def read_summary(folder: Path) -> Summary | None:
     """Return the summary of the campaign in this folder; ``None`` if there is none.
 
     Raises:
-        FormatError: If it cannot be read, or isn't a summary of version 2.
+        FormatError: If it cannot be read, or isn't a summary of version 3.
     """
     return SUMMARY.find(folder / MEMORY / SUMMARY_FILE)

@@ -32,7 +32,7 @@ export function makeCampaign(section, campaigns, failures) {
 function linksOf(failures, index) {
   const links = new Map();
   for (const failure of failures)
-    if (failure.campaign === index && !links.has(failure.bucket)) links.set(failure.bucket, failure.id);
+    if (failure.campaign === index && !links.has(failure.group)) links.set(failure.group, failure.id);
   return links;
 }
 
@@ -91,7 +91,7 @@ function foundChart(campaign, links) {
   const holder = el("div");
   const draw = (axis) => holder.replaceChildren(foundPlot(campaign, curve, axis));
   draw("worlds");
-  const met = new Set(campaign.found.map((find) => find.bucket)),
+  const met = new Set(campaign.found.map((find) => find.cause)),
     others = [...links.keys()].filter((bucket) => !met.has(bucket)).length;
   const shrunk = others > 0 ? ` Shrinking led to ${plural(others, "other class", "other classes")}.` : "";
   const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.${shrunk}`;
@@ -109,7 +109,7 @@ function foundChart(campaign, links) {
       "Table of finds",
       ["class", "strategy", "unit", "cells", "worlds", "steps", "s"],
       campaign.found.map((find) => [
-        linked(find.bucket, links),
+        linked(find.cause, links),
         find.strategy,
         grouped(find.unit),
         grouped(find.solid_cells),
@@ -124,8 +124,8 @@ function foundChart(campaign, links) {
 function cumulated(found) {
   const seen = new Set();
   return found.map((find) => {
-    const first = !seen.has(find.bucket);
-    seen.add(find.bucket);
+    const first = !seen.has(find.cause);
+    seen.add(find.cause);
     return { find, first, total: seen.size };
   });
 }
@@ -151,7 +151,7 @@ function foundPlot(campaign, curve, axis) {
       svg(
         "title",
         {},
-        `${point.find.bucket}${point.first ? "" : ", replaces the one before"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${point.find.cause}${point.first ? "" : ", replaces the one before"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
       ),
     ),
   );
@@ -193,22 +193,22 @@ function ticks(most) {
 
 function strategyChart(campaign) {
   if (campaign.strategies.length === 0) return null;
-  const most = Math.max(...campaign.strategies.map((strategy) => strategy.classes), 1);
+  const most = Math.max(...campaign.strategies.map((strategy) => strategy.variants), 1);
   const rows = campaign.strategies.map((strategy) => [
     strategy.strategy,
     grouped(strategy.units),
     grouped(strategy.worlds),
     grouped(strategy.steps),
     grouped(strategy.failures),
-    grouped(strategy.classes),
-    strategy.steps > 0 ? Number(((strategy.classes / strategy.steps) * 1e6).toPrecision(2)).toString() : "–",
-    meter(strategy.classes / most),
+    grouped(strategy.variants),
+    strategy.steps > 0 ? Number(((strategy.variants / strategy.steps) * 1e6).toPrecision(2)).toString() : "–",
+    meter(strategy.variants / most),
   ]);
-  const best = [...campaign.strategies].sort((a, b) => b.classes - a.classes)[0];
+  const best = [...campaign.strategies].sort((a, b) => b.variants - a.variants)[0];
   return chart(
     "By search strategy",
-    best.classes > 0
-      ? `Strategy ${best.strategy} was the first to find ${plural(best.classes, "class", "classes")}.`
+    best.variants > 0
+      ? `Strategy ${best.strategy} was the first to find ${plural(best.variants, "class", "classes")}.`
       : "No strategy found a class.",
     table(["strategy", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
   );

@@ -52,7 +52,7 @@ export function makeDetail(section, failure, neighbours) {
   const drawPair = () => {
     for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""], { touched: true, cells: true });
   };
-  if (failure.now.world) load(failure.now, failure.bucket);
+  if (failure.now.world) load(failure.now, failure.group);
   drawPair();
   dragToMove(stage, state);
   return {
@@ -60,7 +60,7 @@ export function makeDetail(section, failure, neighbours) {
     swap: () => {
       if (!state.player || !failure.before || !failure.before.world) return;
       if (state.shown === failure.now) load(failure.before, "As found");
-      else load(failure.now, failure.bucket);
+      else load(failure.now, failure.group);
     },
     redraw: () => {
       if (state.player) state.player.draw();
@@ -95,7 +95,7 @@ function topOf(failure, [before, after]) {
       "p",
       { class: "words quiet" },
       `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}. Class `,
-      el("span", { class: "class" }, failure.bucket),
+      el("span", { class: "class" }, failure.group),
     ),
     failure.shrinking === "done"
       ? null
@@ -141,7 +141,7 @@ function pairPart(failure, pair, load) {
   const both = { type: "button", "data-which": "both", "aria-pressed": "false" };
   const together =
     failure.before.run && failure.before.world && failure.now.run && failure.now.world
-      ? el("button", { ...both, onclick: () => load(failure.now, failure.bucket, failure.before) }, "Play side by side")
+      ? el("button", { ...both, onclick: () => load(failure.now, failure.group, failure.before) }, "Play side by side")
       : null;
   if (together) pair.append(el("div", { class: "together" }, together));
   return el("div", { class: "part" }, el("h3", {}, "Before and after shrinking"), pair);
@@ -150,7 +150,7 @@ function pairPart(failure, pair, load) {
 function pairWords(failure, drawn) {
   const facts = [drawn.size, `${grouped(drawn.solid)} solid`];
   if (drawn.run) facts.push(plural(drawn.run.steps, "step"));
-  if (drawn.bucket !== failure.bucket) facts.push(drawn.bucket);
+  if (drawn.group !== failure.group) facts.push(drawn.group);
   return facts.join(", ");
 }
 

@@ -4,7 +4,7 @@ import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
-  class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.bucket, b.bucket)],
+  class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.group, b.group)],
   small: ["Smallest first", (a, b) => a.place - b.place],
   large: ["Largest first", (a, b) => b.place - a.place],
   steps: ["Longest run first", (a, b) => stepsOf(b) - stepsOf(a)],
@@ -13,7 +13,7 @@ const ORDERS = {
 const GROUPS = {
   cause: ["Cause", (failure) => failure.cause.replaceAll("-", " ")],
   verdict: ["Verdict", (failure) => failure.verdict],
-  class: ["Class", (failure) => failure.bucket],
+  class: ["Class", (failure) => failure.group],
   controller: ["Controller", (failure) => `${failure.controller} under ${failure.motion}`],
   none: ["Nothing", () => ""],
 };
@@ -88,7 +88,7 @@ export function failureOf(failures, id) {
 }
 
 function fits(failure, wanted) {
-  const text = `${failure.bucket} ${failure.cause} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
+  const text = `${failure.group} ${failure.cause} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
   return (
     (wanted.verdicts.size === 0 || wanted.verdicts.has(failure.verdict)) &&
     (wanted.controller === "" || failure.controller === wanted.controller) &&
@@ -185,7 +185,7 @@ function groupsOf(failures, nameOf, cardOf, first) {
   );
 }
 
-const classOf = ({ bucket, controller, motion }) => [bucket, controller, motion].join("\n");
+const classOf = ({ group, controller, motion }) => [group, controller, motion].join("\n");
 
 // Returns the failures of each class.
 function classesIn(failures) {
@@ -217,7 +217,7 @@ function card(failure, several, twins) {
     el(
       "div",
       { class: "text" },
-      el("div", { class: "kind" }, failure.bucket),
+      el("div", { class: "kind" }, failure.group),
       el(
         "div",
         { class: "facts" },

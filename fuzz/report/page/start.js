@@ -27,7 +27,7 @@ function redraw() {
 
 function showTotals() {
   const { failures, campaigns, others } = data;
-  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.bucket}`)).size;
+  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.group}`)).size;
   const confirmed = failures.filter((failure) => failure.confirmed).length;
   const some = (count, one, many = `${one}s`) => ["", grouped(count), ` ${count === 1 ? one : many}`];
   const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
@@ -92,7 +92,7 @@ function route() {
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
   byId("answer").hidden = view !== "overview";
   showTabs(view);
-  document.title = failure ? `${failure.bucket} - ${data.title}` : data.title;
+  document.title = failure ? `${failure.group} - ${data.title}` : data.title;
   if (failure) {
     page.detail = makeDetail(views.detail, failure, neighboursOf(name));
     scrollTo(0, 0);

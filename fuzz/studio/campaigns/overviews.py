@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
+from fuzz.cause import Cause
 from fuzz.overview.causes import CauseTotals, in_order
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, OverviewTable
-from fuzz.cause import Cause
 from worldgen.errors import WorldgenError
 
 

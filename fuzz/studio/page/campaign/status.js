@@ -76,8 +76,8 @@ function show(status, state) {
   const now = strategiesNow(status);
   const mark = (name) => (now.has(name) ? [name, el("b", { class: "now" }, " now")] : name);
   /** @type {(strategy: CampaignState["strategies"][0]) => [Content, ...Content[]]} */
-  const row = (strategy) => [mark(strategy.strategy), strategy.worlds, strategy.failures, strategy.classes];
-  parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
+  const row = (strategy) => [mark(strategy.strategy), strategy.worlds, strategy.failures, strategy.variants];
+  parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.variants - a.variants || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
   parts.tables.hidden = state.strategies.length === 0;
 }
 
