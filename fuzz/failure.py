@@ -144,8 +144,8 @@ class Failure:
         before causes were recorded are filed by what they look like.
         """
         recorded = self.record.details.get(CAUSE)
-        is_known = isinstance(recorded, str) and recorded in set(Cause)
-        if not is_known or Cause(recorded).has_reasons:
+        is_named = isinstance(recorded, str) and recorded in set(Cause)
+        if not is_named or Cause(str(recorded)).has_reasons:
             return self.signature
         return str(recorded)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
-from fuzz.campaign.state import Progress, UnitDone
+from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import (
     describe_share,
@@ -42,7 +42,6 @@ from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
-from fuzz.unit.result import FailureKey
 from sim.clock.stopping import stopping_when
 from sim.controllers.contract import state_survives_reset
 from worldgen.cli.output import emit_json, note, say
@@ -346,10 +345,11 @@ class CampaignSession:
         try:
             self._watch()
         except KeyboardInterrupt:
-            self._save_pending()
+            self._keep_pending()
             return True
         except WorkersLost:
-            self._save_pending()
+            self._keep_pending()
+            self._save(with_files=True)
             raise
         return False
 
@@ -360,7 +360,7 @@ class CampaignSession:
             for event in events:
                 self._see(event)
         self._goes_on = False
-        self._save_pending()
+        self._keep_pending()
         late = sum(one.shrinking != ShrinkState.DONE for one in self._files().values())
         if late and self._config.shrink:
             self._say_late(late)
@@ -409,11 +409,13 @@ class CampaignSession:
         if isinstance(event, UnitDone):
             self._goes_on = event.again
         if not self._goes_on:
-            self._save(at_least_after=_SUMMARY_EVERY)
+            found_one = isinstance(event, Discovery)
+            self._save(at_least_after=_SUMMARY_EVERY, with_files=found_one)
 
-    def _save(self, at_least_after: float = 0.0) -> None:
+    def _save(self, at_least_after: float = 0.0, *, with_files: bool = False) -> None:
         """Write the new failures, and periodically the file that reports read."""
-        self._write_files()
+        if with_files:
+            self._write_files()
         if time.monotonic() - self._summarised >= at_least_after:
             self._store.save_summary(self._summary())
             self._summarised = time.monotonic()
@@ -429,17 +431,13 @@ class CampaignSession:
                 self._store.write_failure(path.name, data)
             self._saved[stem] = failure.id
 
-    def _save_pending(self) -> dict[FailureKey, Failure]:
-        """Return failures that are proved but not yet shrunk, which are kept as found.
+    def _keep_pending(self) -> None:
+        """Keep failures that are proved but not yet shrunk, as they were found.
 
         There are none if earlier results are not all processed.
         """
-        if self._goes_on:
-            return {}
-        pending = self._campaign.pending()
-        self._campaign.state.best |= pending
-        self._save()
-        return pending
+        if not self._goes_on:
+            self._campaign.state.best |= self._campaign.pending()
 
     def _path(self, stem: str) -> Path:
         return self._out / f"{stem}.grid"

@@ -157,10 +157,9 @@ def _shrink(known: list[Path], folder: Path) -> None:
         ):
             work.say(lambda: f"{done} of {len(known)}; Ctrl-C leaves the others as found")
             while waiting or busy:
-                # Other commands should find the same class, so it is kept.
                 while waiting and len(busy) < executor.room:
                     failure, path = waiting.pop(0)
-                    busy[executor.submit(shrunk_or_same, failure, "class")] = path
+                    busy[executor.submit(shrunk_or_same, failure)] = path
                 # Write each result immediately, so that Ctrl-C loses none.
                 for future in wait(busy, LISTEN, FIRST_COMPLETED).done:
                     future.result().failure.write(busy.pop(future), force=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from fuzz.cause import Diagnosis
+from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP, Diagnosis
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.describe import run_to_draw
-from fuzz.triage.diagnosis import CAUSE, CIRCUMSTANCE, GAP, diagnosis_of
+from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.drawing.picture import trails_of
 from sim.episode import Episode

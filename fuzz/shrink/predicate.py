@@ -34,7 +34,7 @@ from worldgen.world import World
 
 _PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in OUT_OF_BUDGET)
 # Severities of the causes that the verdict does not imply and the run alone shows.
-_SHOWN_BY_THE_RUN = (Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
+SHOWN_BY_THE_RUN = (Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
 _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 
 
@@ -100,7 +100,7 @@ class StillFails:
             failure.options.steps if budget is None else budget,
             oracle,
             manner=_manner_of(failure.evidence),
-            cause=cause if cause is not None and cause.severity in _SHOWN_BY_THE_RUN else None,
+            cause=cause if cause is not None and cause.severity in SHOWN_BY_THE_RUN else None,
             rule=rule,
         )
 

@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
 from fuzz.chance import chance_details
+from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.hazards import HAZARD_DETAILS
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
-from fuzz.shrink.predicate import StillFails
+from fuzz.shrink.predicate import SHOWN_BY_THE_RUN, StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.simplicity import Case
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.judging import failure_of
 from fuzz.unit.constraint import Constraint
 from sim.clock.stopping import OutOfTime, stopping_when
@@ -295,7 +296,11 @@ def _judge(failure: Failure) -> StillFails:
     """
     record = failure.record
     options = failure.options
+    # The run decides, whatever the file says.
     cause = cause_of(failure)
+    if cause.severity in SHOWN_BY_THE_RUN:
+        others = OtherWorlds(record.controller, options)
+        cause = cause_of_run(failure.world, failure.run(), others)
     # Try a generous budget first. With more steps an overlap may end as a tunnel; then use the
     # recorded budget.
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS

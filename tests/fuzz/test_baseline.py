@@ -9,11 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.campaign.run import Campaign
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of
-from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -104,12 +102,33 @@ def test_the_terminal_says_how_often_known_classes_were_met(found, tmp_path):
 
 def test_a_name_of_another_time_hides_nothing_and_is_told(found, tmp_path):
     file, notes = a_loop(found), []
-    old = stored(
-        tmp_path / "old", file, details={**read_world(file).failure.details, "class": "loop-of-old"}
-    )
-    known = baseline_of(old, notes)
-    assert {key[2] for key in known.failures} == {file.stem} and known.has(Failure.read(file))
-    assert len(notes) == 1 and f"stored as loop-of-old, its class is now {file.stem}" in notes[0]
+    failure = Failure.read(file)
+    other = {**failure.record.details, "cause": "stands-still"}
+    known = baseline_of(stored(tmp_path / "old", file, details=other), notes)
+    assert {key[2] for key in known.failures} == {failure.group} and known.has(failure)
+    assert len(notes) == 1
+    assert f"stored as stands-still, its cause is now {failure.group}" in notes[0]
+
+
+def test_a_file_from_before_causes_were_recorded_is_known_by_its_run(found, tmp_path):
+    file, notes = a_loop(found), []
+    failure = Failure.read(file)
+    details = {name: value for name, value in failure.record.details.items() if name != "cause"} | {
+        "class": "loop-of-old"
+    }
+    known = baseline_of(stored(tmp_path / "old", file, details=details), notes)
+    assert known.has(failure) and not notes
+
+
+def test_a_new_variant_of_a_known_cause_is_new_only_if_strict(found):
+    failure = Failure.read(a_loop(found))
+    entries = read_corpus([found[0]]).entries
+    variant = failure.noting(**{"class": "loop-that-looks-different"})
+    known = Baseline.of(entries, TURN_RIGHT, print)
+    assert known.has(variant) and known.is_new_variant(variant)
+    assert not known.is_new_variant(failure)
+    strict = Baseline.of(entries, TURN_RIGHT, print, strict=True)
+    assert strict.has(failure) and not strict.has(variant)
 
 
 def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):
@@ -118,7 +137,10 @@ def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):
     there = replace(world, start=Pose(world.target.x, world.target.y, 0.0))
     write_world(replace(there, certificate=None), tmp_path / "w.grid")
     assert not baseline_of(tmp_path / "w.grid", notes).failures
-    assert "has no witness" in notes[0] and f"so its class {file.stem} is not known" in notes[0]
+    assert (
+        "has no witness" in notes[0]
+        and f"so its cause {Failure.read(file).group} is not known" in notes[0]
+    )
 
 
 def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
@@ -153,24 +175,6 @@ def test_a_file_is_the_same_controller_however_its_path_is_written(
     baseline = baseline_of(known, [], scenario)
     met = failure_of(generate("trap", 4, size=20), scenario)
     assert baseline.has(met)
-
-
-@pytest.mark.gate
-def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
-    config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=30)
-    plain = Campaign(config, units=2)
-    list(plain.run())
-    slid = {
-        kind for kind, found in plain.state.best.items() if found.record.details["kept"] == "class"
-    }
-    assert slid
-    known = set(plain.state.best) - slid
-    campaign = Campaign(config, units=2, is_known=lambda found: found.bucket in known)
-    list(campaign.run())
-    assert (
-        campaign.state.best.keys() == slid
-        and campaign.state.known.keys() == known & plain.state.met.keys()
-    )
 
 
 CLASS = """

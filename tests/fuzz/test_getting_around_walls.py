@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.cause import Cause, Circumstance
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.failure import Failure
-from fuzz.cause import Cause, Circumstance
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario

@@ -8,13 +8,13 @@ import pickle
 import numpy as np
 import pytest
 
+from fuzz.cause import Cause
 from fuzz.facts.hazards import Hazard, can_sense, doubt_in, hazard_in, is_hazard
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview.natural import _run
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
-from fuzz.cause import Cause
 from fuzz.triage.judging import failure_of, replay
 from sim import simulate
 from sim.controllers import CONTROLLERS

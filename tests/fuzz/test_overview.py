@@ -11,25 +11,19 @@ from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
+from fuzz.cause import Severity
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, building, causes_of, read_overview
-from fuzz.overview.building import (
-    Conclusion,
-    WorldFile,
-    build_overview,
-    with_own_files,
-    with_worlds,
-)
+from fuzz.overview.building import Conclusion, WorldFile, build_overview, files_of, with_worlds
 from fuzz.overview.causes import in_order, with_natural
 from fuzz.overview.clearest import clearest
-from fuzz.overview.comparison import compare
-from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
+from fuzz.overview.comparison import compare, with_states
+from fuzz.overview.natural import NaturalRuns, describe_fall, natural_families, natural_runs
 from fuzz.overview.overview import Overview, write_overview
 from fuzz.overview.table import NaturalTally
 from fuzz.overview.terminal import Headline, overview_lines
-from fuzz.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.unit.options import CampaignOptions
 from fuzz.unit.result import SearchState
@@ -69,12 +63,13 @@ def test_a_cause_that_no_natural_world_shows_comes_late():
     assert caught[0].cause == burned.cause
 
 
-def test_buckets_are_grouped_with_how_often_they_were_met():
-    failures = {"one": found_by("Pushes"), "two": found_by("Pushes"), "three": found_by("Still")}
-    causes = causes_of(failures, {"one": 3, "two": 4, "three": 1})
-    assert [(one.cause, one.classes, one.met) for one in causes] == [
-        (Cause.PUSHES_A_WALL, ("one", "two"), 7),
-        (Cause.STANDS_STILL, ("three",), 1),
+def test_failures_are_grouped_with_how_often_they_were_met():
+    failures = [found_by("Pushes"), found_by("Pushes"), found_by("Still")]
+    met = {("pushes-a-wall", "loop"): 7, ("stands-still", "loop"): 1, ("crash-a", "crash"): 3}
+    causes = causes_of(failures, met)
+    assert [(one.cause, one.groups, one.met) for one in causes] == [
+        (Cause.PUSHES_A_WALL, ("pushes-a-wall",), 7),
+        (Cause.STANDS_STILL, ("stands-still",), 1),
     ]
 
 
@@ -137,7 +132,7 @@ def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
     still = found_by("Still")
     names = (Cause.STANDS_STILL, Cause.CIRCLES_AN_OBSTACLE, Cause.DRIVES_IN_CIRCLES)
     failures = {cause: still.noting(cause=cause.value) for cause in names}
-    causes = causes_of({cause.value: one for cause, one in failures.items()}, {})
+    causes = causes_of(failures.values(), {})
     seconds = [0]
     spent = []
 
@@ -164,34 +159,39 @@ def overview_of(best, found, known=None):
     Its file has ``best``, if any; the search met ``found``.
     """
     config = configure(CampaignOptions(controller=f"{HERE}:Still"), seed=1)
-    find = DiscoveryTotals(0, "drawn", found.bucket, found, 1, 1, 1.0)
-    state = CampaignState(best={} if best is None else {best.bucket: best}, finds=[find])
-    state.memory = SearchState(failures={found.bucket: found})
-    state.met[found.bucket] += 1
+    find = DiscoveryTotals(0, "drawn", found, 1, 1, 1.0)
+    state = CampaignState(best={} if best is None else {best.key: best}, finds=[find])
+    state.memory = SearchState(failures={found.key: found})
+    state.met[found.group, found.verdict] += 1
     return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
 
 
-def test_a_clearer_world_than_its_class_has_gets_a_file_named_after_its_cause():
+def test_the_clearest_world_of_a_cause_comes_first_and_the_smallest_after_it():
     wide = found_by("Still", certified(hall(40))).noting(**{"class": "a"})
-    usual = found_by("Still").noting(**{"class": "a"})
-    (cause,) = overview_of(wide, usual).causes
-    assert (cause.file, cause.failure, cause.smallest) == ("stands-still.grid", usual, "a.grid")
-    (same,) = overview_of(usual, usual).causes
-    assert (same.file, same.smallest) == ("a.grid", "a.grid")
+    usual = found_by("Still").noting(**{"class": "b"})
+    overview = overview_of(wide, usual)
+    (cause,) = overview.causes
+    assert (cause.file, cause.failure) == ("stands-still.grid", usual)
+    assert cause.files == ("stands-still.grid", "stands-still-2.grid")
+    assert overview.files == {"stands-still": usual, "stands-still-2": wide}
+    # A world that looks the same as a clearer one is not shown.
+    same = overview_of(wide.noting(**{"class": "b"}), usual)
+    assert same.files == {"stands-still": usual} and same.causes[0].smallest == "stands-still.grid"
 
 
-def test_a_cause_that_shrinking_gave_a_class_is_named_but_not_counted(tmp_path):
-    """A report groups the files by cause, so the summary must know each of these causes."""
-    met = found_by("Still").noting(**{"class": "a"})
-    shrunk = found_by("Pushes").noting(**{"class": "a"})
-    assert cause_of(met) != cause_of(shrunk)
-    overview = overview_of(shrunk, met)
-    assert {one.cause: (one.met, one.file) for one in overview.causes} == {
-        cause_of(met): (1, "stands-still.grid"),
-        cause_of(shrunk): (0, "a.grid"),
-    }
-    lines = overview_lines(overview, Headline("mine", tmp_path, 1))
-    assert "not counted: pushes-a-wall (only in worlds that shrinking made)" in lines
+def test_at_most_three_failures_of_a_cause_have_files():
+    failures = [found_by("Still").noting(**{"class": name}) for name in "abcde"]
+    crashes = [found_by("Still").noting(**{"class": f"crash-{n}"}, cause="crashes") for n in (1, 2)]
+    files = files_of([*failures, *crashes], [failures[4]])
+    assert [*files] == ["stands-still", "stands-still-2", "stands-still-3", "crash-1", "crash-2"]
+    assert files["stands-still"] is failures[4]
+
+
+def test_the_reason_of_an_error_may_end_in_a_number():
+    crash = found_by("Still").noting(cause="crashes")
+    still = [crash.noting(**{"class": name}, cause="stands-still") for name in "ab"]
+    files = files_of([*still, crash.noting(**{"class": "stands-still-2"})])
+    assert {*files} == {"stands-still", "stands-still-2-more", "stands-still-2"}
 
 
 def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
@@ -214,7 +214,7 @@ def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
 
 
 def test_a_cause_that_nothing_met_has_no_verdicts():
-    (cause,) = causes_of({"a": found_by("Still")}, {"a": 0})
+    (cause,) = causes_of([found_by("Still")], {})
     assert (cause.table().met, cause.table().verdicts) == (0, {})
 
 
@@ -253,19 +253,6 @@ def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path)
     assert all((tmp_path / "again" / name).is_file() for name in named if name)
 
 
-def test_two_causes_never_share_a_file():
-    one, other = found_by("Still"), found_by("Dithers")
-    causes = [
-        CauseTotals(cause, (), file="loop.grid", smallest="loop.grid", failure=failure)
-        for cause, failure in ((Cause.WANDERS, one), (Cause.CRASHES, other), (Cause.CRASHES, one))
-    ]
-    assert [(named.file, named.smallest) for named in with_own_files(causes)] == [
-        ("loop.grid", "loop.grid"),
-        ("crashes.grid", "crashes.grid"),
-        ("loop.grid", "loop.grid"),
-    ]
-
-
 def test_a_replay_of_stored_units_that_is_interrupted_leaves_the_folder_as_it_is(
     tmp_path, monkeypatch
 ):
@@ -300,16 +287,24 @@ def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):
 
 
 def test_a_comparison_tells_new_from_fixed_and_still_there():
-    found = compare(
-        "baseline",
-        now={"a": Cause.CRASHES},
-        still={"b": Cause.WANDERS},
-        fixed={"c": Cause.PUSHES_A_WALL, "b": Cause.WANDERS},
-    )
+    found = compare("baseline", now={"a", "b"}, still={"b"}, fixed={"c", "b"})
     assert (found.new, found.still, found.fixed) == (("a",), ("b",), ("c",))
-    assert found.new_causes == (Cause.CRASHES,) and found.still_causes == (Cause.WANDERS,)
-    assert found.fixed_causes == (Cause.PUSHES_A_WALL,)
-    assert "new: 1 cause (crashes)" in found.describe()
+    assert found.describe() == (
+        "against the baseline, new: 1 cause (a); fixed: 1 cause (c); still there: 1 cause (b)"
+    )
+    causes = [CauseTotals(Cause.CRASHES, groups) for groups in (("a", "b"), ("b",), ("d",))]
+    assert [one.state for one in with_states(causes, found)] == ["new", "still", ""]
+
+
+def test_a_fall_of_the_natural_rate_beyond_its_interval_is_said():
+    before = NaturalRuns(worlds=100, arrived=90).table()
+    assert describe_fall(NaturalRuns(worlds=100, arrived=80), before) == ""
+    fall = describe_fall(NaturalRuns(worlds=100, arrived=50), before)
+    assert fall == "it arrives in 50 % of natural worlds, and arrived in 90 % before"
+    found = compare("baseline", set(), set(), set(), fall)
+    assert found.describe().endswith(f"; {fall}")
+    assert not describe_fall(NaturalRuns(worlds=100, arrived=95), before)
+    assert not describe_fall(None, before) and not describe_fall(NaturalRuns(worlds=9), None)
 
 
 def test_an_overview_that_is_read_is_the_one_that_was_written(tmp_path):
@@ -346,10 +341,10 @@ def test_an_overview_names_no_file_outside_its_folder(tmp_path, file):
     [
         "[]",
         "{}",
-        '{"version": 1}',
-        '{"version": 2, "causes": []}',
-        '{"version": 1, "causes": [1]}',
-        '{"version": 1, "causes": [], "natural": {"worlds": "many"}}',
+        '{"version": 2}',
+        '{"version": 1, "causes": []}',
+        '{"version": 2, "causes": [1]}',
+        '{"version": 2, "causes": [], "natural": {"worlds": "many"}}',
         "{",
         "[" * 100_000,
     ],
@@ -384,7 +379,7 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
 
     answer = json.loads(worldgen(*options, tmp_path / "json", "--json").out)
     assert answer["causes"][0]["cause"] in lines[2] and answer["failures"]
-    assert {kind for cause in answer["causes"] for kind in cause["classes"]} >= set(answer["met"])
+    assert {group for cause in answer["causes"] for group in cause["groups"]} >= set(answer["met"])
     assert all((tmp_path / "json" / cause["file"]).is_file() for cause in answer["causes"])
     assert plain(read_overview(tmp_path / "json").natural) == answer["natural"]
 
@@ -441,7 +436,7 @@ def test_counts_never_contradict_each_other(tmp_path):
     # Colours survive the way to the terminal only in a styled text.
     assert [line for line in styled if "\x1b" in line and not isinstance(line, Styled)] == []
     lines = list(map(click.unstyle, styled))
-    assert "2 causes, 3 classes of failures" in lines[0]
+    assert "2 causes" in lines[0]
     assert "1. pushes-a-wall: none of 8 natural worlds; examined: 1 loop" in lines
     assert "2. wanders: 2 of 8 natural worlds; not met by the search" in lines
     assert (
@@ -467,10 +462,10 @@ def test_counts_never_contradict_each_other(tmp_path):
 def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):
     overview = Overview((CauseTotals(cause, ("a",), {"loop": 1}),))
     line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9))[0])
-    assert line.startswith(f"mine: {words}, 1 class of failures")
+    assert line.startswith(f"mine: {words}")
 
 
-def test_each_class_has_its_page_only_if_asked_for(tmp_path):
+def test_each_failure_has_its_page_only_if_asked_for(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
     brief = worldgen(*options, tmp_path / "brief").out
@@ -485,6 +480,6 @@ def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):
     first = json.loads(worldgen(*options).out)
     second = json.loads(worldgen(*options, "--force").out)
     assert first["comparison"] is None and second["comparison"]["against"] == "last campaign"
-    kinds = sorted(one["class"] for one in first["failures"] + first["hazards"])
-    assert second["comparison"]["classes"] == {"new": [], "still": kinds, "fixed": []}
+    causes = sorted({group for cause in first["causes"] for group in cause["groups"]})
+    assert second["comparison"]["causes"] == {"new": [], "still": causes, "fixed": []}
     assert {cause["state"] for cause in second["causes"]} == {"still"}

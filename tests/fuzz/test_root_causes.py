@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.cause import Circumstance, Diagnosis
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause
 from fuzz.triage.behaviour import behaviour_of
-from fuzz.cause import Circumstance, Diagnosis
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim import simulate

@@ -2,8 +2,8 @@
 
 import json
 
-from fuzz.studio.campaigns.overviews import example_in, ranks
 from fuzz.cause import Cause
+from fuzz.studio.campaigns.overviews import example_in, ranks
 from tests.helpers.campaign_folder import LOOP, STALLED, campaign_folder, explain_the_loop
 
 RETURNS = Cause.RETURNS_TO_A_WALL.value
