@@ -148,8 +148,11 @@ def _loop(
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    is_thesis = MOTIONS.get(options.motion).kernel == THESIS
-    if is_thesis and outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence):
+    if (
+        outcome.verdict == Verdict.STALLED
+        and isinstance(evidence, BudgetEvidence)
+        and MOTIONS.get(options.motion).kernel == THESIS
+    ):
         from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
 
         # A stalled run of the thesis's robot is more informative if the cells that confine it are
