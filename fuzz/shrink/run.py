@@ -24,7 +24,7 @@ from sim.options.run import MAX_STEPS
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_choice
+from worldgen.parameters.bounds import check_choice
 from worldgen.world import Value, World
 
 KEEP = ("verdict", "class")
