@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sim._core import lib
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 
 # Integer poses, any controller.
 LATTICE = "lattice"

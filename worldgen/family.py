@@ -15,15 +15,15 @@ from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.inputs.bounds import (
+from worldgen.lattice import in_cells
+from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
+from worldgen.parameters.bounds import (
     Bounds,
     check_at_least,
     check_between,
     check_choice,
     check_positive,
 )
-from worldgen.lattice import in_cells
-from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of

@@ -23,8 +23,8 @@ from worldgen.domain import (
     radius_fault,
     speed_fault,
 )
+from worldgen.domain.robot_pairs import pair_fault
 from worldgen.errors import InvalidWorld
-from worldgen.inputs.robot_pairs import pair_fault
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.support.world_methods import world_methods

@@ -11,7 +11,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 from worldgen.world import Provenance, Value, World
 
 # Fields of a world.

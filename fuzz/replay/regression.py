@@ -22,7 +22,7 @@ from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world, write_world
-from worldgen.inputs.bounds import check_choice
+from worldgen.parameters.bounds import check_choice
 from worldgen.render import draw_terminal
 from worldgen.support.plain_text import printed, shown, stacked
 from worldgen.world import World

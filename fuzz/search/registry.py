@@ -22,7 +22,7 @@ from fuzz.unit.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 
 Strategy = Callable[[SearchTask], None]
 """Does the work of one unit: counts its runs and passes those that fail to the task's triage."""

@@ -27,9 +27,9 @@ from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.inputs.bounds import Bounds
 from worldgen.interop import FORMATS
 from worldgen.parameters import Parameter
+from worldgen.parameters.bounds import Bounds
 
 # s: a controller that took longer to fail is not tried again, because each new page would have to
 # wait.

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from worldgen.inputs.bounds import Bounds
 from worldgen.parameters import Parameter, Written, parameters_of_fields
+from worldgen.parameters.bounds import Bounds
 
 MOST_ROBOTS = 100
 """Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""

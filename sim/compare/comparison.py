@@ -26,7 +26,7 @@ from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
 

@@ -13,8 +13,8 @@ from typing import Annotated, ClassVar, Literal
 
 from sim.options.declared import OptionSet
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import Bounds
 from worldgen.parameters import Group
+from worldgen.parameters.bounds import Bounds
 
 MAX_BEAMS = 1000
 MAX_NEIGHBOURS = 64

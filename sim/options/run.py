@@ -18,9 +18,9 @@ from sim.options.robot import RobotOptions
 from sim.options.thesis import ThesisOptions
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import Bounds, check_choice
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
+from worldgen.parameters.bounds import Bounds, check_choice
 from worldgen.reach.still.cells import reachable_cells
 from worldgen.support.arrays import Words
 from worldgen.support.plain_text import quote

@@ -16,8 +16,8 @@ from typing import Annotated, ClassVar, Literal
 from sim.options.declared import OptionSet
 from sim.options.robot import Signal
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import Bounds
 from worldgen.parameters import Group
+from worldgen.parameters.bounds import Bounds
 
 Arbiter = Literal["A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible"]
 ARBITERS: tuple[Arbiter, ...] = typing.get_args(Arbiter)

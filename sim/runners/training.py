@@ -21,7 +21,7 @@ from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 from worldgen.plugins.registry import user_code
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Floats

@@ -228,10 +228,32 @@ def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
     assert not any(".campaign" in line for line in lines)
 
 
+FAR = """
+import math
+
+from sim import Command
+
+
+class Far:
+    senses = ("target_distance", "target_heading")
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        # In the scenes of a search, the target is nearer.
+        if observation.target_distance > 2.5:
+            return Command(0.0, 0.0), memory
+        turn = math.remainder(observation.target_heading - observation.heading, math.tau)
+        return Command(observation.top_speed, turn / observation.time_step), memory
+"""
+
+
 def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
+    (tmp_path / "far.py").write_text(FAR)
     out = tmp_path / "out"
-    options = ("fuzz", "--controller", "vfh", "--no-shrink", "--units", 1, "--examples", 1,
-               "--workers", 1, "--seed", 2, "--json", "--out")  # fmt: skip
+    options = ("fuzz", "--controller", f"{tmp_path}/far.py:Far", "--no-shrink", "--units", 1,
+               "--examples", 1, "--workers", 1, "--seed", 2, "--json", "--out")  # fmt: skip
     result = worldgen(*options, out)
     answer = json.loads(result.out)
     (cause,) = (one for one in answer["causes"] if one["natural"] and not one["met"])

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.expressions import Language, evaluate, parse_number, variables_in
+from worldgen.parameters.expressions import Language, evaluate, parse_number, variables_in
 
 
 def least(*values):

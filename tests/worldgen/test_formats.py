@@ -28,14 +28,13 @@ from worldgen.interop import (
     ImportedRobot,
     export_world,
     find_format,
-    foreign_map,
     guess_format,
     import_world,
     read_map,
     write_export,
 )
 from worldgen.interop.exporting import frozen_at
-from worldgen.interop.format import decimal
+from worldgen.interop.format import decimal, foreign_map
 from worldgen.interop.format.foreign_map import origin_of
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World

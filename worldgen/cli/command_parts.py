@@ -16,7 +16,7 @@ import click
 from worldgen.cli.meant import NUMBER, OTHER_WORDS, existing_names, is_missing, missing_part, unused
 from worldgen.cli.names import CONTROLLER, kind_of
 from worldgen.errors import WorldgenError
-from worldgen.inputs.known_names import nearest
+from worldgen.parameters.known_names import nearest
 
 _PICTURES = (".png", ".svg", ".html", ".gif")
 

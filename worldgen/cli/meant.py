@@ -15,7 +15,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.names import CONTROLLER, NameKind
-from worldgen.inputs.known_names import nearest
+from worldgen.parameters.known_names import nearest
 
 _MOST_FILES = 50  # Python files in which a class is looked for
 

@@ -39,7 +39,7 @@ from worldgen.cli.meant import (
 from worldgen.cli.names import kind_of, names_in_one
 from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
 from worldgen.errors import WorldgenError
-from worldgen.inputs.known_names import nearest
+from worldgen.parameters.known_names import nearest
 
 # Faults of one command that are mended; a command with more of them is not worth a guess.
 _MOST_FAULTS = 12

@@ -13,7 +13,7 @@ from worldgen.compose.values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
 # Limit per recipe, whose text is stored in the header of every world that it makes.

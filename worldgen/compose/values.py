@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.expressions import Language, Node, evaluate, parse_number, variables_in
+from worldgen.parameters.expressions import Language, Node, evaluate, parse_number, variables_in
 from worldgen.random_streams import RandomStream
 
 Scalar: TypeAlias = bool | int | float | str

@@ -1,6 +1,6 @@
 """Constraints on metrics, such as ``detour > 3 and bottleneck < 1.2r``.
 
-They are conditions in the language of :mod:`worldgen.inputs.expressions`. A number may carry a
+They are conditions in the language of :mod:`worldgen.parameters.expressions`. A number may carry a
 unit: ``m``, ``s``, or ``r``, the robot's radius.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from worldgen.difficulty.metrics import METRICS
-from worldgen.inputs.expressions import (
+from worldgen.parameters.expressions import (
     Language,
     Node,
     Operation,

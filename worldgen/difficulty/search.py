@@ -23,7 +23,7 @@ from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, Family
 from worldgen.files.grid import world_digest
 from worldgen.generation import generate
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 from worldgen.plugins.trust import admit_argument
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.account import accounting
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.format.foreign_map import ForeignMap, names_its_file, naming, read_bounded
 from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
 from worldgen.parameters import split_options
+from worldgen.parameters.bounds import check_between
 from worldgen.world import Value
 
 # Bytes read to recognise a file.

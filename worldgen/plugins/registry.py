@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.trust import check_code

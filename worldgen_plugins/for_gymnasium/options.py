@@ -11,7 +11,7 @@ from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import Family
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 from worldgen.world import Value, World
 from worldgen_plugins.for_gymnasium.interface import Interface
 from worldgen_plugins.for_gymnasium.supply import SOURCES, Supply

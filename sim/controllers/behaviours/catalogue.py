@@ -14,7 +14,6 @@ from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.controllers.instances import instance_of, origin_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import Bounds
 from worldgen.parameters import (
     Parameter,
     parameters_of_fields,
@@ -22,6 +21,7 @@ from worldgen.parameters import (
     split_headed,
     split_options,
 )
+from worldgen.parameters.bounds import Bounds
 from worldgen.plugins.registry import Registry, user_code
 
 PREFIX = "behaviours"

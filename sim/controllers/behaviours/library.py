@@ -14,7 +14,7 @@ from sim.controllers.behaviours.arbitration import ALWAYS
 from sim.controllers.behaviours.base import UNTIL_DONE, Behaviour
 from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
-from worldgen.inputs.bounds import Bounds
+from worldgen.parameters.bounds import Bounds
 
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""

@@ -21,7 +21,7 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
 from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 
 # A step tries all pairs of a speed and a turn rate.
 MOST_TRIED = 100

@@ -26,7 +26,7 @@ from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
-from worldgen.inputs.bounds import Bounds
+from worldgen.parameters.bounds import Bounds
 from worldgen.support.arrays import Floats
 
 AT = fields_of("WgGestaltMemory")

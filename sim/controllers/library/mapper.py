@@ -27,7 +27,7 @@ from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_o
 from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Floats
 
 AT = fields_of("WgMapperMemory")

@@ -28,7 +28,7 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
 from sim.controllers.library import bug2, mapper, three_layer
 from sim.controllers.memory_view import MemoryMap
-from worldgen.inputs.bounds import check_positive
+from worldgen.parameters.bounds import check_positive
 from worldgen.support.arrays import Floats
 
 AT = fields_of("WgReckoning")

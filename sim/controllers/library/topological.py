@@ -31,7 +31,7 @@ from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
-from worldgen.inputs.bounds import Bounds
+from worldgen.parameters.bounds import Bounds
 from worldgen.support.arrays import Floats
 
 MOST = place("WgTopologicalMemory", "most")

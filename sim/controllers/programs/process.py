@@ -36,8 +36,8 @@ from sim.controllers.programs.program import (
 )
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_between
 from worldgen.parameters import split_headed, split_options
+from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Floats, Ints
 
 PROTOCOL_VERSION = 1

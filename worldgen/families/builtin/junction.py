@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.fleets import Robots, fleet_world
@@ -17,8 +17,10 @@ from worldgen.families.parts.layout import (
 )
 from worldgen.family import family
 from worldgen.random_streams import RandomStream
-from worldgen.reach.joint.placing import Box
 from worldgen.world import World
+
+if TYPE_CHECKING:
+    from worldgen.reach.joint.placing import Box
 
 Shape: TypeAlias = Literal["X", "T"]
 

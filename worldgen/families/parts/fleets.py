@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 
@@ -10,9 +10,11 @@ from worldgen.domain import MAX_ROBOTS
 from worldgen.families.parts.layout import Arena
 from worldgen.family import Bounds
 from worldgen.random_streams import RandomStream
-from worldgen.reach.joint.placing import Box, place_in_boxes
 from worldgen.support.arrays import Bools
 from worldgen.world import World
+
+if TYPE_CHECKING:
+    from worldgen.reach.joint.placing import Box
 
 Robots: TypeAlias = Annotated[int, Bounds(1, MAX_ROBOTS)]
 
@@ -52,6 +54,8 @@ def fleet_world(
         boxes: Where each robot starts and must go.
         owner: Name of the family, for error messages.
     """
+    from worldgen.reach.joint.placing import place_in_boxes  # noqa: PLC0415 - few worlds need it
+
     walls, boxes = turned(walls, boxes, rng.child("turn").below(4))
     middle = (arena.size, arena.size)
     blank = arena.world(walls, middle, middle, 0)

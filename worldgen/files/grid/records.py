@@ -25,7 +25,7 @@ from worldgen.files.grid.schema import (
     WORD_KEYS,
 )
 from worldgen.files.grid.values import finite, integer_at, kind_of, numbers_at, text_at, values_at
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.support.plain_text import quote
 from worldgen.world import DEFAULT_ROBOT_SPEED, FailureRecord, Pose, Provenance, Robot, Target

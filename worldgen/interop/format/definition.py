@@ -13,10 +13,10 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid.toml_text import value_text
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
+from worldgen.parameters.bounds import check_between
 from worldgen.plugins.registry import Registry
 from worldgen.world import Robot, Value, World
 

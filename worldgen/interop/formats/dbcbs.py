@@ -14,7 +14,6 @@ from pathlib import Path
 
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.format.foreign_map import (
     FLOOR_ROBOT,
@@ -27,6 +26,7 @@ from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
 _MAX_YAML_BYTES = 8 << 20

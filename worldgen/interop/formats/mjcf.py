@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
 from worldgen.interop.geometry.solid_scene import (
@@ -24,6 +23,7 @@ from worldgen.interop.geometry.solid_scene import (
     scene,
 )
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.world import Robot, World
 
 # Half the thickness of a mark, m.

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Literal
 
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
 from worldgen.interop.geometry.placed_boxes import PlacedBox
@@ -26,6 +25,7 @@ from worldgen.interop.geometry.solid_scene import (
 )
 from worldgen.interop.readers.gazebo_world import grid_line
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.world import Robot, World
 
 # Thickness of a mark, m.

@@ -16,7 +16,6 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import (
     HELD,
     Destination,
@@ -29,6 +28,7 @@ from worldgen.interop.format import (
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.render import palette
 from worldgen.render.caption import printable
 from worldgen.world import Witness, World

@@ -14,10 +14,10 @@ import numpy as np
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import InvalidWorld
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.format import Destination, Exported
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Ints
 from worldgen.world import World
 

@@ -20,12 +20,12 @@ import numpy as np
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.inputs.bounds import check_between
 from worldgen.interop.account import report_unread
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.format.foreign_map import ForeignMap, check_sides
 from worldgen.interop.geometry.section import Bodies, Section, cut, open_count, paint, sort_bodies
 from worldgen.lattice import exact
+from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import Value
 

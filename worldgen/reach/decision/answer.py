@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import check_between
+from worldgen.parameters.bounds import check_between
 from worldgen.reach.decision.confinement import Confinement
 from worldgen.world import Certificate
 

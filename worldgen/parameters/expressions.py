@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, NoReturn, TypeAlias
 
 from worldgen.errors import InvalidParameter, Message
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.known_names import unknown_name
 
 MOST_NESTED: Final = 50
 # Limit on the levels of the syntax tree; Python allows a thousand nested calls.

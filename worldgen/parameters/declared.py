@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.inputs.bounds import Bounds, check_choice
-from worldgen.inputs.known_names import unknown_name
+from worldgen.parameters.bounds import Bounds, check_choice
+from worldgen.parameters.known_names import unknown_name
 
 # Files hold no larger integer.
 _INT64 = 2**63

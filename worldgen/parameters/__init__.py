@@ -1,0 +1,44 @@
+"""What a user can choose: declared options, and the checks of a given number, name or expression.
+
+Contents:
+    Parameter, Group, Written: A declared option; a name with its options.
+    parameters_of, parameters_of_fields, check_declared: The options of a function or a dataclass.
+    split_options, split_headed, with_options, without_class_options: Options within a name.
+    find_parameter, parse_options: Values for options.
+    argument_notes: What a docstring says about each argument.
+
+Limits of numbers are in ``bounds``, misspelt names in ``known_names``, and conditions such as
+``detour > 3`` in ``expressions``.
+"""
+
+from worldgen.parameters.declared import (
+    Group,
+    Parameter,
+    Written,
+    argument_notes,
+    check_declared,
+    find_parameter,
+    parameters_of,
+    parameters_of_fields,
+    parse_options,
+    split_headed,
+    split_options,
+    with_options,
+    without_class_options,
+)
+
+__all__ = [
+    "Group",
+    "Parameter",
+    "Written",
+    "argument_notes",
+    "check_declared",
+    "find_parameter",
+    "parameters_of",
+    "parameters_of_fields",
+    "parse_options",
+    "split_headed",
+    "split_options",
+    "with_options",
+    "without_class_options",
+]
