@@ -239,9 +239,7 @@ class Report:
         hazards = sum(finding.state == FindingState.HAZARD for finding in self.findings)
         if self.command == "replay":
             return f"{others} of {len(self.findings)} confirmed"
-        found = (
-            counted(self.failing, "new class", "new classes") if self.failing else "no new class"
-        )
+        found = counted(self.failing, "new failure") if self.failing else "no new failure"
         known = f", {others - hazards} known" if others > hazards else ""
         unsensed = f", {counted(hazards, 'hazard')} that it cannot sense" if hazards else ""
-        return f"{found} of failures{known}{unsensed}"
+        return f"{found}{known}{unsensed}"

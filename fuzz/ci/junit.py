@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fuzz.ci.finding import CiFinding, FindingState, Report
+from worldgen.support.plain_text import shown
 
 _SKIPPED = {
     FindingState.KNOWN: "known: the baseline has this class",
@@ -56,7 +57,7 @@ def _outcome(suite: Element, report: Report) -> None:
 
 
 def _case(suite: Element, command: str, finding: CiFinding) -> None:
-    name = finding.place if command == "replay" else f"{finding.who}: {finding.group}"
+    name = finding.place if command == "replay" else f"{finding.who}: {shown(finding.file.stem)}"
     case = SubElement(
         suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place
     )

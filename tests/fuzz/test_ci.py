@@ -84,7 +84,7 @@ def test_sarif_is_as_it_was(project):
         controller="thesis-1",
         who="thesis-1 under stepped",
         verdict="tunnel",
-        bucket="tunnel-slide-post",
+        group="tunnel-slide-post",
         what="tunnel (step 3, wall cell (1, 2))",
         size="4 x 3 cells, 1 solid",
         picture="....\n.S#G\n....",
@@ -97,29 +97,29 @@ def test_sarif_is_as_it_was(project):
         state=FindingState.NEW,
         file=project / "a b.grid",
         verdict="loop",
-        bucket="loop-bumps",
+        group="loop-bumps",
         what="loop forever {}",
     )
     text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")
     assert text == (GOLDEN / "two.sarif").read_text(encoding="utf-8")
 
 
-def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
+def test_sarif_has_a_rule_for_each_cause_and_notes_what_is_known(project):
     run = read_sarif(sarif(report(*TWO.findings, *TWO.findings), project))
     assert len(run["tool"]["driver"]["rules"]) == 2 and len(run["results"]) == 4
     assert [result["level"] for result in run["results"]] == ["error", "note"] * 2
 
 
-def test_sarif_says_what_goes_wrong_before_it_names_the_class(project):
+def test_sarif_says_what_goes_wrong_before_it_names_the_cause(project):
     run = read_sarif(sarif(report(finding(LOOP)), project))
     (rule,) = run["tool"]["driver"]["rules"]
-    sentence = "It bounces from wall to wall on a path that repeats."
+    sentence = "It drives from wall to wall on a path that repeats."
     assert rule["shortDescription"]["text"] == sentence
     message = run["results"][0]["message"]["text"]
     assert message.startswith(f"thesis-1 under stepped: {sentence} Verdict: loop forever")
 
 
-def test_a_fingerprint_is_the_class_and_not_the_world(project):
+def test_a_fingerprint_is_the_cause_and_not_the_world(project):
     loop = Failure.read(LOOP)
     there = CiFinding.of(
         replace(loop, world=turned(loop.world)), project / "elsewhere.grid", FindingState.NEW
@@ -212,12 +212,12 @@ def test_words_of_strangers_break_no_report(project):
     )
 
 
-def test_a_summary_has_a_row_and_a_picture_for_each_class():
+def test_a_summary_has_a_row_and_a_picture_for_each_failure():
     rows, folds = read_markdown(markdown(TWO))
     assert [row[0] for row in rows] == ["new", "known"]
-    assert rows[0][1] == "It bounces from wall to wall on a path that repeats."
+    assert rows[0][1] == "It drives from wall to wall on a path that repeats."
     assert rows[0][5] == read_world(LOOP).failure.details["class"]
-    assert "S start  G target" in folds[0] and "1 new class of failures, 1 known" in markdown(TWO)
+    assert "S start  G target" in folds[0] and "1 new failure, 1 known" in markdown(TWO)
 
 
 def test_the_title_of_what_has_no_explanation_ends_its_sentence():
@@ -329,7 +329,7 @@ def test_fuzz_writes_what_it_found_also_into_the_folder_that_it_makes(project):
     )
     found = json.loads(result.out)["failures"]
     run = read_sarif(Path("out/s.sarif").read_bytes())
-    assert [one["ruleId"] for one in run["results"]] == [one["class"] for one in found] != []
+    assert [one["ruleId"] for one in run["results"]] == [one["cause"] for one in found] != []
     assert run["properties"]["seed"] == "1" and len(
         read_markdown(Path("sum.md").read_text())[0]
     ) == len(found)

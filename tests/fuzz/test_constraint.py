@@ -91,9 +91,9 @@ def violations(case, given):
 
 
 def wrong(failures, given):
-    """Return the violations of some failures, with their buckets."""
+    """Return the violations of some failures, with their signatures."""
     return [
-        (failure.bucket, *found)
+        (failure.signature, *found)
         for failure in failures
         if (found := violations(Case(failure.world, failure.scenario), given))
     ]

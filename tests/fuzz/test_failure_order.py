@@ -55,11 +55,14 @@ def test_a_corpus_orders_failures_as_they_order_themselves(equal, corpus):
     assert [entry.facts.order for entry in smallest(corpus).values()] == orders[:1]
 
 
+NEW = {"is_known": False, "is_interesting": True}
+
+
 @pytest.mark.parametrize("places", [*itertools.permutations(range(4))], ids=str)
 def test_a_campaign_keeps_the_first_failure_in_whatever_order_it_finds_them(
     equal, places, monkeypatch
 ):
-    bucket = equal[0].bucket
+    key = equal[0].key
     found = [equal[place] for place in places]
     triage = Triage(CampaignConfig(found[0].scenario, seed=1), UnitResult())
     monkeypatch.setattr(
@@ -70,20 +73,20 @@ def test_a_campaign_keeps_the_first_failure_in_whatever_order_it_finds_them(
     for failure in found:
         triage.enter(failure.world, failure.scenario, failure.verdict)
         triage.result.worlds += 1
-        memory = memory.after(UnitResult(failures={bucket: failure}))
-        queue.job_for(bucket, failure, is_known=False, is_interesting=True)
-    assert triage.result.failures == memory.failures == queue.unshrunk(()) == {bucket: equal[0]}
+        memory = memory.after(UnitResult(failures={key: failure}))
+        queue.job_for(failure, **NEW)
+    assert triage.result.failures == memory.failures == {key: equal[0]}
+    assert queue.unshrunk(()) == [equal[0]]
 
 
-def test_a_campaign_shrinks_the_first_failure_of_each_class_first(equal):
+def test_a_campaign_shrinks_the_first_failure_of_each_group_first(equal):
     queue = ShrinkQueue(shrinks=True, by_size=True)
-    jobs = [
-        queue.job_for(str(number), failure, is_known=False, is_interesting=True)
-        for number, failure in enumerate(equal)
-    ]
+    # Errors with different reasons are groups of their own.
+    failures = [one.noting(cause="unknown", **{"class": str(n)}) for n, one in enumerate(equal)]
+    jobs = [queue.job_for(failure, **NEW) for failure in failures]
     for job in reversed(jobs):
         queue.add(job)
-    assert [queue.take().failure for _ in jobs] == equal
+    assert [queue.take().failure for _ in jobs] == sorted(failures, key=lambda one: one.order)
 
 
 def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(equal, monkeypatch):

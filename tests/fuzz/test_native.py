@@ -150,7 +150,7 @@ def test_loops_of_one_key_reach_as_far_and_come_as_near(controller):
     shapes = {}
     for n in np.flatnonzero(looks.verdict == "loop")[:30]:
         failure = failure_of(certified(looks.world(n)), looks.scenario_of(n), fewest_steps=20_000)
-        shapes.setdefault(looks.key[n], set()).add("-".join(failure.bucket.split("-")[-2:]))
+        shapes.setdefault(looks.key[n], set()).add("-".join(failure.signature.split("-")[-2:]))
     assert len(shapes) > 2 and all(len(names) == 1 for names in shapes.values())
 
 
