@@ -60,10 +60,10 @@ def test_the_readme_lists_every_file():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_fault_replays_with_the_class_of_the_readme(name):
+def test_a_fault_replays_with_the_cause_of_the_readme(name):
     shown = replay(Failure.of(world_of(name)))
     assert shown.confirmed, shown.reason
-    assert world_of(name).failure.details["class"] == TABLE[name]
+    assert world_of(name).failure.details["cause"] == TABLE[name]
 
 
 @pytest.mark.parametrize("name", NAMES)
