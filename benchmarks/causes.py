@@ -11,8 +11,6 @@ cause is the share of its failures that come from faults whose most frequent cau
 figure is the share of pairs of failures of two faults that have different causes. Each fault weighs
 the same, however many failures were taken of it.
 
-Causes that one condition explains are joined, as in a campaign's summary.
-
 The rules for causes were written while looking at worlds of :data:`DESIGN`, half of the faults,
 found with seed 1. No world of the other half was looked at, and none that the default seed finds.
 The room that shows which controllers get around walls was chosen with all faults.
@@ -40,7 +38,6 @@ from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage import triage
-from fuzz.cause import joined
 from fuzz.triage.diagnosis import cause_of
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
@@ -66,13 +63,13 @@ class Sorted:
     Args:
         fault: Its name.
         failures: How many.
-        classes: In how many classes they are.
+        signatures: How many different signatures they have.
         causes: How many have each cause, the most frequent first.
     """
 
     fault: str
     failures: int
-    classes: int
+    signatures: int
     causes: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -87,7 +84,7 @@ class Sorted:
 
 
 class _Everything(triage.Triage):
-    """Triage that keeps every failure, and not only the simplest of each class."""
+    """Triage that keeps every failure, and not only the simplest of each signature."""
 
     found: list[Failure]
 
@@ -98,7 +95,7 @@ class _Everything(triage.Triage):
 
 
 def sort_failures(fault: str, units: int = _UNITS, seed: int = _SEED) -> Sorted:
-    """Search for failures that show a fault, and count their classes and causes.
+    """Search for failures that show a fault, and count their signatures and causes.
 
     Args:
         fault: Name of the fault.
@@ -123,12 +120,9 @@ def sort_failures(fault: str, units: int = _UNITS, seed: int = _SEED) -> Sorted:
         _Everything.found.clear()
         if len(showing) >= _MOST:
             break
-    found = Counter(map(cause_of, showing))
-    causes: Counter[str] = Counter()
-    for part, whole in joined(found).items():
-        causes[whole.value] += found[part]
-    kinds = {failure.bucket for failure in showing}
-    return Sorted(fault, len(showing), len(kinds), dict(causes.most_common()))
+    causes = Counter(cause_of(failure).value for failure in showing)
+    signatures = {failure.signature for failure in showing}
+    return Sorted(fault, len(showing), len(signatures), dict(causes.most_common()))
 
 
 def purity(rows: Sequence[Sorted]) -> dict[str, float]:
@@ -160,7 +154,7 @@ def _row(row: Sorted) -> str:
     others = ", ".join(f"{name} {count}" for name, count in list(row.causes.items())[1:])
     held = "" if row.fault in DESIGN else "yes"
     return (
-        f"| `{row.fault}` | {held} | {row.failures} | {row.classes} | {row.main} | "
+        f"| `{row.fault}` | {held} | {row.failures} | {row.signatures} | {row.main} | "
         f"{_percent(row.completeness) if row.failures else '-'} | {others} |"
     )
 
@@ -228,7 +222,7 @@ def main() -> None:
     rows: list[Sorted] = []
     if not given.json:
         click.echo(
-            "| fault | held out | failures | classes | most frequent cause | share | others |"
+            "| fault | held out | failures | signatures | most frequent cause | share | others |"
         )
         click.echo("| --- | --- | ---: | ---: | --- | ---: | --- |")
     with ProcessPoolExecutor(given.workers) as pool:

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 FAILURES = ROOT / "corpora" / "failures"
 BEGIN, END = "<!-- table: python docs/draw_failures.py -->\n", "<!-- end of table -->\n"
 HEAD = (
-    "| controller | motion | classes | verdicts | solid cells, median and most | cells, median |\n"
+    "| controller | motion | failures | verdicts | solid cells, median and most | cells, median |\n"
 )
 
 

@@ -26,9 +26,9 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 
 SHIPPED = Path(__file__).parents[2] / "corpora/failures"
-WALL = SHIPPED / "turn-right/swept/loop-bumps-wall-turn-near-away.grid"
-FIRE = SHIPPED / "bug1/swept/burned-burning-caught.grid"
-CHANCE = SHIPPED / "turn-random/stepped/timeout-post-near.grid"
+WALL = SHIPPED / "turn-right/swept/returns-to-a-wall-2.grid"
+FIRE = SHIPPED / "bug1/swept/caught-by-a-change.grid"
+CHANCE = SHIPPED / "turn-random/stepped/wanders-3.grid"
 HERE = "tests.fuzz.test_counterfactual"
 HALL = World(
     np.zeros((5, 12), bool),
@@ -205,13 +205,13 @@ def test_changes_are_described_in_one_sentence(changes, sentence):
 
 def test_the_command_explains_a_file():
     result = worldgen("explain", WALL)
-    assert result.code == 0 and "It arrives if cell (0, 2) is free" in result.out
+    assert result.code == 0 and "It arrives if cell (0, 0) is free" in result.out
 
 
 def test_the_picture_of_an_explanation_marks_the_cells_that_the_sentence_names(tmp_path):
     assert worldgen("explain", WALL, "--picture", tmp_path / "why.svg").code == 0
     svg = (tmp_path / "why.svg").read_text()
-    assert "loop: arrives if cell (0, 2) is free" in svg
+    assert "loop: arrives if cell (0, 0) is free" in svg
     assert "cell named in the text" in svg
     assert worldgen("explain", WALL, "--picture", tmp_path / "why.png").code == 0
     assert (tmp_path / "why.png").read_bytes().startswith(b"\x89PNG")
@@ -222,7 +222,7 @@ def test_the_picture_of_an_explanation_marks_the_cells_that_the_sentence_names(t
 
 def test_replay_marks_the_cells_that_its_explanation_names():
     result = worldgen("replay", WALL, "--show")
-    assert "arrives if cell (0, 2) is free" in result.out
+    assert "arrives if cell (0, 0) is free" in result.out
     assert "? cell named in the text" in result.out
 
 
@@ -231,7 +231,7 @@ def test_json_has_the_changes_as_data():
     assert found["explained"] == 1
     (failure,) = found["failures"]
     assert failure["verdict"] == "loop" and failure["complete"] is True
-    assert failure["changes"][0] == {"what": "cell", "value": [0, 2], "was": None, "unit": ""}
+    assert failure["changes"][0] == {"what": "cell", "value": [0, 0], "was": None, "unit": ""}
 
 
 def test_a_failure_that_cannot_be_explained_is_reported_with_exit_code_2(tmp_path):

@@ -249,7 +249,7 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
 
 
 def test_robots_that_never_meet_do_not_give_way() -> None:
-    path = next((SHIPPED / "turn-right/swept").glob("loop-bumps-end-*.grid"))
+    path = SHIPPED / "turn-right/swept/returns-to-a-wall.grid"
     failure = Failure.read(path)
     room = failure.world
     # The same room twice, with a wall between: each robot loops on its own.

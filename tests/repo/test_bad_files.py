@@ -10,8 +10,8 @@ import pytest
 from tests.helpers.command_line import worldgen
 
 CORPUS = Path(__file__).parents[2] / "corpora"
-LOOP = CORPUS / "failures/turn-right/swept/loop-bumps-wall-turn-near-away.grid"
-OTHER = CORPUS / "failures/turn-right/swept/loop-bumps-post-turn-near-closer.grid"
+LOOP = CORPUS / "failures/turn-right/swept/returns-to-a-wall-2.grid"
+OTHER = CORPUS / "failures/turn-right/swept/returns-to-a-wall.grid"
 MAP = next(CORPUS.glob("thesis/*.grid"))
 
 

@@ -23,7 +23,7 @@ from worldgen.plugins.entry_points import points_of
 from worldgen.world import Provenance
 
 CORPUS = Path(__file__).parents[2] / "corpora"
-LOOP = CORPUS / "failures/turn-right/swept/loop-bumps-wall-turn-near-away.grid"
+LOOP = CORPUS / "failures/turn-right/swept/returns-to-a-wall-2.grid"
 RAISING = f"""
 class Robot:
     def reset(self):
