@@ -217,7 +217,6 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
         "size": f"{world.width} x {world.height}",
         "solid": world.solid_cells,
         "events": len(world.timeline),
-        "group": failure.group,
         "world": drawn_world(failure.stored),
         **run,
         "sensors": sensors,

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.boundary import describe_boundaries
-from fuzz.cause import Cause
+from fuzz.cause import CAUSE, Cause
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.facts.changed_worlds import OtherWorlds
@@ -22,7 +22,7 @@ from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.requests.messages import Request, SendPart
 from fuzz.studio.requests.messages import field as part_of
 from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
-from fuzz.triage.diagnosis import CAUSE, cause_of_run
+from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
@@ -72,7 +72,7 @@ class WallAnswers(Opened):
             "failures": [
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
-                    "class": entry.facts.group,
+                    "group": entry.facts.group,
                     "cause": self._cause(entry),
                     "shrinking": self._record(entry)[1],
                     "verdict": entry.facts.verdict,
