@@ -168,6 +168,7 @@ def _failure(
         "cause": cause.value,
         "sentence": "" if cause.is_vague else diagnosis.sentence(seen.failure.world),
         "advice": diagnosis.advice,
+        "example": example is not None,
         "why": "" if example is None else example.why,
         **_shown(seen, with_code=with_code).table(),
         "shrinking": seen.failure.shrinking.value,

@@ -11,7 +11,7 @@ const CAUSES = { loop: "circles-an-obstacle", tunnel: "goes-through-a-wall", sta
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, group: CAUSES[verdict], controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: 100 - solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
+  return { id, verdict, group: CAUSES[verdict], controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: 100 - solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], example: false, now, ...more };
 }
 
 const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
@@ -29,9 +29,9 @@ const find = (words) => type(list.querySelector("#find"), words);
 const headings = () => list.querySelectorAll("h2").map((one) => one.textContent);
 
 test("failures are grouped by cause, each group with its number of failures", () => {
-  assert.deepEqual(headings(), ["circles an obstacle 1", "wanders 1", "goes through a wall 2"]);
+  assert.deepEqual(headings(), ["circles an obstacle 1", "goes through a wall 2", "wanders 1"]);
   set("Group by", "verdict");
-  assert.deepEqual(headings(), ["loop 1", "stalled 1", "tunnel 2"]);
+  assert.deepEqual(headings(), ["loop 1", "tunnel 2", "stalled 1"]);
   set("Group by", "controller");
   assert.deepEqual(headings(), ["turn-right under swept 3", "bug1 under swept 1"]);
   set("Group by", "none");
@@ -45,6 +45,12 @@ test("an error is grouped by its reason, and a failure without a cause by what i
   assert.deepEqual(headings(), [`${reason} 1`, "loop bumps nook 1"]);
   find("crashes");
   assert.deepEqual(cards(), ["a"]);
+});
+
+test("the clearest failure of a cause comes first", () => {
+  list.replaceChildren();
+  makeOverview(list, [failure("a", "loop", 9), failure("b", "loop", 20, { example: true }), failure("c", "loop", 30)]);
+  assert.deepEqual(cards(), ["b", "a", "c"]);
 });
 
 test("groups of causes have the answer's order, the worst first", () => {
@@ -114,7 +120,7 @@ test("cards are sorted as requested", () => {
 
 test("a card names its failure, and says that it was not confirmed here", () => {
   const [card] = list.querySelectorAll(".card").filter((one) => one.id === "card-four");
-  assert.match(card.textContent, /wanders9 x 3, 9 solid90 stepsmet 1×turn-right, sweptas found, not shrunknot confirmed here/);
+  assert.match(card.textContent, /wanders9 x 3, 9 solid90 stepscause met 1×turn-right, sweptas found, not shrunknot confirmed here/);
   assert.equal(card.getAttribute("href"), "#four");
 });
 

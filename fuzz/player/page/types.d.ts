@@ -280,6 +280,8 @@ interface ReportFailure {
   inside: ReportInside | null;
   /** What is around it, steps, how it turns and how it drives there, in words. */
   reactions: [string, number, string, string][];
+  /** Whether it is the clearest failure of its cause. */
+  example: boolean;
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
   shrinking: "done" | "cut short" | "none";

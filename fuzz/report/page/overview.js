@@ -4,7 +4,7 @@ import { causeWords, choice, el, grouped, plural, unfinished, verdictDot } from 
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
-  cause: ["Cause", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.group, b.group)],
+  cause: ["Cause", (a, b) => compareText(a.group, b.group) || Number(b.example) - Number(a.example)],
   small: ["Smallest first", (a, b) => a.place - b.place],
   large: ["Largest first", (a, b) => b.place - a.place],
   steps: ["Longest run first", (a, b) => stepsOf(b) - stepsOf(a)],
@@ -188,7 +188,7 @@ function card(failure, several) {
   const facts = [
     `${failure.size}, ${grouped(failure.solid)} solid`,
     run && (run.loop ? `period ${plural(run.loop[1], "step")}` : plural(run.steps, "step")),
-    failure.met && `met ${grouped(failure.met)}×`,
+    failure.met && `cause met ${grouped(failure.met)}×`,
   ].filter(Boolean);
   return el(
     "a",
