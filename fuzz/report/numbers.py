@@ -26,7 +26,7 @@ class FactGroup(NamedTuple):
     is_raw: bool = False
 
 
-# Details that have their own row; others are listed under their names.
+# Details that have their own row, or are not for readers; others are listed under their names.
 _SAID = (
     "class",
     CAUSE,
@@ -49,11 +49,6 @@ _SHRUNK = {
     ShrinkState.DONE: "done: no cell, row or column can be removed",
     ShrinkState.CUT_SHORT: "cut short: time ran out before it finished",
     ShrinkState.NONE: "none: the world is as it was found",
-}
-_KEPT = {
-    "verdict": "kept the verdict",
-    "class": "kept the class",
-    CAUSE: "kept the verdict and the cause",
 }
 
 
@@ -188,14 +183,9 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
         if campaign.survives_reset:
             rows.append(("state that survives reset()", ", ".join(campaign.survives_reset)))
     if "shrunk_from" in details:
-        kept = _KEPT.get(str(details.get("kept")), "")
-        rows.append(
-            (
-                "shrunk from",
-                f"{describe_value(details['shrunk_from'])} solid cells"
-                + (f", {kept}" if kept else ""),
-            )
-        )
+        # Versions before causes kept only the verdict.
+        kept = ", kept the verdict and the cause" if details.get("kept") == CAUSE else ""
+        rows.append(("shrunk from", f"{describe_value(details['shrunk_from'])} solid cells{kept}"))
     return rows + _others(details)
 
 

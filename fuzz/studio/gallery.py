@@ -72,7 +72,7 @@ class WallAnswers(Opened):
             "failures": [
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
-                    "class": entry.facts.group,
+                    "group": entry.facts.group,
                     "cause": self._cause(entry),
                     "shrinking": self._record(entry)[1],
                     "verdict": entry.facts.verdict,

@@ -16,7 +16,7 @@ def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
     write_report([campaign_folder(tmp_path / "failures")], tmp_path / "report.html")
     with page_in(browser) as page:
         page.goto((tmp_path / "report.html").as_uri())
-        page.locator(".card", has_text="loop-a").click()
+        page.locator(".card", has_text="returns to a wall").click()
         page.keyboard.press("Home")
         page.locator("#play-pause").click()
         page.locator("#readout", has_text=re.compile("step [1-9]")).wait_for()

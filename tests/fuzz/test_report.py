@@ -32,7 +32,7 @@ from tests.helpers.campaign_folder import (
     TUNNEL,
     campaign_folder,
     explain_the_loop,
-    renamed,
+    with_details,
 )
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -115,13 +115,13 @@ def test_every_failure_says_whether_it_replays(page):
     assert [failure["confirmed"] for failure in data_of(page)["failures"]] == [True, True, True]
 
 
-def test_numbers_say_strategy_chance_and_how_often_the_class_was_met(page):
+def test_numbers_say_strategy_chance_and_how_often_the_cause_was_met(page):
     loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
     groups = {title: dict(rows) for title, rows, _ in loop["groups"]}
     raw = [title for title, _, is_raw in loop["groups"] if is_raw]
     assert raw == ["Options", "Evidence"]
     assert groups["Search"]["found by strategy"] == "native"
-    assert groups["Search"]["class met"] == "17 times"
+    assert groups["Search"]["cause met"] == "17 times"
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
     assert groups["Run"]["period"] == "104 steps (1.56 s)"
     driven, witness = (
@@ -133,8 +133,8 @@ def test_numbers_say_strategy_chance_and_how_often_the_class_was_met(page):
 
 def test_an_exact_answer_is_among_the_numbers(tmp_path):
     trap = read_world(CORPUS / "thesis-1-drifting.grid")
-    details = {**trap.failure.details, "chance": "trap", "states": 512, "newly_noted": [1, 2]}
-    write_world(replace(trap, failure=replace(trap.failure, details=details)), tmp_path / "a.grid")
+    trap = with_details(trap, chance="trap", states=512, newly_noted=[1, 2])
+    write_world(trap, tmp_path / "a.grid")
     write_report([tmp_path], tmp_path / "r.html")
     groups = {
         title: dict(rows)
@@ -163,16 +163,37 @@ def test_a_title_is_text_whatever_it_holds(page, tmp_path):
     assert "<script>alert(1)" not in out.read_text()
 
 
-def test_a_hostile_class_stays_inside_the_data(tmp_path):
-    write_world(
-        renamed(read_world(CORPUS / LOOP), "</script><script>alert(1)</script>\u2028"),
-        tmp_path / "a.grid",
-    )
+def test_a_hostile_name_stays_inside_the_data(tmp_path):
+    name = "</script><script>alert(1)</script>\u2028"
+    write_world(with_details(read_world(CORPUS / LOOP), **{"class": name}), tmp_path / "a.grid")
     write_report([tmp_path / "a.grid"], tmp_path / "r.html")
-    assert (
-        data_of(tmp_path / "r.html")["failures"][0]["bucket"]
-        == "</script><script>alert(1)</script>\u2028"
-    )
+    assert data_of(tmp_path / "r.html")["failures"][0]["group"] == name
+
+
+def test_failures_are_named_by_their_cause_and_their_signature_is_only_in_their_files(page):
+    data = data_of(page)
+    assert {failure["verdict"]: failure["group"] for failure in data["failures"]} == {
+        "loop": "returns-to-a-wall",
+        "tunnel": "goes-through-a-wall",
+        "stalled": "wanders",
+    }
+    for failure in data["failures"]:
+        del failure["test"]
+    assert "loop-a" not in json.dumps(data)
+
+
+def test_an_error_is_named_by_its_reason_and_a_file_without_a_cause_by_its_signature(tmp_path):
+    crash = with_details(read_world(CORPUS / LOOP), **{"class": "crash-KeyError"}, cause="crashes")
+    write_world(crash, tmp_path / "a.grid")
+    write_world(read_world(CORPUS / STALLED), tmp_path / "b.grid")
+    write_report([tmp_path], tmp_path / "r.html")
+    data = data_of(tmp_path / "r.html")
+    names = {failure["group"]: failure["cause"] for failure in data["failures"]}
+    assert names == {"crash-KeyError": "crashes", "stalled-confined-end-near": "returns-to-a-wall"}
+    (answer,) = data["answers"]
+    assert {cause["cause"]: cause["groups"] for cause in answer["causes"]} == {
+        cause: [group] for group, cause in names.items()
+    }
 
 
 def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_path):
@@ -197,12 +218,12 @@ def test_a_single_file_is_shown_with_its_campaign(page):
 
 
 def test_a_failure_belongs_to_the_innermost_campaign_around_it(tmp_path):
-    campaign_folder(campaign_folder(tmp_path / "outer") / "inner", met={"loop-a": 3})
+    campaign_folder(campaign_folder(tmp_path / "outer") / "inner", met={"returns-to-a-wall": 3})
     write_report([tmp_path], tmp_path / "r.html")
     loop = next(
         failure
         for failure in data_of(tmp_path / "r.html")["failures"]
-        if failure["bucket"] == "loop-a"
+        if failure["group"] == "returns-to-a-wall"
     )
     assert (loop["path"], loop["met"]) == (str(tmp_path / "outer" / "inner" / LOOP), 3)
 
@@ -401,7 +422,9 @@ def test_a_campaign_writes_its_own_page(tmp_path):
     data = data_of(page)
     assert data["campaigns"][0]["units"] == 1
     assert len(data["failures"]) == len(list((tmp_path / "f").glob("*.grid")))
-    assert all(failure["before"] and failure["strategy"] for failure in data["failures"])
+    assert all(failure["strategy"] for failure in data["failures"])
+    # The clearest failure of a cause may be one that was not shrunk.
+    assert all(failure["before"] or failure["example"] for failure in data["failures"])
     # The example of a cause that only natural worlds show is shrunk too.
     natural = [failure for failure in data["failures"] if failure["strategy"] == "natural"]
     assert natural and all(failure["shrinking"] == "done" for failure in natural)
@@ -416,8 +439,9 @@ ARCHIVE = SUMMARY["archive"]
 @pytest.mark.parametrize(
     ("change", "place"),
     [
-        ({"version": 1}, "its version is 1, but this program reads version 2"),
-        ({"version": "2"}, "$.version"),
+        ({"version": 1}, "its version is 1, but this program reads version 3"),
+        ({"version": 2}, "its version is 2, but this program reads version 3"),
+        ({"version": "3"}, "$.version"),
         ({"worlds": -1}, "$.worlds"),
         ({"worlds": True}, "$.worlds"),
         ({"seed": 2**64}, "the seed is not below 2**64"),

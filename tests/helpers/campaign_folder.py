@@ -12,18 +12,18 @@ from worldgen.files.grid import read_world, world_digest, write_world
 CORPUS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP, TUNNEL, STALLED = "thesis-1-loop-104.grid", "thesis-2-slide.grid", "thesis-1-confined.grid"
 SUMMARY = {
-    "version": 2, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
-    "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"loop-a": 17},
+    "version": 3, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
+    "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"returns-to-a-wall": 17},
     "strategies": [
-        {"strategy": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "classes": 1},
-        {"strategy": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "classes": 1},
+        {"strategy": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "variants": 1},
+        {"strategy": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "variants": 1},
     ],
     "found": [
-        {"unit": 0, "strategy": "native", "class": "loop-a", "solid_cells": 40, "worlds": 12, "steps": 900,
-         "seconds": 0.2, "file": "a"},
-        {"unit": 1, "strategy": "archive", "class": "tunnel-a", "solid_cells": 9, "worlds": 300, "steps": 40_000,
-         "seconds": 1.2, "file": "b"},
-        {"unit": 2, "strategy": "native", "class": "loop-a", "solid_cells": 4, "worlds": 500,
+        {"unit": 0, "strategy": "native", "cause": "returns-to-a-wall", "solid_cells": 40, "worlds": 12,
+         "steps": 900, "seconds": 0.2, "file": "a"},
+        {"unit": 1, "strategy": "archive", "cause": "goes-through-a-wall", "solid_cells": 9, "worlds": 300,
+         "steps": 40_000, "seconds": 1.2, "file": "b"},
+        {"unit": 2, "strategy": "native", "cause": "returns-to-a-wall", "solid_cells": 4, "worlds": 500,
          "steps": 70_000, "seconds": 2.5, "file": "c"},
     ],
     "archive": {
@@ -37,19 +37,20 @@ def campaign_folder(folder, **summary):
     """Makes the folder; ``summary`` replaces parts of its summary."""
     memory = folder / ".campaign"
     (memory / "failures").mkdir(parents=True)
-    for name, kind in ((TUNNEL, "tunnel-a"), (STALLED, "stalled-a")):
-        write_world(renamed(read_world(CORPUS / name), kind), folder / name)
-    loop = renamed(read_world(CORPUS / LOOP), "loop-a")
+    for name, signature, cause in (
+        (TUNNEL, "tunnel-a", "goes-through-a-wall"),
+        (STALLED, "stalled-a", "wanders"),
+    ):
+        write_world(
+            with_details(read_world(CORPUS / name), **{"class": signature}, cause=cause),
+            folder / name,
+        )
+    loop = with_details(read_world(CORPUS / LOOP), **{"class": "loop-a"}, cause="returns-to-a-wall")
     original = replace(loop, provenance=None)
     name = world_digest(original)[:16]
     write_world(original, memory / "failures" / f"{name}.grid")
-    details = {
-        **loop.failure.details,
-        "original": name,
-        "found_by": "native",
-        "failing_seeds": [39, 40],
-    }
-    write_world(replace(loop, failure=replace(loop.failure, details=details)), folder / LOOP)
+    details = {"original": name, "found_by": "native", "failing_seeds": [39, 40]}
+    write_world(with_details(loop, **details), folder / LOOP)
     (memory / "summary.json").write_text(json.dumps(SUMMARY | summary))
     return folder
 
@@ -59,14 +60,13 @@ def explain_the_loop(folder, changes):
     cause = {
         "cause": "returns-to-a-wall", "sentence": "It bounces.", "advice": "Add memory.",
         "severity": "never-arrives", "state": "new", "met": 17, "verdicts": {"loop": 17},
-        "natural": None, "classes": ["loop-a"], "file": LOOP, "smallest": LOOP,
+        "natural": None, "groups": ["returns-to-a-wall"], "files": [LOOP], "file": LOOP, "smallest": LOOP,
         "why": "arrives if some cell is free", "changes": changes,
     }  # fmt: skip
-    (folder / ".campaign/overview.json").write_text(json.dumps({"version": 1, "causes": [cause]}))
+    (folder / ".campaign/overview.json").write_text(json.dumps({"version": 2, "causes": [cause]}))
 
 
-def renamed(world, kind):
-    """Return the failure with another class."""
-    return replace(
-        world, failure=replace(world.failure, details={**world.failure.details, "class": kind})
-    )
+def with_details(world, **details):
+    """Return the failure with other details in its record."""
+    details = {**world.failure.details, **details}
+    return replace(world, failure=replace(world.failure, details=details))

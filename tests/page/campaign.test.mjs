@@ -11,20 +11,20 @@ import { LIMITS, blank } from "./samples.mjs";
 const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null,
   budget: { units: 4, seconds: null }, units: 2, elapsed: null, archive: null, failures: 5,
-  met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
+  met: { "returns-to-a-wall": 17, "stands-still": 4, "crash-KeyError": 2 }, known: { "stands-still": 4 },
   activity: "searching", shrinking: 0, failed: 31,
-  strategies: [{ strategy: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { strategy: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
+  strategies: [{ strategy: "native", units: 1, worlds: 800, failures: 9, variants: 1 }, { strategy: "trap", units: 1, worlds: 100, failures: 14, variants: 2 }],
 };
 const DONE = { ...RUNNING, running: false, units: 4, activity: "done" };
 const REFUSED = { code: "scheduler-lost", problem: "the scheduler is gone", remedy: "", terminal: false, opens: "", facts: {}, line: null, source: null };
-const A = { class: "loop-a", width: 9, height: 3, solid: 21, verdict: "loop" };
-const SLID = { class: "loop-z", width: 7, height: 3, solid: 19, verdict: "loop" };
+const A = { group: "returns-to-a-wall", width: 9, height: 3, solid: 21, verdict: "loop" };
+const NATURAL = { group: "wanders", width: 7, height: 3, solid: 19, verdict: "loop" };
 
 function status() {
   const done = [];
   const campaign = {
     stopping: null, beginning: new Set(), read: 5, form: { workers: () => 2 },
-    wall: { choose: (one) => done.push(one.class), only: (name) => done.push(name) },
+    wall: { choose: (one) => done.push(one.group), only: (name) => done.push(name) },
     stop: () => done.push("stop"), halt: (folder) => done.push(`halt ${folder}`), goOn: (asked) => done.push(asked),
   };
   const made = makeStatus(campaign);
@@ -32,25 +32,25 @@ function status() {
   return { campaign, made, done, rows, line: () => made.element.querySelector("#progress-line").textContent };
 }
 
-const smallest = (...failures) => new Map(failures.map((one) => [one.class, one]));
+const smallest = (...failures) => new Map(failures.map((one) => [one.group, one]));
 
-test("the status line and the table have the same classes, and say why one has no picture", () => {
+test("the status line and the table have the same causes, and say why one has no picture", () => {
   const { made, rows, line } = status();
   made.show(DONE);
-  made.sizes(smallest(A, SLID));
-  assert.deepEqual(rows(0), [["loop-a", "17", "9 x 3, 21 solid"], ["stalled-b", "4", "known"], ["tunnel-c", "2", "not kept"], ["loop-z", "by shrinking", "7 x 3, 19 solid"]]);
-  assert.match(line(), /23 failures met4 classes: 1 known, 1 not kept/);
+  made.sizes(smallest(A, NATURAL));
+  assert.deepEqual(rows(0), [["returns to a wall", "17", "9 x 3, 21 solid"], ["stands still", "4", "known"], ["crash-KeyError", "2", "not kept"], ["wanders", "not by the search", "7 x 3, 19 solid"]]);
+  assert.match(line(), /23 failures met4 causes: 1 known, 1 not kept/);
 });
 
-test("while the folder is being read, no class is said to wait for anything", () => {
+test("while the folder is being read, no cause is said to wait for anything", () => {
   const { made, rows, line, campaign } = status();
   campaign.read = 4; // fewer failures than the folder has
   made.show(DONE);
   assert.deepEqual(rows(0).map(([, , size]) => size), ["…", "known", "…"]);
-  assert.doesNotMatch(line(), /class/);
+  assert.doesNotMatch(line(), /cause/);
 });
 
-test("while a campaign runs, classes without a picture are waiting to be shrunk", () => {
+test("while a campaign runs, causes without a picture are waiting to be shrunk", () => {
   const { made, rows, line } = status();
   made.show(RUNNING);
   made.sizes(smallest(A));
@@ -68,11 +68,11 @@ test("preparation does not count towards the budget, and shrinking says how many
   assert.match(line(), /^Shrinking 3 failures.*31 not arrived/);
 });
 
-test("a single class is described in the singular", () => {
+test("a single cause is described in the singular", () => {
   const { made, line } = status();
-  made.show({ ...DONE, met: { "loop-a": 1 } });
+  made.show({ ...DONE, met: { "returns-to-a-wall": 1 } });
   made.sizes(smallest(A));
-  assert.match(line(), /1 failure met1 class\d/);
+  assert.match(line(), /1 failure met1 cause\d/);
 });
 
 test("the state of the campaign is shown: done, stopped, given up, stopping", () => {
@@ -104,16 +104,16 @@ test("the best so far is the smallest failure, or the longest path if there is n
   made.show({ ...RUNNING, met: {}, archive });
   const best = made.element.querySelector("#best-so-far");
   assert.equal(best.textContent, "No failure yet. Longest path so far: 1.5 to 2 times the straight line");
-  made.sizes(smallest(SLID, A));
-  assert.equal(best.textContent, "Best so far:loop-z7 x 3 cells, 19 solid");
+  made.sizes(smallest(NATURAL, A));
+  assert.equal(best.textContent, "Best so far:wanders7 x 3 cells, 19 solid");
   // It was hidden while the folder was being read.
   made.sizes(null);
   made.show({ ...RUNNING, archive });
   assert.equal(best.hidden, true);
-  made.sizes(smallest(SLID, A));
+  made.sizes(smallest(NATURAL, A));
   assert.equal(best.hidden, false);
   best.querySelector("button").click();
-  assert.deepEqual(done, ["loop-z"]);
+  assert.deepEqual(done, ["wanders"]);
 });
 
 test("the strategy whose counts grow is marked as the current one", () => {
@@ -121,7 +121,7 @@ test("the strategy whose counts grow is marked as the current one", () => {
   made.show(RUNNING);
   const [native, trap] = RUNNING.strategies;
   made.show({ ...RUNNING, strategies: [native, { ...trap, worlds: 160 }] });
-  // the one with more classes comes first
+  // the one with more variants comes first
   assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]);
 });
 

@@ -208,7 +208,7 @@ test("each robot has its own number, unless there is only one", () => {
 });
 
 test("counts are followed by the singular or plural", () => {
-  assert.deepEqual([plural(1, "failure"), plural(0, "failure"), plural(2345, "class", "classes")], ["1 failure", "0 failures", "2,345 classes"]);
+  assert.deepEqual([plural(1, "failure"), plural(0, "failure"), plural(2345, "mesh", "meshes")], ["1 failure", "0 failures", "2,345 meshes"]);
   assert.deepEqual([grouped(1234567.6), short(1234567), short(12345), short(0.12345), rounded(1 / 3)], ["1,234,568", "1.23 M", "12.3 k", "0.123", "0.3333"]);
   assert.deepEqual([0, 1, 2].map((k) => rangeOf([1.5, 2], k)), ["below 1.5", "1.5 to 2", "2 and above"]);
   assert.equal(rangeOf([], 0), "any");

@@ -11,10 +11,10 @@ const CAUSES = { loop: "circles-an-obstacle", tunnel: "goes-through-a-wall", sta
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: 100 - solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
+  return { id, verdict, group: CAUSES[verdict], controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: 100 - solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], example: false, now, ...more };
 }
 
-const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { bucket: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
+const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
 
 let list;
 beforeEach(() => {
@@ -29,38 +29,40 @@ const find = (words) => type(list.querySelector("#find"), words);
 const headings = () => list.querySelectorAll("h2").map((one) => one.textContent);
 
 test("failures are grouped by cause, each group with its number of failures", () => {
-  assert.deepEqual(headings(), ["circles a wall 1", "wanders 1", "steps over a wall 2"]);
+  assert.deepEqual(headings(), ["circles an obstacle 1", "goes through a wall 2", "wanders 1"]);
   set("Group by", "verdict");
-  assert.deepEqual(headings(), ["loop 1", "stalled 1", "tunnel 2"]);
+  assert.deepEqual(headings(), ["loop 1", "tunnel 2", "stalled 1"]);
   set("Group by", "controller");
   assert.deepEqual(headings(), ["turn-right under swept 3", "bug1 under swept 1"]);
   set("Group by", "none");
   assert.deepEqual(headings(), []);
 });
 
-test("a card names the other causes and the number of worlds of its class", () => {
-  const twin = (id, more) => failure(id, "loop", 20, more);
+test("an error is grouped by its reason, and a failure without a cause by what it is filed under", () => {
   list.replaceChildren();
-  makeOverview(list, [twin("a"), twin("b"), twin("c", { cause: "wanders" }), twin("d", { controller: "bug1" })]);
-  const words = (id) => list.querySelector(`#card-${id}`).textContent;
-  assert.match(words("a"), /this class is also under wanders/);
-  assert.match(words("c"), /this class is also under circles a wall/);
-  assert.doesNotMatch(words("d"), /this class|worlds of/);
+  const reason = "crash-KeyError-mine.act-3f2a";
+  makeOverview(list, [failure("a", "crash", 20, { group: reason, cause: "crashes" }), failure("b", "loop", 9, { group: "loop-bumps-nook" })]);
+  assert.deepEqual(headings(), [`${reason} 1`, "loop bumps nook 1"]);
+  find("crashes");
+  assert.deepEqual(cards(), ["a"]);
+});
+
+test("the clearest failure of a cause comes first", () => {
   list.replaceChildren();
-  makeOverview(list, [twin("a"), twin("b")]);
-  assert.match(words("b"), /one of 2 worlds of this class/);
+  makeOverview(list, [failure("a", "loop", 9), failure("b", "loop", 20, { example: true }), failure("c", "loop", 30)]);
+  assert.deepEqual(cards(), ["b", "a", "c"]);
 });
 
 test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
   makeOverview(list, FAILURES, new Map([["goes-through-a-wall", "tunnel"], ["circles-an-obstacle", "loop"], ["wanders", "loop"]]));
-  assert.deepEqual(headings(), ["steps over a wall 2", "circles a wall 1", "wanders 1"]);
+  assert.deepEqual(headings(), ["goes through a wall 2", "circles an obstacle 1", "wanders 1"]);
   // A cause has one colour on the page, whatever its first failure's verdict.
   assert.deepEqual(list.querySelectorAll("h2 .dot").map((one) => one.dataset.verdict), ["tunnel", "loop", "loop"]);
 });
 
 test("the answer has advice for every cause, and a command if no change was tried", () => {
-  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
+  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, groups: ["a"], file: "one.grid", why: "", ...more });
   const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, percent: 10, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
   const answer = { controller: "c", motion: "m", causes: [cause("circles-an-obstacle"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
   const shown = element("answer");
@@ -70,7 +72,7 @@ test("the answer has advice for every cause, and a command if no change was trie
 });
 
 test("one cause at a time shows its example, the first until another one is chosen", () => {
-  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 3 }, natural: null, classes: ["a"], why: "", ...more });
+  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 3 }, natural: null, groups: ["a"], why: "", ...more });
   const causes = [cause("circles-an-obstacle", { file: "one.grid" }), cause("wanders", { file: "two.grid", why: "arrives if cell (1, 1) is free" }), cause("stands-still", { file: "" })];
   const failures = [failure("one", "loop", 20), failure("two", "loop", 30)];
   const shown = element("answer");
@@ -86,7 +88,7 @@ test("one cause at a time shows its example, the first until another one is chos
 });
 
 test("a hazard that it can sense does not hide how often it arrives", () => {
-  const burned = { cause: "caught-by-a-change", sentence: "It burns.", advice: "Mend it.", severity: "harmed", state: "", met: 3, verdicts: { burned: 3 }, natural: null, classes: ["a"], file: "", why: "" };
+  const burned = { cause: "caught-by-a-change", sentence: "It burns.", advice: "Mend it.", severity: "harmed", state: "", met: 3, verdicts: { burned: 3 }, natural: null, groups: ["a"], file: "", why: "" };
   const shown = element("answer");
   makeAnswer(shown, { failures: [], extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes: [burned], natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
   assert.equal(shown.querySelector(".headline").textContent, "It rarely arrives, and runs into a hazard that it can sense.");
@@ -118,14 +120,14 @@ test("cards are sorted as requested", () => {
 
 test("a card names its failure, and says that it was not confirmed here", () => {
   const [card] = list.querySelectorAll(".card").filter((one) => one.id === "card-four");
-  assert.match(card.textContent, /stalled-a9 x 3, 9 solid90 stepsmet 1×turn-right, sweptas found, not shrunknot confirmed here/);
+  assert.match(card.textContent, /wanders9 x 3, 9 solid90 stepscause met 1×turn-right, sweptas found, not shrunknot confirmed here/);
   assert.equal(card.getAttribute("href"), "#four");
 });
 
 test("markup in names is only text", () => {
   list.replaceChildren();
   const hostile = "<img src=x onerror=alert(1)></script>";
-  makeOverview(list, [failure("one", "loop", 20, { bucket: hostile })]);
+  makeOverview(list, [failure("one", "loop", 20, { group: hostile })]);
   assert.equal(list.querySelector(".kind").textContent, hostile);
   assert.equal(list.querySelectorAll("img, script").length, 0);
 });
@@ -143,12 +145,12 @@ test("arrow keys move from card to card", () => {
 
 const CAMPAIGN = {
   controller: "turn-right", motion: "swept", folder: "mine", seed: "1", units: 4, worlds: 900, steps: 120_000, seconds: 3.5,
-  verdicts: { reached: 700, loop: 12 }, met: { "loop-a": 17, "tunnel-a": 2 },
-  strategies: [{ strategy: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, classes: 1 }, { strategy: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, classes: 2 }],
+  verdicts: { reached: 700, loop: 12 }, met: { "circles-an-obstacle": 17, "goes-through-a-wall": 2 },
+  strategies: [{ strategy: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, variants: 1 }, { strategy: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, variants: 2 }],
   found: [
-    { unit: 0, strategy: "native", bucket: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
-    { unit: 1, strategy: "archive", bucket: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
-    { unit: 2, strategy: "native", bucket: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
+    { unit: 0, strategy: "native", cause: "circles-an-obstacle", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
+    { unit: 1, strategy: "archive", cause: "goes-through-a-wall", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
+    { unit: 2, strategy: "native", cause: "circles-an-obstacle", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
   ],
   archive: { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1.5, "reached"], [2, 1, 4, "loop"]], axes: [{ name: "detour", edges: [1.5, 2] }, { name: "density", edges: [0.1] }] },
 };
@@ -163,21 +165,21 @@ function charts(campaigns = [CAMPAIGN]) {
 test("a campaign has charts, each with a label and a table", () => {
   const place = charts();
   const titles = place.querySelectorAll("h3").map((one) => one.textContent);
-  assert.deepEqual(titles, ["Found over time", "By search strategy", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at screening"]);
+  assert.deepEqual(titles, ["Found over time", "By search strategy", "Archive: detour and density", "Causes, by how often they were met", "Verdicts at screening"]);
   assert.ok(place.querySelectorAll("svg.plot").every((one) => one.getAttribute("aria-label")));
-  assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".later").length], [2, 2, 1]);
+  assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".chart circle").length], [2, 2]);
 });
 
-test("the curve rises at each new class, and its text says when the last one was found", () => {
+test("the curve rises where each cause is first met, and its text says when the last one was found", () => {
   const place = charts();
-  assert.match(place.textContent, /2 classes; the last new one after 300 of 900 worlds\./);
-  assert.match(place.textContent, /Strategy archive was the first to find 2 classes\./);
+  assert.match(place.textContent, /2 causes; the last new one after 300 of 900 worlds\./);
+  assert.match(place.textContent, /Strategy archive was the first to find 2 variants of these causes\./);
 });
 
-test("a class links to its failure on the page", () => {
+test("a cause links to its failure on the page", () => {
   const place = charts();
   const links = place.querySelectorAll("a").map((one) => [one.textContent, one.getAttribute("href")]);
-  assert.ok(links.length > 1 && links.every(([name, to]) => name === "loop-a" && to === "#one"));
+  assert.ok(links.length > 1 && links.every(([name, to]) => name === "circles an obstacle" && to === "#one"));
 });
 
 test("several campaigns are each shown with their names", () => {

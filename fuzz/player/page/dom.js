@@ -162,12 +162,13 @@ const SIGNS = {
 };
 
 /**
- * Returns the verdict of a failure class, which is the first part of the class's name.
+ * Returns a cause in words: `stands still`. The reason of an error names places in code, so it
+ * stays as it is: `crash-KeyError-mine.act-3f2a`.
  * @param {string} name
  * @returns {string}
  */
-export function verdictOfClass(name) {
-  return Object.keys(SIGNS).find((verdict) => name === verdict || name.startsWith(`${verdict}-`)) ?? "";
+export function causeWords(name) {
+  return /^[a-z-]+$/.test(name) ? name.replaceAll("-", " ") : name;
 }
 
 /**

@@ -229,7 +229,6 @@ interface DrawnFailure {
   size: string;
   solid: number;
   events: number;
-  bucket: string;
   world: DrawnWorld | null;
   run: DrawnRun | null;
   sensors: Sensors | null;
@@ -254,7 +253,8 @@ interface ReportInside {
 
 interface ReportFailure {
   id: string;
-  bucket: string;
+  /** The name under which it is filed: its cause or, for an error of the controller, the reason. */
+  group: string;
   verdict: string;
   controller: string;
   motion: string;
@@ -280,6 +280,8 @@ interface ReportFailure {
   inside: ReportInside | null;
   /** What is around it, steps, how it turns and how it drives there, in words. */
   reactions: [string, number, string, string][];
+  /** Whether it is the clearest failure of its cause. */
+  example: boolean;
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
   shrinking: "done" | "cut short" | "none";
@@ -307,8 +309,8 @@ interface ReportCampaign {
   worlds: number;
   steps: number;
   seconds: number;
-  found: { bucket: string; strategy: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
-  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
+  found: { cause: string; strategy: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
+  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; variants: number }[];
   met: Record<string, number>;
   verdicts: Record<string, number>;
   survives_reset?: string[];
@@ -341,15 +343,14 @@ interface NaturalWorlds {
 
 interface ReportCause {
   cause: string;
-  /** The causes that it joins; empty if it is a single one. */
-  parts: string[];
   sentence: string;
   advice: string;
   severity: string;
   state: string;
   met: number;
   natural: number | null;
-  classes: string[];
+  /** The names under which its failures are filed. */
+  groups: string[];
   verdicts: Record<string, number>;
   /** Path of the clearest failure; empty if there is none. */
   file: string;

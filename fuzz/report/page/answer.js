@@ -1,6 +1,6 @@
 // The first screen: does it work, how bad is it, why, and what to do.
 
-import { el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
+import { causeWords, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
@@ -122,7 +122,7 @@ function othersPart(causes, find) {
 function namesPart(words, causes, find, noteOn) {
   const part = (cause) => {
     const failure = find(cause.file);
-    const name = cause.cause.replaceAll("-", " ");
+    const name = causeWords(cause.cause);
     const remark = noteOn(cause);
     return [failure ? el("a", { href: `#${failure.id}` }, name) : name, remark ? ` (${remark})` : ""];
   };
@@ -207,7 +207,7 @@ function makeCause(cause, answer, failure) {
   if (answer.natural && answer.natural.worlds && cause.natural !== null && cause.severity !== "unsensed")
     often.push(`${cause.natural || "none"} of ${plural(answer.natural.worlds, "natural world")}`);
   often.push(cause.met > 0 ? `examined: ${verdictsOf(cause)}` : "not met by the search");
-  const name = cause.cause.replaceAll("-", " ");
+  const name = causeWords(cause.cause);
   const button = el("button", { type: "button", class: "small", hidden: !failure, "aria-label": `Example of ${name}` }, "Example");
   const more = el("div", { class: "folded" }, whyPart(cause, failure), failure ? commandPart(failure) : null);
   const example = el(

@@ -2,7 +2,7 @@
 // behaviours. Each picture has its table.
 
 import { archivePlot, rangeOf, rounded, short } from "#player/archive.js";
-import { choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
+import { causeWords, choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
 import { compareText } from "#report/overview.js";
 
 // As wide as the window allows, so that its text is as large as elsewhere.
@@ -14,7 +14,7 @@ const PLOT = {
   top: 12,
   bottom: 40,
 };
-const UNLINKED = "Classes without a link have no failure here; shrinking may have led to another class.";
+const UNLINKED = "Causes without a link have no failure here.";
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
 /**
@@ -28,7 +28,7 @@ export function makeCampaign(section, campaigns, failures) {
   );
 }
 
-// Returns, for each class of a campaign, its failure on this page.
+// Returns, for each cause of a campaign, its first failure on this page.
 function linksOf(failures, index) {
   const links = new Map();
   for (const failure of failures)
@@ -48,12 +48,12 @@ function campaignPart(campaign, links, several) {
       strategyChart(campaign),
       archiveChart(campaign.archive),
       barChart(
-        "Classes, by how often they were met",
-        "class",
+        "Causes, by how often they were met",
+        "cause",
         campaign.met,
-        (bucket) => linked(bucket, links),
+        (cause) => linked(cause, links),
         (count) =>
-          `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((bucket) => links.has(bucket)) ? "" : UNLINKED}`,
+          `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((cause) => links.has(cause)) ? "" : UNLINKED}`,
       ),
       barChart(
         "Verdicts at screening",
@@ -68,8 +68,9 @@ function campaignPart(campaign, links, several) {
   );
 }
 
-function linked(bucket, links) {
-  return links.has(bucket) ? el("a", { href: `#${links.get(bucket)}` }, bucket) : bucket;
+function linked(cause, links) {
+  const words = causeWords(cause);
+  return links.has(cause) ? el("a", { href: `#${links.get(cause)}` }, words) : words;
 }
 
 function chart(title, note, ...content) {
@@ -82,19 +83,14 @@ function chart(title, note, ...content) {
   );
 }
 
-// Finds over time: a step up for each new class, and a ring where a later failure replaced an
-// earlier one of its class.
+// Finds over time: a step up for each cause, where it was first met.
 function foundChart(campaign, links) {
   if (campaign.found.length === 0) return chart("Found over time", "Nothing was found.");
-  const curve = cumulated(campaign.found);
-  const last = curve.filter((point) => point.first).pop();
+  const firsts = firstFinds(campaign.found);
   const holder = el("div");
-  const draw = (axis) => holder.replaceChildren(foundPlot(campaign, curve, axis));
+  const draw = (axis) => holder.replaceChildren(foundPlot(campaign, firsts, axis));
   draw("worlds");
-  const met = new Set(campaign.found.map((find) => find.cause)),
-    others = [...links.keys()].filter((bucket) => !met.has(bucket)).length;
-  const shrunk = others > 0 ? ` Shrinking led to ${plural(others, "other class", "other classes")}.` : "";
-  const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.${shrunk}`;
+  const note = `${plural(firsts.length, "cause")}; the last new one after ${grouped(firsts[firsts.length - 1].worlds)} of ${plural(campaign.worlds, "world")}.`;
   return chart(
     "Found over time",
     note,
@@ -107,8 +103,8 @@ function foundChart(campaign, links) {
     holder,
     tableBehind(
       "Table of finds",
-      ["class", "strategy", "unit", "cells", "worlds", "steps", "s"],
-      campaign.found.map((find) => [
+      ["cause", "strategy", "unit", "cells", "worlds", "steps", "s"],
+      firsts.map((find) => [
         linked(find.cause, links),
         find.strategy,
         grouped(find.unit),
@@ -121,37 +117,30 @@ function foundChart(campaign, links) {
   );
 }
 
-function cumulated(found) {
-  const seen = new Set();
-  return found.map((find) => {
-    const first = !seen.has(find.cause);
-    seen.add(find.cause);
-    return { find, first, total: seen.size };
-  });
+// Returns the first find of each cause; the others are variants of it.
+function firstFinds(found) {
+  const firsts = new Map();
+  for (const find of found) if (!firsts.has(find.cause)) firsts.set(find.cause, find);
+  return [...firsts.values()];
 }
 
-function foundPlot(campaign, curve, axis) {
-  const most = curve[curve.length - 1].total,
-    end = Math.max(campaign[axis], curve[curve.length - 1].find[axis], 1e-9);
+function foundPlot(campaign, firsts, axis) {
+  const most = firsts.length,
+    end = Math.max(campaign[axis], firsts[most - 1][axis], 1e-9);
   const x = (value) => PLOT.left + (value / end) * (PLOT.width - PLOT.left - PLOT.right);
   const y = (value) => PLOT.height - PLOT.bottom - (value / most) * (PLOT.height - PLOT.top - PLOT.bottom);
-  // The curve rises at each new class; every find is a dot with its details as a tooltip.
+  // The curve rises at each cause; its first find is a dot with its details as a tooltip.
   let path = `M${x(0)},${y(0)}`;
-  for (const point of curve) if (point.first) path += `H${x(point.find[axis]).toFixed(1)}V${y(point.total).toFixed(1)}`;
+  firsts.forEach((find, index) => (path += `H${x(find[axis]).toFixed(1)}V${y(index + 1).toFixed(1)}`));
   path += `H${x(end)}`;
-  const dots = curve.map((point) =>
+  const dots = firsts.map((find, index) =>
     svg(
       "circle",
-      {
-        cx: x(point.find[axis]).toFixed(1),
-        cy: y(point.total).toFixed(1),
-        r: point.first ? 4.5 : 3,
-        class: point.first ? "first" : "later",
-      },
+      { cx: x(find[axis]).toFixed(1), cy: y(index + 1).toFixed(1), r: 4.5, class: "first" },
       svg(
         "title",
         {},
-        `${point.find.cause}${point.first ? "" : ", replaces the one before"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${causeWords(find.cause)}: ${find.solid_cells} cells, strategy ${find.strategy}, unit ${find.unit}, after ${grouped(find.worlds)} worlds`,
       ),
     ),
   );
@@ -161,7 +150,7 @@ function foundPlot(campaign, curve, axis) {
       class: "plot",
       viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
       role: "img",
-      "aria-label": `Classes found over ${AXES[axis]}: ${most} in total; the table below lists them`,
+      "aria-label": `Causes found over ${AXES[axis]}: ${most} in total; the table below lists them`,
     },
     axes(x, y, end, most, AXES[axis]),
     svg("path", { class: "under", d: `${path}V${y(0)}Z` }),
@@ -208,9 +197,9 @@ function strategyChart(campaign) {
   return chart(
     "By search strategy",
     best.variants > 0
-      ? `Strategy ${best.strategy} was the first to find ${plural(best.variants, "class", "classes")}.`
-      : "No strategy found a class.",
-    table(["strategy", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
+      ? `Strategy ${best.strategy} was the first to find ${plural(best.variants, "variant")} of these causes.`
+      : "No strategy found a failure.",
+    table(["strategy", "units", "worlds", "steps", "failures", "new variants", "per M steps", ""], rows),
   );
 }
 

@@ -2,7 +2,7 @@
 // the command to replay it, its file.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
-import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
+import { byId, causeWords, el, grouped, plural, say, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { besideIn } from "#player/pair.js";
 import { copyButton } from "#report/copy.js";
@@ -52,7 +52,7 @@ export function makeDetail(section, failure, neighbours) {
   const drawPair = () => {
     for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""], { touched: true, cells: true });
   };
-  if (failure.now.world) load(failure.now, failure.group);
+  if (failure.now.world) load(failure.now, causeWords(failure.group));
   drawPair();
   dragToMove(stage, state);
   return {
@@ -60,7 +60,7 @@ export function makeDetail(section, failure, neighbours) {
     swap: () => {
       if (!state.player || !failure.before || !failure.before.world) return;
       if (state.shown === failure.now) load(failure.before, "As found");
-      else load(failure.now, failure.group);
+      else load(failure.now, causeWords(failure.group));
     },
     redraw: () => {
       if (state.player) state.player.draw();
@@ -85,18 +85,13 @@ function topOf(failure, [before, after]) {
       step(before, "Previous", "p"),
       step(after, "Next", "n"),
     ),
-    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.cause.replaceAll("-", " ")),
+    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", causeWords(failure.group)),
     el("p", { class: "words" }, `${failure.sentence || `${failure.words}.`} ${failure.advice}`),
     failure.repeats ? el("p", { class: "words why" }, `It ${failure.repeats}.`) : null,
     failure.why
       ? el("p", { class: "words why" }, `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.`)
       : null,
-    el(
-      "p",
-      { class: "words quiet" },
-      `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}. Class `,
-      el("span", { class: "class" }, failure.group),
-    ),
+    el("p", { class: "words quiet" }, `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}.`),
     failure.shrinking === "done"
       ? null
       : el("p", { class: "notice" }, `${failure.shrinking === "cut short" ? "Shrinking this world was cut short" : "This world is as it was found"}, so some of its walls may not matter. worldgen shrink makes it small.`),
@@ -127,7 +122,7 @@ function pairPart(failure, pair, load) {
       el(
         "figcaption",
         {},
-        el("span", {}, el("b", {}, title), el("br"), el("span", { class: "quiet" }, pairWords(failure, drawn))),
+        el("span", {}, el("b", {}, title), el("br"), el("span", { class: "quiet" }, pairWords(drawn))),
         drawn.world && failure.now.world
           ? el(
               "button",
@@ -141,16 +136,15 @@ function pairPart(failure, pair, load) {
   const both = { type: "button", "data-which": "both", "aria-pressed": "false" };
   const together =
     failure.before.run && failure.before.world && failure.now.run && failure.now.world
-      ? el("button", { ...both, onclick: () => load(failure.now, failure.group, failure.before) }, "Play side by side")
+      ? el("button", { ...both, onclick: () => load(failure.now, causeWords(failure.group), failure.before) }, "Play side by side")
       : null;
   if (together) pair.append(el("div", { class: "together" }, together));
   return el("div", { class: "part" }, el("h3", {}, "Before and after shrinking"), pair);
 }
 
-function pairWords(failure, drawn) {
+function pairWords(drawn) {
   const facts = [drawn.size, `${grouped(drawn.solid)} solid`];
   if (drawn.run) facts.push(plural(drawn.run.steps, "step"));
-  if (drawn.group !== failure.group) facts.push(drawn.group);
   return facts.join(", ");
 }
 

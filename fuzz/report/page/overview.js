@@ -1,19 +1,18 @@
 // The failures as cards that can be filtered, ordered and grouped.
 
-import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
+import { causeWords, choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
-  class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.group, b.group)],
+  cause: ["Cause", (a, b) => compareText(a.group, b.group) || Number(b.example) - Number(a.example)],
   small: ["Smallest first", (a, b) => a.place - b.place],
   large: ["Largest first", (a, b) => b.place - a.place],
   steps: ["Longest run first", (a, b) => stepsOf(b) - stepsOf(a)],
   met: ["Met most often", (a, b) => (b.met || 0) - (a.met || 0)],
 };
 const GROUPS = {
-  cause: ["Cause", (failure) => failure.cause.replaceAll("-", " ")],
+  cause: ["Cause", (failure) => causeWords(failure.group)],
   verdict: ["Verdict", (failure) => failure.verdict],
-  class: ["Class", (failure) => failure.group],
   controller: ["Controller", (failure) => `${failure.controller} under ${failure.motion}`],
   none: ["Nothing", () => ""],
 };
@@ -35,11 +34,11 @@ function stepsOf(failure) {
  * @param {HTMLElement} section
  * @param {ReportFailure[]} failures
  * @param {Map<string, string>} causes The verdict that gives each cause its colour, in the order
- *   of the answer, the worst first; their groups come in it.
+ *   of the answer, the worst first; the list has the same order.
  * @returns {Overview}
  */
 export function makeOverview(section, failures, causes = new Map()) {
-  const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "cause" };
+  const wanted = { text: "", verdicts: new Set(), controller: "", order: "cause", group: "cause" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
   // Draw a card's picture only when it is about to be seen: a page may have a thousand cards.
@@ -57,12 +56,11 @@ export function makeOverview(section, failures, causes = new Map()) {
   );
   const redraw = () => list.querySelectorAll("canvas").forEach((canvas) => visible.observe(canvas));
   const several = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}`)).size > 1;
-  const classes = classesIn(failures);
   const refresh = () => {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
     const colours = wanted.group === "cause" ? causes.entries() : [];
-    const first = new Map([...colours].map(([cause, colour]) => [cause.replaceAll("-", " "), colour]));
-    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several, twinWords(failure, classes.get(classOf(failure)))), first));
+    const first = new Map([...colours].map(([cause, colour]) => [causeWords(cause), colour]));
+    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several), first));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
@@ -111,7 +109,7 @@ function toolbar(failures, wanted, refresh, count) {
     el("input", {
       type: "search",
       id: "find",
-      placeholder: "Find a class, a file …",
+      placeholder: "Find a cause, a file …",
       "aria-label": "Find failures",
       oninput: set("text"),
     }),
@@ -185,30 +183,12 @@ function groupsOf(failures, nameOf, cardOf, first) {
   );
 }
 
-const classOf = ({ group, controller, motion }) => [group, controller, motion].join("\n");
-
-// Returns the failures of each class.
-function classesIn(failures) {
-  const classes = new Map(failures.map((failure) => [classOf(failure), []]));
-  for (const failure of failures) classes.get(classOf(failure)).push(failure);
-  return classes;
-}
-
-// A class has two cards if the smallest world is not the clearest of its cause, or if its worlds have
-// different causes.
-function twinWords(failure, members) {
-  const twins = members.filter((one) => one !== failure);
-  const causes = [...new Set(twins.map((one) => one.cause))].filter((cause) => cause !== failure.cause);
-  if (causes.length) return `this class is also under ${causes.join(", ").replaceAll("-", " ")}`;
-  return twins.length ? `one of ${twins.length + 1} worlds of this class` : "";
-}
-
-function card(failure, several, twins) {
+function card(failure, several) {
   const { run } = failure.now;
   const facts = [
     `${failure.size}, ${grouped(failure.solid)} solid`,
     run && (run.loop ? `period ${plural(run.loop[1], "step")}` : plural(run.steps, "step")),
-    failure.met && `met ${grouped(failure.met)}×`,
+    failure.met && `cause met ${grouped(failure.met)}×`,
   ].filter(Boolean);
   return el(
     "a",
@@ -217,7 +197,7 @@ function card(failure, several, twins) {
     el(
       "div",
       { class: "text" },
-      el("div", { class: "kind" }, failure.group),
+      el("div", { class: "kind" }, causeWords(failure.group)),
       el(
         "div",
         { class: "facts" },
@@ -225,7 +205,6 @@ function card(failure, several, twins) {
       ),
       several ? el("div", { class: "facts" }, `${failure.controller}, ${failure.motion}`) : null,
       unfinished(failure.shrinking) ? el("div", { class: "facts" }, unfinished(failure.shrinking)) : null,
-      twins ? el("div", { class: "facts" }, twins) : null,
       failure.confirmed ? null : el("div", { class: "facts bad" }, "not confirmed here"),
       el("div", { class: "facts on-paper" }, el("code", {}, failure.replay)),
     ),

@@ -1,7 +1,7 @@
 // Starts the page: selects the view by address, and sets up keys and colours.
 
 import { short } from "#player/archive.js";
-import { byId, el, grouped, plural } from "#player/dom.js";
+import { byId, causeWords, el, grouped, plural } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { COLOURS, makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
@@ -27,10 +27,10 @@ function redraw() {
 
 function showTotals() {
   const { failures, campaigns, others } = data;
-  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.group}`)).size;
+  const causes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.group}`)).size;
   const confirmed = failures.filter((failure) => failure.confirmed).length;
   const some = (count, one, many = `${one}s`) => ["", grouped(count), ` ${count === 1 ? one : many}`];
-  const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
+  const items = [some(failures.length, "failure"), some(causes, "cause")];
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
   // one campaign's folder
@@ -92,7 +92,7 @@ function route() {
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
   byId("answer").hidden = view !== "overview";
   showTabs(view);
-  document.title = failure ? `${failure.group} - ${data.title}` : data.title;
+  document.title = failure ? `${causeWords(failure.group)} - ${data.title}` : data.title;
   if (failure) {
     page.detail = makeDetail(views.detail, failure, neighboursOf(name));
     scrollTo(0, 0);
@@ -132,7 +132,7 @@ function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
   const rows = data.answers.flatMap((answer) => answer.causes);
-  const causes = new Map(rows.map((row) => [row.cause, COLOURS[row.severity]]));
+  const causes = new Map(rows.flatMap((row) => row.groups.map((group) => [group, COLOURS[row.severity]])));
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures, causes);
   else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);

@@ -279,7 +279,7 @@ interface CampaignState {
   verdicts: Record<string, number>;
   met: Record<string, number>;
   known: Record<string, number>;
-  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
+  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; variants: number }[];
   archive: Archive | null;
   error: Refusal | null;
 }
@@ -287,7 +287,8 @@ interface CampaignState {
 /** A failure of a folder, as listed in the gallery. */
 interface WallFailure {
   name: string;
-  class: string;
+  /** The name under which it is filed: its cause or, for an error of the controller, the reason. */
+  group: string;
   /** Name of its cause; empty if its file names none. */
   cause: string;
   verdict: string;

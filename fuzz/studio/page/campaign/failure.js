@@ -1,6 +1,6 @@
 // The chosen failure: what happened, and the actions for it.
 
-import { el, plural, unfinished, verdictDot } from "#player/dom.js";
+import { causeWords, el, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
 import { framesPart } from "#player/robots.js";
@@ -52,7 +52,7 @@ function show(panel, failure) {
   ];
   const rows = facts.map(([name, value]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value)));
   panel.element.replaceChildren(
-    el("h2", {}, verdictDot(failure.verdict), " ", failure.class),
+    el("h2", {}, verdictDot(failure.verdict), " ", causeWords(failure.group)),
     panel.canvas,
     legend,
     why,
@@ -115,6 +115,6 @@ function mark(panel) {
       panel.element.querySelector("#mark-known").focus();
     }
     await campaign.reload();
-    return failure.known ? "A copy is in known/. Campaigns that you start here count this class but do not keep it." : "";
+    return failure.known ? "A copy is in known/. Campaigns that you start here count this cause but keep no failures of it." : "";
   });
 }

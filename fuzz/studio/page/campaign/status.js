@@ -2,12 +2,12 @@
 // and the strategies that find them.
 
 import { rangeOf } from "#player/archive.js";
-import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js";
+import { causeWords, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
 const ACTIVITIES = { preparing: "Preparing", searching: "Searching", shrinking: "Shrinking", explaining: "Explaining", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
-// What became of a class; only kept ones have a picture.
+// What became of a cause; only kept ones have a picture.
 const FATES = { kept: "", known: "known", waiting: "to be shrunk", lost: "not kept", unread: "…" };
 
 /**
@@ -19,7 +19,7 @@ export function makeStatus(campaign) {
     actions: el("div", { class: "actions" }),
     line: el("p", { class: "progress-line", id: "progress-line" }),
     bar: el("progress", { max: 1, value: 0, "aria-labelledby": "progress-line" }),
-    classes: el("tbody", {}),
+    causes: el("tbody", {}),
     strategies: el("tbody", {}),
     fault: el("p", { class: "notice", role: "alert", hidden: true }),
     best: el("p", { class: "best-line", id: "best-so-far" }),
@@ -33,8 +33,8 @@ export function makeStatus(campaign) {
   parts.tables = el(
     "div",
     { class: "tables" },
-    table("Failures by class", ["Class", "Met", "Smallest"], parts.classes),
-    table("Strategies", ["Strategy", "Worlds", "Failed", "New classes"], parts.strategies),
+    table("Failures by cause", ["Cause", "Met", "Smallest"], parts.causes),
+    table("Strategies", ["Strategy", "Worlds", "Failed", "New variants"], parts.strategies),
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
   const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null, offered: "null" };
@@ -45,18 +45,18 @@ export function makeStatus(campaign) {
     actions: parts.actions,
     show: (state) => show(status, state),
     sizes: (smallest) => {
-      // the simplest of each class, the worst first; null while the folder is being read
+      // the simplest of each cause, the worst first; null while the folder is being read
       status.smallest = smallest;
       if (status.state) showFailures(status);
     },
   };
 }
 
-// Shows everything about failures, by the same classes: the line, the table, and the best one.
+// Shows everything about failures, by the same causes: the line, the table, and the best one.
 function showFailures(status) {
-  const classes = classesOf(status);
-  status.parts.line.replaceChildren(...line(status, classes));
-  showClasses(status, classes);
+  const causes = causesOf(status);
+  status.parts.line.replaceChildren(...line(status, causes));
+  showCauses(status, causes);
   showBest(status);
 }
 
@@ -110,7 +110,7 @@ function showBest({ state, smallest, parts, campaign }) {
   const [best] = (smallest || new Map()).values();
   parts.best.hidden = false;
   if (best) {
-    const open = el("button", { type: "button", class: "link", onclick: () => campaign.wall.choose(best) }, best.class);
+    const open = el("button", { type: "button", class: "link", onclick: () => campaign.wall.choose(best) }, causeWords(best.group));
     parts.best.replaceChildren(el("span", {}, "Best so far:"), open, el("span", {}, `${best.width} x ${best.height} cells, ${best.solid} solid`));
     return;
   }
@@ -139,14 +139,14 @@ function share({ budget, units, elapsed }) {
   return budget.seconds && elapsed !== null ? Math.min(1, elapsed / budget.seconds) : 0;
 }
 
-function line(status, classes) {
+function line(status, causes) {
   const { state, campaign, smallest } = status;
   const met = Object.values(state.met).reduce((sum, times) => sum + times, 0);
   const facts = [
     [grouped(state.worlds), "worlds"],
     [short(state.steps), "steps"],
     state.running ? [grouped(state.failed), "not arrived"] : [grouped(met), met === 1 ? "failure met" : "failures met"],
-    ...(smallest ? [[grouped(classes.length), classWords(classes)]] : []),
+    ...(smallest ? [[grouped(causes.length), countWords(causes)]] : []),
     [grouped(speed(status)), state.running ? "worlds/s now" : "worlds/s"],
   ];
   const doing = campaign.stopping === state.folder && state.running ? "Stopping" : activityWords(state);
@@ -188,36 +188,35 @@ function speed({ state, past }) {
   return state.seconds > 0 ? state.worlds / state.seconds : 0;
 }
 
-/* Returns the classes, those met most often first. Shrinking may have turned a failure into one of
-   a class that the search never found. Of each { name, times, best, fate }:
-   fate is one of FATES. */
-function classesOf({ state, smallest, campaign }) {
+/* Returns the causes, those met most often first. Some are only in natural worlds, which the search
+   never tried. Of each { name, times, best, fate }: fate is one of FATES. */
+function causesOf({ state, smallest, campaign }) {
   const kept = smallest || new Map();
-  const slid = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);
+  const natural = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);
   const fateOf = (name) => {
     if (kept.has(name)) return "kept";
     if (state.known[name]) return "known";
     if (state.running) return "waiting";
     return campaign.read === state.failures ? "lost" : "unread"; // the folder is still being read
   };
-  const rows = [...Object.entries(state.met), ...slid].sort(([, a], [, b]) => b - a);
+  const rows = [...Object.entries(state.met), ...natural].sort(([, a], [, b]) => b - a);
   return rows.map(([name, times]) => ({ name, times, best: kept.get(name), fate: fateOf(name) }));
 }
 
-// Describes the classes without a picture, such as "classes: 1 known, 2 to be shrunk".
-function classWords(classes) {
-  const counts = ["known", "waiting", "lost"].map((wanted) => [FATES[wanted], classes.filter(({ fate }) => fate === wanted).length]);
-  const said = counts.filter(([, count]) => count > 0).map(([words, count]) => `${count} ${words}`);
-  return `${classes.length === 1 ? "class" : "classes"}${said.length > 0 ? `: ${said.join(", ")}` : ""}`;
+// Describes the causes without a picture, such as "causes: 1 known, 2 to be shrunk".
+function countWords(causes) {
+  const counts = ["known", "waiting", "lost"].map((wanted) => [FATES[wanted], causes.filter(({ fate }) => fate === wanted).length]);
+  const words = counts.filter(([, count]) => count > 0).map(([fate, count]) => `${count} ${fate}`);
+  return `${causes.length === 1 ? "cause" : "causes"}${words.length > 0 ? `: ${words.join(", ")}` : ""}`;
 }
 
-function showClasses({ parts, campaign }, classes) {
-  parts.classes.replaceChildren(
-    ...classes.map(({ name, times, best, fate }) => {
-      const show = el("button", { type: "button", class: "link", title: "Show only these", onclick: () => campaign.wall.only(name) }, name);
+function showCauses({ parts, campaign }, causes) {
+  parts.causes.replaceChildren(
+    ...causes.map(({ name, times, best, fate }) => {
+      const show = el("button", { type: "button", class: "link", title: "Show only these", onclick: () => campaign.wall.only(name) }, causeWords(name));
       const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : FATES[fate];
-      const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : verdictOfClass(name)), best ? show : name);
-      return rowOf([kind, times || "by shrinking", size]);
+      const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : ""), best ? show : causeWords(name));
+      return rowOf([kind, times || "not by the search", size]);
     }),
   );
 }

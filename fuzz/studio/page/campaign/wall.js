@@ -2,7 +2,7 @@
 
 import { askAbout } from "#studio/shared/asking.js";
 import { codeText } from "#studio/shared/edits.js";
-import { choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
+import { causeWords, choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Recent } from "#studio/shared/recent.js";
@@ -11,8 +11,8 @@ import { Refused, refusalWords } from "#studio/shared/refusals.js";
 const AT_ONCE = 3; // pictures requested at the same time
 const LOOKS = 400; // pictures that are kept, about 50 kB each
 const ROWS = 120; // cards that are shown before the user asks for more
-const SORTS = { worst: "worst first", size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
-const FILTERS = { cause: "Cause", class: "Class", verdict: "Verdict", controller: "Controller" };
+const SORTS = { worst: "worst first", size: "smallest first", newest: "newest first", oldest: "oldest first", group: "by cause" };
+const FILTERS = { group: "Cause", verdict: "Verdict", controller: "Controller" };
 
 /**
  * @param {any} campaign
@@ -49,8 +49,8 @@ export function makeWall(campaign) {
       const empty = wall.failures.length === 0 && wall.isRead ? parts.list.querySelector(".empty") : null;
       if (empty) empty.textContent = emptyWords(campaign);
     },
-    only: (kind) => {
-      wall.filter = { class: kind };
+    only: (group) => {
+      wall.filter = { group };
       showAll(wall);
     },
     redraw: () => redraw(wall),
@@ -82,9 +82,9 @@ function show(wall, answer) {
   parts.faults.hidden = !answer || answer.faults.length === 0;
   parts.faults.textContent = answer ? faultWords(answer.faults) : "";
   const smallest = new Map();
-  for (const one of sorted(wall.failures, "size")) if (!smallest.has(one.class)) smallest.set(one.class, one);
+  for (const one of sorted(wall.failures, "size")) if (!smallest.has(one.group)) smallest.set(one.group, one);
   const worst = sorted([...smallest.values()], "worst");
-  campaign.status.sizes(answer && new Map(worst.map((one) => [one.class, one])));
+  campaign.status.sizes(answer && new Map(worst.map((one) => [one.group, one])));
   campaign.failure.follow(wall.failures);
   showAll(wall);
 }
@@ -97,8 +97,8 @@ function faultWords(faults) {
 
 function sorted(failures, by) {
   const size = (a, b) => a.place - b.place;
-  const name = (a, b) => (a.class < b.class ? -1 : a.class > b.class ? 1 : 0);
-  const orders = { worst: (a, b) => a.rank - b.rank, size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
+  const group = (a, b) => (a.group < b.group ? -1 : a.group > b.group ? 1 : 0);
+  const orders = { worst: (a, b) => a.rank - b.rank, size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, group };
   return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || (a.name < b.name ? -1 : 1));
 }
 
@@ -128,7 +128,7 @@ function showTools(wall) {
   const values = (name) => [...new Set(failures.map((one) => one[name]))].sort();
   /** @type {(pair: string[]) => HTMLElement} */
   const filter = ([name, words]) =>
-    list(name, words, [["", "all"], ...values(name).map((one) => [one, name === "cause" ? causeWords(one) : one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
+    list(name, words, [["", "all"], ...values(name).map((one) => [one, name === "group" ? causeWords(one) : one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
   const known = ["", "new", "known"].map((value) => [value, value || "all"]);
   /** @type {(pair: string[]) => boolean} */
   const several = ([name]) => wall.filter[name] || values(name).length > 1;
@@ -147,8 +147,8 @@ function showCards(wall) {
   const fitting = sorted(failures, wall.sort).filter((one) => fits(wall, one));
   const focused = focusedElement()?.dataset?.failure;
   const all = fitting.length === failures.length;
-  const each = campaign.states.has(campaign.folder) && new Set(failures.map((one) => one.class)).size === failures.length;
-  const words = `${plural(failures.length, "failure")}${each && failures.length > 1 ? ", one of each class" : ""}`;
+  const causes = new Set(failures.map((one) => one.group)).size;
+  const words = `${plural(failures.length, "failure")}${failures.length > 1 ? ` of ${plural(causes, "cause")}` : ""}`;
   parts.count.textContent = all ? words : `${fitting.length} of ${plural(failures.length, "failure")}`;
   wall.seen.disconnect();
   /** @type {[string, HTMLElement][]} */
@@ -196,15 +196,12 @@ function cardOf(wall, failure) {
   card.dataset.verdict = failure.verdict;
   card.onclick = () => choose(wall, failure);
   card.querySelector(".text").replaceChildren(
-    el("span", { class: "kind" }, verdictDot(failure.verdict), failure.cause ? causeWords(failure.cause) : failure.class),
-    failure.cause ? el("span", { class: "quiet class" }, failure.class) : "",
+    el("span", { class: "kind" }, verdictDot(failure.verdict), causeWords(failure.group)),
     unfinished(failure.shrinking) ? el("span", { class: "quiet unshrunk" }, unfinished(failure.shrinking)) : "",
     el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
   );
   return [key, card];
 }
-
-const causeWords = (cause) => cause.replaceAll("-", " ") || "unknown";
 
 function choose(wall, failure) {
   wall.chosen = failure.name;
