@@ -4,7 +4,7 @@ Contents (each name is imported on first use):
     Corpus, CorpusEntry, Selection, read_corpus: Contents of a folder or an archive, without worlds.
     Baseline: Known failures.
     differences, CauseDifference: Compare two corpora.
-    distinct, places, smallest: Order entries, and choose the simplest of each class.
+    distinct, places, smallest: Order entries, and choose the simplest of each cause.
     merge: Collect these in a folder.
     judge_all, Judgement, remove: Find failures that can be deleted, and why.
     export: Write one archive, or a table.

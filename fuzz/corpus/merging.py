@@ -29,7 +29,7 @@ def places(entries: Iterable[CorpusEntry]) -> dict[FailureOrder, int]:
     }
 
 
-def shown(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], list[CorpusEntry]]:
+def shortlist(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], list[CorpusEntry]]:
     """Return the failures to keep by controller, motion model and cause, the simplest first.
 
     They are at most three, with different signatures, like those that a campaign shows.
@@ -44,10 +44,7 @@ def shown(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], list[Cor
 
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:
     """Return the simplest failure by controller, motion model and cause, regardless of order."""
-    best: dict[tuple[str, str, str], CorpusEntry] = {}
-    for entry in distinct(entries):
-        best.setdefault(entry.facts.key, entry)
-    return best
+    return {key: own[0] for key, own in shortlist(entries).items()}
 
 
 def merge(
@@ -70,7 +67,7 @@ def merge(
     entries = list(entries)
     chosen = {
         out / f"{name_of(entry.facts, number)}.grid": entry
-        for own in shown(entries).values()
+        for own in shortlist(entries).values()
         for number, entry in enumerate(own, 1)
     }
     texts = {path: Failure.read(entry.path).dumps() for path, entry in chosen.items()}

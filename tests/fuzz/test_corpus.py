@@ -1,4 +1,4 @@
-"""Corpora: the files are authoritative, the smallest of each class is kept, equal failures have
+"""Corpora: the files are authoritative, the smallest of each cause are kept, equal failures have
 equal bytes.
 """
 
@@ -23,14 +23,17 @@ INDEX = Path(INDEX_FOLDER) / "index.json"
 
 
 def failure(folder, name, *, solid=0, kind="loop-a", controller="thesis-1", digest=None, seen=None):
-    """Writes the shipped loop with another class, controller, number of solid cells or trace
+    """Write the shipped loop with another group, controller, number of solid cells or trace
     digest.
     """
     world = read_world(LOOP)
     walls = world.walls.copy()
     walls.flat[:solid] = True
     record = replace(
-        world.failure, controller=controller, details={**world.failure.details, "class": kind}
+        world.failure,
+        controller=controller,
+        # What has no known cause is filed by what it looks like.
+        details={**world.failure.details, "cause": "unknown", "class": kind},
     )
     record = replace(record, trace_digest=digest or record.trace_digest)
     path = folder / f"{name}.grid"
@@ -53,14 +56,14 @@ def read(*paths, **selection):
 
 def test_list_has_a_row_for_each_failure():
     result = worldgen("corpus", "list", FAULTS)
-    assert result.code == 0 and "16 failures of 16 classes" in result.out
+    assert result.code == 0 and "16 failures of 4 causes" in result.out
     assert all(path.name in result.out for path in FAULTS.glob("*.grid"))
 
 
 def test_list_as_json_has_what_the_file_says():
     row = json.loads(worldgen("corpus", "list", LOOP, "--json").out)["failures"][0]
     assert (row["controller"], row["motion"]) == ("thesis-1", "stepped")
-    assert row["class"] == "loop-bumps-wall-turn-near-closer"
+    assert row["cause"] == "returns-to-a-wall"
     assert (row["width"], row["height"], row["solid"], row["verdict"]) == (9, 3, 0, "loop")
     assert row["replay"] == f"worldgen replay {LOOP}" and row["first_seen"].endswith("Z")
 
@@ -69,9 +72,9 @@ def test_list_as_json_has_what_the_file_says():
     ("option", "pattern", "count"),
     [
         ("--controller", "thesis-3", 4),
-        ("--class", "tunnel-*", 7),
+        ("--cause", "goes-*", 13),
         ("--verdict", "stalled", 2),
-        ("--class", "no", 0),
+        ("--cause", "no", 0),
     ],
 )
 def test_a_filter_leaves_what_fits(option, pattern, count):
@@ -153,7 +156,7 @@ def test_a_file_that_changed_under_the_same_date_and_length_is_noticed(tmp_path)
     read(tmp_path)
     path.write_bytes(path.read_bytes().replace(b"loop-a", b"loop-b"))
     os.utime(path, (1_700_000_000, 1_700_000_000))
-    assert [entry.facts.bucket for entry in read(tmp_path)] == ["loop-b"]
+    assert [entry.facts.group for entry in read(tmp_path)] == ["loop-b"]
 
 
 def test_the_index_forgets_files_that_are_gone(tmp_path):
@@ -171,12 +174,12 @@ def test_a_folder_that_takes_no_index_is_read_all_the_same(tmp_path):
     assert len(read(tmp_path)) == 1
 
 
-def test_merge_keeps_the_smallest_of_each_class_of_each_controller(tmp_path):
+def test_merge_keeps_the_smallest_of_each_cause_of_each_controller(tmp_path):
     failure(tmp_path / "A", "x", solid=3)
     small = failure(tmp_path / "B", "y", solid=1)
     failure(tmp_path / "B", "z", solid=5, controller="turn-right")
     result = worldgen("corpus", "merge", tmp_path / "A", tmp_path / "B", "--out", tmp_path / "C")
-    assert result.code == 0 and "3 failures, 2 classes" in result.out
+    assert result.code == 0 and "3 failures, 2 kept" in result.out
     files = contents(tmp_path / "C")
     assert list(files) == ["thesis-1/stepped/loop-a.grid", "turn-right/stepped/loop-a.grid"]
     assert files["thesis-1/stepped/loop-a.grid"] == small.read_bytes()
@@ -225,7 +228,7 @@ def test_a_baseline_grows_by_merging_into_itself(tmp_path):
     assert sorted(contents(base).values()) == sorted([small.read_bytes(), fresh.read_bytes()])
 
 
-def test_a_merged_failure_is_dated_by_the_first_of_its_class(tmp_path):
+def test_a_merged_failure_is_dated_by_the_first_of_its_cause(tmp_path):
     failure(tmp_path / "A", "large", solid=2, seen=1_600_000_000)
     failure(tmp_path / "A", "small", solid=1, seen=1_700_000_000)
     merge(read(tmp_path / "A"), tmp_path / "C")
@@ -251,14 +254,14 @@ def test_names_that_look_alike_once_they_are_plain_stay_apart(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "change"), [(2, 1, "smaller"), (1, 2, "larger"), (1, 1, "same")]
 )
-def test_diff_says_what_became_of_a_class(old, new, change, tmp_path):
+def test_diff_says_what_became_of_a_cause(old, new, change, tmp_path):
     before, now = (
         read(failure(tmp_path, str(k), solid=solid)) for k, solid in enumerate((old, new))
     )
     assert [difference.change for difference in differences(before, now)] == [change]
 
 
-def test_diff_ends_with_1_for_a_new_class_and_with_0_for_one_that_is_gone(tmp_path):
+def test_diff_ends_with_1_for_a_new_cause_and_with_0_for_one_that_is_gone(tmp_path):
     failure(tmp_path / "one", "x")
     failure(tmp_path / "two", "x")
     failure(tmp_path / "two", "y", kind="loop-b")
@@ -268,7 +271,7 @@ def test_diff_ends_with_1_for_a_new_class_and_with_0_for_one_that_is_gone(tmp_pa
     assert less.code == 0 and json.loads(less.out)["gone"] == 1
 
 
-def test_against_an_empty_folder_every_class_is_new_and_an_empty_one_has_none(tmp_path):
+def test_against_an_empty_folder_every_cause_is_new_and_an_empty_one_has_none(tmp_path):
     (tmp_path / "none").mkdir()
     assert worldgen("corpus", "diff", tmp_path / "none", FAULTS).code == 1
     assert worldgen("corpus", "diff", FAULTS, tmp_path / "none").code == 0
@@ -294,7 +297,7 @@ def test_prune_keeps_what_replays_and_what_it_cannot_judge(mixed):
         and "cannot be replayed here" in result.out
     )
     assert (
-        "holds.grid is a smaller world of its class" in result.out
+        "holds.grid is a smaller world that looks the same" in result.out
         and "2 kept, 2 dropped" in result.out
     )
 
@@ -369,9 +372,9 @@ def test_equal_failures_are_an_equal_archive(ending, tmp_path):
 
 @pytest.mark.gate
 def test_an_archive_is_a_corpus_like_the_folder_it_came_from(tmp_path):
-    worldgen("corpus", "export", FAULTS, "--class", "*-slide-*", "--out", tmp_path / "f.zip")
+    worldgen("corpus", "export", FAULTS, "--cause", "goes-*", "--out", tmp_path / "f.zip")
     listed = read(tmp_path / "f.zip")
-    assert smallest(listed).keys() == smallest(read(FAULTS, buckets=("*-slide-*",))).keys()
+    assert smallest(listed).keys() == smallest(read(FAULTS, causes=("goes-*",))).keys()
     assert worldgen("replay", tmp_path / "f.zip").code == 0
     assert worldgen("corpus", "diff", FAULTS, tmp_path / "f.zip").code == 0
 
@@ -386,7 +389,7 @@ def test_an_archive_has_a_row_and_a_picture_for_each_failure(tmp_path):
     with zipfile.ZipFile(tmp_path / "f.zip") as archive:
         rows = list(csv.DictReader(archive.read("corpus.csv").decode().splitlines()))
         assert [row["file"] for row in rows] == [
-            f"thesis-1/stepped/loop-a{n}.grid" for n in ("", "~2")
+            f"thesis-1/stepped/loop-a{n}.grid" for n in ("", "-2")
         ]
         assert all(archive.read(row["picture"]).startswith(b"\x89PNG") for row in rows)
 
@@ -397,7 +400,7 @@ def test_a_table_alone_is_comma_separated(tmp_path):
     assert json.loads(result.out)["failures"] == 16 == len(lines) - 1
     assert (
         lines[0]
-        == "file,controller,motion,class,verdict,width,height,solid,events,digest,first_seen"
+        == "file,controller,motion,cause,verdict,width,height,solid,events,digest,first_seen"
     )
 
 
@@ -432,7 +435,7 @@ def test_export_refuses_what_it_cannot_write(name, error_code, tmp_path):
 
 
 def test_show_draws_a_failure_and_says_how_to_replay_it():
-    result = worldgen("corpus", "show", FAULTS, "--class", "loop-*")
+    result = worldgen("corpus", "show", FAULTS, "--cause", "returns-*")
     assert (
         result.code == 0
         and "S start  G target" in result.out
@@ -461,6 +464,6 @@ def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_pat
 
 def test_a_sheet_of_nothing_is_refused(tmp_path):
     result = worldgen(
-        "corpus", "show", FAULTS, "--class", "none", "--picture", tmp_path / "sheet.png"
+        "corpus", "show", FAULTS, "--cause", "none", "--picture", tmp_path / "sheet.png"
     )
     assert result.code == 2 and result.error_code == "nothing-given"

@@ -87,9 +87,7 @@ def outputs(done, *names):
 def test_a_good_robot_passes(project):
     done = job(project, "pull-request", **QUICK)
     assert not done.failed, done.log
-    assert "worldgen fuzz: no new failure" in done.summary and outputs(
-        done, "failures"
-    ) == ["0"]
+    assert "worldgen fuzz: no new failure" in done.summary and outputs(done, "failures") == ["0"]
     assert read_sarif(Path("worldgen-failures/worldgen.sarif").read_bytes())["results"] == []
 
 
