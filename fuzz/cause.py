@@ -350,7 +350,7 @@ _CIRCUMSTANCES = {
     ),
     Circumstance.FOLLOWS_NO_WALL: _Additions(
         advice="A robot that turns by the same rule at each wall repeats itself: add memory, "
-        "chance or wall following, or check why what it has does not help.",
+        "chance or wall following.",
         sentence="{It} drives from wall to wall on a path that repeats.",
     ),
     Circumstance.FACE_TO_FACE: _Additions(

@@ -38,7 +38,7 @@ from fuzz.overview.building import (
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.describe import describe
 from fuzz.overview.overview import write_overview
-from fuzz.overview.terminal import Headline, overview_lines
+from fuzz.overview.terminal import Headline, describe_coverage, overview_lines
 from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
@@ -481,13 +481,9 @@ class CampaignSession:
             )
             more = f"; {counted(variants, 'new variant')} of known causes" if variants else ""
             say(f"known: {counted(len(state.known), 'cause')}, met {times}{more}")
-        verdicts = ", ".join(
-            f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
-        )
         say(
-            f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
-            f"runs: {verdicts or 'none'}; {state.met.total()} examined"
+            f"seed {self._config.seed}: {describe_units(state)}, "
+            f"{counted(state.steps, 'step')} in {state.seconds:.1f} s"
         )
         # Add notes about slow, stateful or hanging controllers.
         if (share := describe_share(self._config, state)) is not None:
@@ -517,6 +513,14 @@ class CampaignSession:
             say("")
         for stem, failure in sorted(hazards.items()):
             say(describe(failure, self._path(stem), met=met))
+        verdicts = ", ".join(
+            f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
+        )
+        say(
+            f"{describe_time(state)}; quick runs: {verdicts or 'none'}; {state.met.total()} examined"
+        )
+        if self._overview.natural is not None and self._overview.natural.worlds:
+            say(describe_coverage(self._overview.natural))
         say(describe_strategies(state))
         if state.known:
             often = ", ".join(

@@ -145,8 +145,12 @@ class Counterfactuals:
             "sentence": self.describe(),
         }
 
-    def describe(self) -> str:
-        """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``."""
+    def describe(self, most: int | None = None) -> str:
+        """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``.
+
+        Args:
+            most: Conditions to name, the others are counted; ``None`` for all.
+        """
         others = [change for change in self.changes if change.what != "cell"]
         slight = [change.what.replace("-", " ") for change in others if change.is_slight]
         conditions = [self._describe_cells()]
@@ -155,10 +159,12 @@ class Counterfactuals:
         if slight:
             conditions.append(f"with a slightly different {alternatives(slight)}")
         known = [condition for condition in conditions if condition]
-        if len(known) > 1:
-            return f"arrives {', '.join(known[:-1])}, or {known[-1]}"
-        if known:
-            return f"arrives {known[0]}"
+        shown = known[:most]
+        more = f" (or {len(known) - len(shown)} more)" if len(known) > len(shown) else ""
+        if len(shown) > 1:
+            return f"arrives {', '.join(shown[:-1])}, or {shown[-1]}{more}"
+        if shown:
+            return f"arrives {shown[0]}{more}"
         tried = f"{self.runs} single changes of its walls, robot and options"
         return f"fails with each of {tried}" + ("" if self.is_complete else " that were tried")
 

@@ -15,9 +15,12 @@ from fuzz.overview.overview import Overview
 from fuzz.overview.table import NaturalRow
 from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
-# The first cause has four lines, the next ones two; others are counted. With the lines about the
-# whole campaign, this makes fifteen.
+# The first cause has all of its words, the next ones a line; others are counted. With the lines
+# about the whole campaign, this makes fifteen of 80 columns.
 _MOST_IN_SHORT = 2
+
+# Changes after which the robot arrives; worldgen explain lists all.
+_MOST_CHANGES = 3
 
 # Failures that can depend on a wall or a number; controller errors and the user's rules do not.
 _EXPLAINED = (Severity.THROUGH_WALLS, Severity.HARMED, Severity.NEVER_ARRIVES, Severity.TOO_SLOW)
@@ -88,14 +91,10 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
-        advice = f"   {cause.sentence} {cause.diagnosis.advice}"
-        lines += [joined(f"{number}. ", _title(cause, overview.natural)), advice]
+        lines.append(joined(f"{number}. ", _title(cause, overview.natural)))
     lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
-    # Known causes have their own line, and the report lists what was tried.
-    if overview.natural is not None and overview.natural.worlds and not headline.is_known:
-        lines.append(describe_coverage(overview.natural))
     # Finally, suggest what to do next.
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
@@ -153,7 +152,9 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
         )
     for severity in Severity:
         found = {cause: n for cause, n in natural.causes.items() if cause.severity == severity}
-        if found:
+        # That it does not arrive in the rest need not be said.
+        is_rest = sum(found.values()) == natural.worlds - natural.arrived
+        if found and not (is_rest and severity == Severity.NEVER_ARRIVES):
             one, *others = found
             several = f": {len(found)} causes" if others else ""
             phrase = severity.phrase if others else one.phrase
@@ -271,7 +272,7 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
     if has_file:
         lines.append(f"   worldgen replay {path} --show")
-    known = [cause.shown.repeats, "" if cause.why is None else cause.why.describe()]
+    known = [cause.shown.repeats, "" if cause.why is None else cause.why.describe(_MOST_CHANGES)]
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif any(known):
