@@ -189,7 +189,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             for name, value in field(message, "parameters", dict).items()
         }
         # Refuse anything else, because the search would treat it as an argument.
-        FAMILIES.find(family, parameters).complete(parameters)
+        FAMILIES.get(family).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)
         if where is None and hard is None:

@@ -350,7 +350,12 @@ def test_shrinking_drops_a_robot_that_only_waits_behind_the_two_that_are_needed(
 
 @pytest.mark.parametrize(
     ("family", "robots"),
-    [("maze", 7), ("corridor", 2), ("examples/recipes/trap-in-maze.toml", 2), ("doorway", 3)],
+    [
+        ("maze", 7),
+        ("corridor", 2),
+        ("./examples/compose/trap_in_maze.py:trap_in_maze", 2),
+        ("doorway", 3),
+    ],
 )
 def test_a_campaign_draws_several_robots_in_worlds_of_any_family(tmp_path, family, robots) -> None:
     out = tmp_path / "f"

@@ -123,7 +123,6 @@ def folder(tmp_path_factory):
         "map.gltf": json.dumps({"asset": {"version": TEXT}, "extensionsRequired": [TEXT]}).encode(),
         "map.npy": b"\x93NUMPY" + raw,
         "map.csv": raw,
-        "recipe.toml": b"[" + raw + b"]\n",
         "settings.toml": ("about = " + json.dumps(TEXT) + "\n[" + MARK + "]\n").encode(),
         "manifest.jsonl": json.dumps({"format": TEXT}).encode() + b"\n",
         "set.zip": raw,
@@ -208,7 +207,6 @@ def runs_of(folder):
         "check-scenarios": [[name] for name in foreign if name.endswith(".scen")] + [[whole]],
         "check-family": [["./family.py:mine"], [f"./{NAME}.py:mine"], [TEXT]],
         "./family.py:mine": [["--seed", 1], ["--help"], ["--size", TEXT]],
-        "compose": [[name, "--seed", 1] for name in foreign if name.endswith(".toml")] + [[TEXT]],
         "import": [[name, "--out", f"i{k}.grid"] for k, name in enumerate([*foreign, *each, NAME])],
         "export": [
             [one, "--to", "ros", "--out", f"e{NAME}.yaml"],

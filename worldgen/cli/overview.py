@@ -8,7 +8,6 @@ from importlib.metadata import PackageNotFoundError, version
 COMMANDS: dict[str, dict[str, str]] = {
     "Make worlds": {
         "families": "List the families of worlds.",
-        "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",
         "regenerate": "Rebuild a set of worlds from its manifest, or check it.",
         "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
         "verify": "Check a world's proof, or decide whether a target can be reached.",
