@@ -112,7 +112,6 @@ COMMANDS = {
     "census": ("./noisy.py:maps", "--count", "2", "--seed", "1"),
     "chance": ("w.grid", *MINE),
     "check-family": ("./noisy.py:noisy",),
-    "check-scenarios": None,
     "compare": ("w.grid", "--controller", "./noisy.py:Noisy,turn-left"),
     "controllers": ("./noisy.py:Noisy",),
     "corpus diff": None,

@@ -78,7 +78,7 @@ def test_a_y_up_obj_file_is_turned(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "option", "value"), [("glb", "up", "z"), ("obj", "unit", "cm"), ("stl", "up", "y")]
+    ("kind", "option", "value"), [("glb", "up", "z"), ("obj", "unit", "cm"), ("obj", "up", "y")]
 )
 def test_facts_of_a_worldgen_file_are_not_used_for_another_axis_or_unit(
     kind, option, value, tmp_path

@@ -47,7 +47,6 @@ COMMANDS: dict[str, dict[str, str]] = {
         "measure": "Measure how hard worlds are.",
         "audit": "Check whether a trajectory from any simulator was possible.",
         "census": "Count the maps whose target a robot of a given radius can reach.",
-        "check-scenarios": "Check the path lengths that MovingAI problems state.",
     },
 }
 """Name and summary of each command by job; a test compares them with the commands' own."""
