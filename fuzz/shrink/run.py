@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.campaign.constraint import Constraint
-from fuzz.chance import chance_details
+from fuzz.chance import seeds_that_fail
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.oracles import Trial
 from fuzz.shrink.minimal import removed
@@ -249,7 +249,7 @@ class _Reducer:
         details |= {name: value for name, value in came.items() if name not in _OF_THE_OLD_WORLD}
         details |= made.record.details
         if self._still_fails.oracle.by_verdict:
-            details |= chance_details(made.world, scenario)
+            details |= seeds_that_fail(made.world, scenario)
         details |= {
             "shrunk_from": self._failure.world.solid_cells,
             "kept": self._keep,

@@ -464,14 +464,6 @@ def test_a_strategy_for_one_robot_is_refused_with_several(tmp_path) -> None:
     assert result.error.code == "strategy-for-one-robot"
 
 
-def test_a_question_about_one_robot_refuses_a_world_of_several(tmp_path) -> None:
-    path = tmp_path / "w.grid"
-    write_world(alley(), path)
-    result = worldgen("chance", path, "--controller", "naive")
-    assert result.code == 2
-    assert result.error.code == "world-of-several-robots"
-
-
 def test_a_boundary_is_about_all_robots() -> None:
     ran = run_subject(Subject(alley(), STRAIGHT))
     assert ran is not None

@@ -181,7 +181,6 @@ def runs_of(folder):
         + [[one, "--snippet"], [NAME]],
         "explain": [[whole], [NAME]],
         "boundary": [[name] for name in good] + [[one, "--controller", TEXT]],
-        "chance": [[name] for name in good[:2]] + [[one, "--controller", TEXT]],
         "report": [[whole, "--out", f"report{NAME}.html"], [NAME, "--out", "no.html"]],
         "corpus list": [[whole], [NAME]],
         "corpus show": [[whole], ["--class", TEXT, whole]],

@@ -110,7 +110,6 @@ COMMANDS = {
     "behaviours": None,
     "boundary": ("w.grid", *MINE, "--axis", "heading"),
     "census": ("./noisy.py:maps", "--count", "2", "--seed", "1"),
-    "chance": ("w.grid", *MINE),
     "check-family": ("./noisy.py:noisy",),
     "compare": ("w.grid", "--controller", "./noisy.py:Noisy,turn-left"),
     "controllers": ("./noisy.py:Noisy",),

@@ -28,7 +28,6 @@ COMMANDS: dict[str, dict[str, str]] = {
         "oracles": "List the oracles that fuzz --oracle adds to the verdict.",
         "find": "Search for a world with the outcomes that you name.",
         "boundary": "Find the radius, speed or heading at which failures begin.",
-        "chance": "Decide whether a random controller always, never or sometimes arrives.",
         "init": "Set up a project whose CI searches for failures.",
     },
     "Keep and understand failures": {
