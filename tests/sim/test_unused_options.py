@@ -22,7 +22,6 @@ from worldgen.world import Pose, Target, World
         ),
         ("turn-right+odometry_noise=0.1", "swept", "turn-right does not read odometry_x"),
         ("turn-right+beams=8", "swept", "turn-right does not read beams"),
-        ("turn-right+coin=2", "swept", "turn-right does not read random"),
         ("turn-right+beam_noise=0.1", "swept", "+beam_noise has no effect without +beams"),
         ("turn-right+smoke_reach=3", "swept", "+smoke_reach has no effect without +smoke"),
         ("thesis-1+draws=0.5", "stepped", "thesis-1 draws no random numbers"),
@@ -43,7 +42,6 @@ def test_an_option_that_changes_nothing_is_named_with_the_reason(text, motion, r
         ("tangent-bug+beam_noise=0.1", "swept"),
         ("pibt+message=6", "swept"),
         ("turn-right+smoke=0.5+smoke_reach=3", "swept"),
-        ("turn-random+coin=2", "swept"),
         ("thesis-3+draws=0.5", "stepped"),
         ("thesis-1+turn_angle=1.0+noise", "stepped"),
     ],
@@ -98,9 +96,9 @@ def world(tmp_path):
 
 
 def test_run_notes_it_on_stderr_and_goes_on(world):
-    result = worldgen("run", world, "--controller", "turn-left+coin=2", "--seed", 3, "--json")
+    result = worldgen("run", world, "--controller", "turn-left+beams=8", "--seed", 3, "--json")
     assert "verdict" in json.loads(result.out)
-    assert "note: +coin has no effect: turn-left does not read random\n" in result.err
+    assert "note: +beams has no effect: turn-left does not read beams\n" in result.err
     assert "note: --seed has no effect" in result.err
 
 
@@ -109,7 +107,7 @@ def test_a_seed_that_nobody_typed_is_not_noted(world):
 
 
 def test_a_quiet_run_notes_nothing(world):
-    assert worldgen("run", world, "--controller", "turn-left+coin=2", "-q").err == ""
+    assert worldgen("run", world, "--controller", "turn-left+beams=8", "-q").err == ""
 
 
 def test_compare_takes_controllers_one_by_one_and_by_their_earlier_name(world):
