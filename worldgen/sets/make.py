@@ -12,7 +12,7 @@ from worldgen.plugins.trust import admit_argument
 from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
-from worldgen.sets.stores import PART, SetFolder, Store, store_for
+from worldgen.sets.stores import PART, SetArchive, SetFolder, store_for
 
 Progress = Callable[[int], None]
 """Called with the number of worlds saved so far, at the beginning and after each."""
@@ -196,7 +196,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             work.refuse(old)
             resumed = store.resume(old)
             # A finished set has nothing to resume; only --force replaces it.
-            if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
+            if len(old.entries) == work.count == resumed and not isinstance(store, SetArchive):
                 raise OutputError(
                     "set-finished",
                     "{out} already holds this set, complete",
@@ -215,7 +215,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
 
 def _write_all(
     work: _Work,
-    store: Store,
+    store: SetFolder,
     done: int,
     old: Manifest | None,
     *,
