@@ -21,7 +21,6 @@ from tests.reference.worldgen.chains import linked_offsets
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach import check_certificate
-from worldgen.reach.deciding import decide_many
 from worldgen.reach.still import lattice_graph, path, prove
 from worldgen.reach.still.coarse import walk_squares
 from worldgen.reach.still.cut import find_chain, rim_cells
@@ -379,13 +378,6 @@ def test_a_disc_is_beyond_a_ring_in_c_where_fractions_say_so(start, x, y, radius
     parted = is_inside(lines, start) != is_inside(lines, (x, y))
     expected = parted and all(is_away(line, (x, y), radius) for line in lines)
     assert beyond(ring, start, Disc(x, y, radius)) == expected
-
-
-@given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))
-def test_many_worlds_are_decided_as_one_by_one(worlds):
-    assert decide_many(worlds) == [decide(world) for world in worlds]
-    bare = decide_many(worlds, certificate=False)
-    assert [decision.result for decision in bare] == [decide(world).result for world in worlds]
 
 
 @pytest.mark.gate

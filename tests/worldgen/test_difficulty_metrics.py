@@ -25,7 +25,7 @@ from worldgen.difficulty.pockets import pockets
 from worldgen.families.parts.mazes.board import ways_out
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
-from worldgen.reach import decide, widest_disc
+from worldgen.reach import decide
 from worldgen.reach.still.disc import target_disc
 from worldgen.support.grid_search import by_distance, squared_distances
 from worldgen.world import Pose, Target, Witness, World
@@ -222,12 +222,6 @@ def test_the_bottleneck_is_the_widest_disc_that_the_prover_lets_through(world):
     radius = bottleneck(world, world.walls)
     assert radius < 0.016 or decide(world, radius=radius * (1 - 1e-6)).result == "reachable"
     assert decide(world, radius=max(radius * (1 + 1e-6), 0.016)).result == "blocked"
-
-
-@pytest.mark.parametrize("name", ["corridor", "cave"])
-def test_the_bottleneck_is_what_verify_calls_the_largest_disc(name):
-    world = generate(name, 8, size=16)
-    assert measure(world).bottleneck == pytest.approx(widest_disc(world), rel=1e-5)
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.data())

@@ -199,7 +199,9 @@ def test_a_world_that_an_unpacked_archive_lost_is_made_again(whole, tmp_path, mo
     run(*TRAPS, "--out", tmp_path / "set.zip")
     monkeypatch.undo()
     (tmp_path / "set.zip.part/trap-8.grid").unlink()
-    assert "3 of 6 worlds already exist; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    assert (
+        "3 of 6 worlds already exist; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    )
     assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
 
 

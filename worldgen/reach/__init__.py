@@ -1,13 +1,12 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
 Contents:
-    decide, decide_many: prove it, in one world and in many.
+    decide: prove it.
     Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
     decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
     Confinement: the proof that a deadline cannot be met.
     Swap: the proof that two robots cannot both arrive.
     reachable_cells, coverage_tour: which cells' centres the disc can reach, and a tour of them.
-    widest_disc: the largest disc that gets through.
 Imported when they are first used, because they load shapely:
     check_certificate, CheckReport: check a proof.
     check_confinement: check the proof about a deadline.
@@ -20,10 +19,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from worldgen.reach.confinement import Confinement
-from worldgen.reach.deciding import decide, decide_many
+from worldgen.reach.deciding import decide
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, Swap
 from worldgen.reach.still.cells import coverage_tour, reachable_cells
-from worldgen.reach.still.widest import widest_disc
 from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
 
@@ -57,11 +55,9 @@ __all__ = [
     "coverage_tour",
     "decide",
     "decide_in_time",
-    "decide_many",
     "delayed",
     "latest_start",
     "reachable_cells",
     "until",
-    "widest_disc",
     "witness_margin",
 ]
