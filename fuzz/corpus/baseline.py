@@ -8,11 +8,9 @@ from pathlib import Path
 
 from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.failure import Failure
-from fuzz.triage.crash_bucket import has_facts
 from fuzz.triage.judging import failure_of, oracle_of
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import in_plain_place
-from sim.evidence import FaultEvidence
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
@@ -75,7 +73,7 @@ class Baseline:
                 say(f"{entry.path}: {reason}, so its class {entry.facts.bucket} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
-            known = facts.bucket == entry.facts.bucket or _is_known(failure, now)
+            known = facts.bucket == entry.facts.bucket or _is_known(now)
             if facts.bucket != entry.facts.bucket:
                 unknown = "" if known else ", which is not known"
                 say(
@@ -115,26 +113,13 @@ def _key(facts: Facts) -> _Key:
     return (*_who(facts.controller, facts.motion), facts.bucket)
 
 
-def _is_known(stored: Failure, now: Failure) -> bool:
+def _is_known(now: Failure) -> bool:
     """Return True if a failure with a new class is still the stored one.
 
     This is true for a robot that loops differently, but not for a controller that crashes, hangs or
-    sends invalid commands: that may be a separate fault, introduced by yesterday's edit. Files from
-    before classes of crashes named a place are an exception: they are accepted if the run is the
-    same up to the same crash.
+    sends invalid commands: that may be a separate fault, introduced by yesterday's edit.
     """
-    if now.verdict not in BY_THE_CONTROLLER:
-        return True
-    return not has_facts(_crash_evidence(stored)) and _crash(stored) == _crash(now)
-
-
-def _crash(failure: Failure) -> tuple[object, ...]:
-    evidence = _crash_evidence(failure)
-    return failure.verdict, failure.record.trace_digest, evidence.error, evidence.step
-
-
-def _crash_evidence(failure: Failure) -> FaultEvidence:
-    return failure.evidence if isinstance(failure.evidence, FaultEvidence) else FaultEvidence()
+    return now.verdict not in BY_THE_CONTROLLER
 
 
 def _failure_now(failure: Failure) -> tuple[Failure | None, str]:

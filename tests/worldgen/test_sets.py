@@ -490,7 +490,11 @@ def test_a_world_that_comes_out_otherwise_is_told_and_not_written(whole, tmp_pat
             '"version": 9223372036854775808',
             {"code": "wrong-value", "key": "version"},
         ),
-        ('"metrics": ', '"wish": 3, "metrics": ', {"code": "wrong-value", "key": "wish"}),
+        (
+            '"metrics": ',
+            '"constraint": 3, "metrics": ',
+            {"code": "wrong-value", "key": "constraint"},
+        ),
         ('{"file": "trap-7.grid"', "[", {"code": "not-json"}),
         ('"count": 6', '"count": 5', {"code": "wrong-count", "worlds": 6}),
     ],

@@ -26,6 +26,7 @@ OTHER_WORDS = {
     "o": ("out", "picture"), "output": ("out", "picture"), "output-dir": ("out",),
     "dir": ("out",), "folder": ("out",), "file": ("out",), "save": ("out", "picture"),
     "out": ("picture",),
+    "trail": ("picture",), "lane": ("strategy",), "seconds": ("budget",),
     "png": ("picture",), "svg": ("picture",), "html": ("picture", "report"),
     "image": ("picture",), "plot": ("picture",), "gif": ("picture",),
     "n": ("count", "units", "seeds", "examples", "steps"),
