@@ -4,6 +4,7 @@ Parts of both are compared with brute force.
 """
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,7 +19,9 @@ from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
 from tests.reference.worldgen import chains, coarse, graph_search, paths
 from tests.reference.worldgen import rasters as reference_rasters
 from tests.reference.worldgen.chains import linked_offsets
+from tests.reference.worldgen.target_poses import plain_poses
 from worldgen._core import ffi, lib
+from worldgen.generation import generate
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach import check_certificate
 from worldgen.reach.still import lattice_graph, path, prove
@@ -36,7 +39,7 @@ from worldgen.reach.still.lattice_graph import (
 )
 from worldgen.reach.still.path import clearance_sq, shorten
 from worldgen.reach.still.prove import decide
-from worldgen.reach.still.target_poses import deciding_poses, plain_poses
+from worldgen.reach.still.target_poses import deciding_poses
 from worldgen.reach.still.walls import Walls, segment_box_sq
 from worldgen.support.ccall import check, pointer
 from worldgen.world import Pose, Target, World
@@ -336,6 +339,20 @@ def test_the_poses_that_decide_are_those_that_fractions_find(world):
     poses = deciding_poses(walls, disc)
     expected = list(dict.fromkeys(plain_poses(walls, disc)))
     assert list(dict.fromkeys(poses)) == expected
+
+
+@given(st.sampled_from(["cave", "maze", "trap"]), st.integers(0, 99), st.floats(0.9, 1.5))
+def test_lengths_of_many_digits_are_rounded_and_the_answer_is_that_of_fractions(name, seed, share):
+    made = generate(name, seed, size=16)
+    x, y = made.target.x + 0.012345678901234567, made.target.y - 0.0098765432109876543
+    world = replace(made, target=Target(x, y, 0.03123456789012345), certificate=None)
+    radius = made.certificate.clearance * share * 0.98765432109876543
+    found = decide(world, radius=radius)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prove, "deciding_poses", plain_poses)
+        assert decide(world, radius=radius).result == found.result
+    proved = replace(world, robot_radius=radius, certificate=found.certificate)
+    assert found.certificate is not None and check_certificate(proved).valid
 
 
 @given(still_worlds())
