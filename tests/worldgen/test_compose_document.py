@@ -1,6 +1,7 @@
 """The statements in docs/howto/compose.md are true."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,10 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.compose.cells import HOW
 from worldgen.errors import InvalidParameter
+from worldgen.files.grid import dumps, loads
 from worldgen.generation import generate
 from worldgen.reach import check_certificate
+from worldgen.world import Provenance
 
 TEXT = Path("docs/howto/compose.md").read_text()
 EXAMPLE = "examples/compose/trap_in_maze.py"
@@ -49,3 +52,10 @@ def test_a_set_of_a_recipe_is_refused_by_regenerate_in_one_sentence(tmp_path):
     manifest.write_text(manifest.read_text().replace('"family": "trap"', '"family": "recipe:old"'))
     done = worldgen("regenerate", manifest, "--out", tmp_path / "again")
     assert done.code == 2 and done.error_code == "recipe" and len(done.err.splitlines()) == 1
+
+
+def test_a_world_that_a_recipe_made_is_read():
+    made = generate("trap", 1, size=14)
+    params = {"recipe": 'recipe = "old"\n', "made_with": {"trap": 3}, "files": {"a.grid": "x"}}
+    world = replace(made, provenance=Provenance("recipe:old", 1, 3, params))
+    assert loads(dumps(world)) == world
