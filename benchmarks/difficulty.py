@@ -22,6 +22,7 @@ import click
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.along_the_path import AROUND, around
 from benchmarks.library import controllers
 from sim import simulate_many
 from worldgen.difficulty import METRICS, measure
@@ -151,7 +152,7 @@ def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
     failed = {
         name: ~simulate_many(worlds, [name], motion="swept", steps=STEPS).reached for name in names
     }
-    tables = [measure(world).as_dict() for world in worlds]
+    tables = [{**measure(world).as_dict(), **around(world)} for world in worlds]
     return Campaign(families, tables, np.array([world.robot_radius for world in worlds]), failed)
 
 
@@ -159,7 +160,7 @@ def correlations(campaign: Campaign) -> dict[str, dict[str, Any]]:
     """Return correlations by metric: with the share of failing controllers, and with each."""
     rng = np.random.default_rng(0)
     found = {}
-    for metric in METRICS:
+    for metric in (*METRICS, *AROUND):
         values = campaign.column(metric)
         there = ~np.isnan(values)
         if there.sum() < len(values) // 2:
@@ -260,14 +261,14 @@ def barn_table(folder: Path) -> dict[str, Any]:
     """Return the correlations of the metrics with the published share of failed runs."""
     rng = np.random.default_rng(0)
     found = list(barn_worlds(folder))
-    tables = [measure(world).as_dict() for _, world, _ in found]
+    tables = [{**measure(world).as_dict(), **around(world)} for _, world, _ in found]
     share = np.array([lost for _, _, lost in found])
     result: dict[str, Any] = {
         "worlds": len(found),
         "failed": round(float(share.mean()), 3),
         "metrics": {},
     }
-    for metric in METRICS:
+    for metric in (*METRICS, *AROUND):
         values = np.array([table.get(metric, np.nan) for table in tables])
         there = ~np.isnan(values)
         if there.sum() > 10 and len(np.unique(values[there])) > 1:

@@ -31,9 +31,6 @@ TINY = ("--seeds", "1", "--tries", "2")
 CASES = (
     ("maze", "detour > 3 and bottleneck < 1.2r"),
     ("maze", "detour > 4"),
-    ("trap", "concavity > 2.5 and decisions <= 1"),
-    ("rooms", "decisions >= 12"),
-    ("cave", "detour > 2 and wall_distance > 2r"),
     ("corridor", "turns > 40 and length < 8"),
     ("rubble", "0.78 < difficulty < 0.83"),
 )

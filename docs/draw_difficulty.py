@@ -1,7 +1,6 @@
-"""Draws the pictures of ``docs/howto/difficulty.md``.
+"""Draws the picture of ``docs/howto/difficulty.md``: pockets by their depth.
 
-Pockets by their depth, and the decision points of a maze. ``python docs/draw_difficulty.py`` writes
-them to ``docs/pictures``.
+``python docs/draw_difficulty.py`` writes it to ``docs/pictures``.
 """
 
 from __future__ import annotations
@@ -14,17 +13,14 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
-from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.nodes import Nodes, nodes_of
-from worldgen.difficulty.path import witness_path_of
-from worldgen.difficulty.surroundings import samples_of
 from worldgen.generation import generate
 from worldgen.world import Witness, World
 
 FOLDER = Path(__file__).parent / "pictures"
 CELL = 12  # pixels
 DEEP = 1.5  # m: the strongest colour
-WALL, WAY, MARK = (60, 64, 72), (30, 110, 190), (214, 96, 20)
+WALL, WAY = (60, 64, 72), (30, 110, 190)
 
 
 def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
@@ -51,29 +47,26 @@ def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
     return found
 
 
-def picture(world: World, *, pockets: bool) -> Image.Image:
-    """Return one world with its witness, and either its pockets or its decision points."""
+def picture(world: World) -> Image.Image:
+    """Return one world with its pockets and its witness."""
     # Scale the map to pixels.
     nodes, wide, high = nodes_of(world, world.walls), world.width * CELL, world.height * CELL
     image = Image.new("RGB", (wide, high), "white")
     draw = ImageDraw.Draw(image)
     half = CELL / 2
     # Tint the pockets by their depth.
-    if pockets:
-        depth = depths(world, nodes)
-        for j, i in np.argwhere(depth > 0.01):
-            share = min(1.0, float(depth[j, i]) / DEEP)
-            x, y = i * half, high - j * half
-            draw.rectangle(
-                (x - half / 2, y - half / 2, x + half / 2, y + half / 2), fill=_tint(share)
-            )
+    depth = depths(world, nodes)
+    for j, i in np.argwhere(depth > 0.01):
+        share = min(1.0, float(depth[j, i]) / DEEP)
+        x, y = i * half, high - j * half
+        draw.rectangle((x - half / 2, y - half / 2, x + half / 2, y + half / 2), fill=_tint(share))
     # Draw the walls.
     for iy, ix in np.argwhere(world.walls):
         draw.rectangle(
             (ix * CELL, high - (iy + 1) * CELL, (ix + 1) * CELL - 1, high - iy * CELL - 1),
             fill=WALL,
         )
-    # Draw the witness, and the decision points along it.
+    # Draw the witness.
     witness = world.certificate
     if isinstance(witness, Witness):
         scale = CELL / world.cell_size
@@ -84,13 +77,6 @@ def picture(world: World, *, pockets: bool) -> Image.Image:
         draw.line(line, fill=WAY, width=2)
         draw.ellipse(_box(*line[0], 4), fill=WAY)
         draw.ellipse(_box(*line[-1], 4), outline=WAY, width=2)
-        if not pockets:
-            for i, j, size in decision_points(
-                nodes, samples_of(witness_path_of(world, witness)).nodes()
-            ):
-                draw.ellipse(
-                    _box(i * half, high - j * half, size**0.5 * half), outline=MARK, width=2
-                )
     return image
 
 
@@ -116,19 +102,13 @@ def sheet(images: Sequence[Image.Image], path: Path) -> None:
 
 
 def main() -> None:
-    """Write the pictures."""
+    """Write the picture."""
     traps = [
         generate("trap", 4, shape="U", size=24),
         generate("maze", 2, size=24),
         generate("cave", 11, size=24),
     ]
-    sheet([picture(world, pockets=True) for world in traps], FOLDER / "difficulty-pockets.png")
-    mazes = [
-        generate("maze", 5, size=24),
-        generate("maze", 5, size=24, braid=1.0),
-        generate("forest", 5, size=24),
-    ]
-    sheet([picture(world, pockets=False) for world in mazes], FOLDER / "difficulty-decisions.png")
+    sheet([picture(world) for world in traps], FOLDER / "difficulty-pockets.png")
 
 
 if __name__ == "__main__":

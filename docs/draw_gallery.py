@@ -19,7 +19,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from worldgen import generate, world_digest
-from worldgen.family import FAMILIES, Family
+from worldgen.family import FAMILIES
 from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import JointWitness, Value, Witness, World
 
@@ -27,7 +27,6 @@ DOCS = Path(__file__).parent
 PAGE = DOCS / "reference" / "families.md"
 FIRST, EACH = 1, 3  # seeds of every kind
 LOOK = {"columns": 6, "pixels": 150}  # panels across; 5 px for each cell of a world of 30
-LARGE = {"columns": 3, "pixels": 320}
 COLOURS = 48
 ID = 8  # hex digits of a world's id that the page and the picture name
 
@@ -50,12 +49,10 @@ class Kind:
     Args:
         label: Text above the pictures.
         params: Those that are not defaults.
-        recipe: The file, seen from the repository's root, if a recipe makes them.
     """
 
     label: str
     params: dict[str, Value]
-    recipe: str = ""
 
 
 def _words(parameter: str, *words: str, before: str = "", **others: Value) -> list[Kind]:
@@ -129,22 +126,15 @@ GALLERY: dict[str, list[Kind]] = {
     "warehouse": [Kind("4 robots", {}), Kind("6 robots, size 50", {"robots": 6, "size": 50})],
 }
 
-RECIPES = "recipes"
-GALLERY[RECIPES] = [
-    Kind(file.stem, {}, file.relative_to(DOCS.parent).as_posix())
-    for file in sorted((DOCS.parent / "examples" / "recipes").glob("*.toml"))
-]
-
 
 def command(family: str, kind: Kind) -> str:
     """Return what makes the worlds of one kind, as a set, in the repository's root."""
-    made_by = family_of(family, kind)
+    made_by = FAMILIES.get(family)
     options = made_by.options(made_by.complete(kind.params))
-    words = ["compose", kind.recipe] if kind.recipe else [family]
     return shlex.join(
         [
             "worldgen",
-            *words,
+            family,
             *options,
             "--seed",
             str(FIRST),
@@ -156,16 +146,10 @@ def command(family: str, kind: Kind) -> str:
     )
 
 
-def family_of(family: str, kind: Kind) -> Family:
-    """Return what makes the worlds of one kind."""
-    return FAMILIES.get(str(DOCS.parent / kind.recipe) if kind.recipe else family)
-
-
 def worlds(family: str, kind: Kind) -> Iterator[World]:
     """Yield the worlds of one kind."""
-    made_by = family_of(family, kind)
     for seed in range(FIRST, FIRST + EACH):
-        yield generate(made_by, seed, **kind.params)
+        yield generate(family, seed, **kind.params)
 
 
 def draw(family: str) -> bytes:
@@ -179,9 +163,7 @@ def draw(family: str) -> bytes:
                 Trail(path.x, path.y) if isinstance(path, Witness) else None for path in paths
             )
             panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", trails))
-    picture = Image.open(
-        io.BytesIO(draw_sheet(panels, (), **(LARGE if family == RECIPES else LOOK)))
-    )
+    picture = Image.open(io.BytesIO(draw_sheet(panels, (), **LOOK)))
     about = PngInfo()
     about.add_text("worlds", " ".join(world_digest(panel.world)[:ID] for panel in panels))
     stream = io.BytesIO()
@@ -212,12 +194,6 @@ def section() -> str:
 
 def heading(family: str) -> str:
     """Return the heading of a family, and its description."""
-    if family == RECIPES:
-        about = (
-            "Each of these worlds is put together from parts by a recipe file "
-            "([compose.md](../howto/compose.md)). A recipe that"
-        )
-        return f"Recipes\n\n{about}\ndraws nothing gives the same world for every seed."
     about = FAMILIES.get(family)
     return f"`{family}`, version {about.version}\n\n{about.description.splitlines()[0]}"
 

@@ -9,8 +9,7 @@ import re
 import textwrap
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
@@ -24,7 +23,6 @@ from worldgen.parameters.bounds import (
     check_choice,
     check_positive,
 )
-from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
 from worldgen.reach import REACHABLE, Decision, decide
@@ -36,7 +34,6 @@ __all__ = [
     "FAMILIES",
     "MARGIN",
     "MAX_ATTEMPTS",
-    "RECIPE",
     "ROBOTS",
     "Bounds",
     "Family",
@@ -112,15 +109,12 @@ class Family:
         version: Must be raised whenever some seed yields a different world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: True if its worlds change with time, so that no other family can change them.
-        constants: Further parts of its definition, such as the text of a recipe; it is stored with
-            the parameters in provenance, and ``generate`` refuses any other.
     """
 
     name: str
     version: int
     build: Build
     changes: bool = False
-    constants: Mapping[str, Value] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "__doc__", self._documentation())
@@ -351,7 +345,7 @@ class Family:
             fixed = self.provenance(0, complete).params
             if PLANNER not in fixed:
                 find_parameter(PLANNER, self.all_parameters, self.name)
-            self._check_fixed(PLANNER, cast("Value", params[PLANNER]), fixed[PLANNER])
+            self._check_planner(cast("Value", params[PLANNER]), fixed[PLANNER])
             return complete
         known = {parameter.name: parameter for parameter in self.parameters}
         if ROBOTS in params and not self.places_robots:
@@ -360,26 +354,22 @@ class Family:
             # The provenance of a world of one robot stays as it always was.
             return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
         for name in params:
-            if name in self.constants:
-                self._check_fixed(name, cast("Value", params[name]), self.constants[name])
-            else:
-                find_parameter(name, self.all_parameters, self.name)
-        complete = {
+            find_parameter(name, self.all_parameters, self.name)
+        return {
             name: parameter.accept(params.get(name, parameter.default), self.name)
             for name, parameter in known.items()
         }
-        return {**complete, **self.constants}
 
-    def _check_fixed(self, name: str, value: Value, here: Value) -> None:
+    def _check_planner(self, value: Value, here: Value) -> None:
         if value != here:
             raise InvalidParameter(
                 "other-version",
                 "{family}: {name} is {value!r}, but here it is {here!r}",
                 "this version makes other worlds: use the version that made the world",
                 family=self.name,
-                name=name,
+                name=PLANNER,
                 value=str(value)[:60],
-                here=str(here)[:60],
+                here=here,
             )
 
 
@@ -476,66 +466,26 @@ def _accept(name: str, thing: Any) -> Family:
 class FamilyRegistry(Registry[Family]):
     """Look up families by entry point.
 
-    Names can also be ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``.
+    Names can also be ``package.module:name`` or ``./file.py:name``.
     """
 
-    _last: tuple[tuple[object, ...], Family | None] = ((), None)
-
     def get(self, name: str) -> Family:
-        """Return the family called ``name``; a recipe is read again each time.
+        """Return the family called ``name``.
 
         Raises:
             InvalidParameter: If nothing has that name, or the object found is not a family.
-            FormatError: If it is a faulty recipe.
         """
-        if name.endswith(".toml"):
-            return self._from_recipe(name)
+        # Older versions made worlds of recipes, and their files still name them.
+        if name.startswith("recipe:") or name.endswith(".toml"):
+            raise InvalidParameter(
+                "recipe",
+                "{name} is a TOML recipe, which worldgen no longer makes worlds of",
+                "compose them in a function, ./file.py:name (docs/howto/compose.md)",
+                name=name,
+            )
         return super().get(name)
 
-    def find(self, name: str, params: Mapping[str, Value | None]) -> Family:
-        """Return the family that provenance names; a recipe's text is among its parameters.
 
-        Raises:
-            InvalidParameter: If there is no such family, or the recipe is a different one.
-            FormatError: If the recipe is faulty.
-        """
-        text = params.get("recipe")
-        files = params.get("files", {})
-        if not ((name.startswith(RECIPE) or name.endswith(".toml")) and isinstance(text, str)):
-            return self.get(name)
-        if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
-            raise InvalidParameter(
-                "wrong-type",
-                "{name}: files is not a table of strings",
-                "copy it from a world's provenance",
-                name=name,
-            )
-        folder = Path(name).parent if name.endswith(".toml") else None
-        key = (text, folder, *sorted((file, str(content)) for file, content in files.items()))
-        # A set requests the same one again and again.
-        if key != self._last[0]:
-            self._last = (key, self._from_recipe(text, files=files, folder=folder))
-        made_by = self._last[1]
-        if made_by is None or (made_by.name != name and name.startswith(RECIPE)):
-            other = made_by.name if made_by else "none"
-            raise InvalidParameter(
-                "other-recipe",
-                "{name}: its recipe belongs to {other}",
-                "name that family, or use the other recipe",
-                name=name,
-                other=other,
-            )
-        return made_by
-
-    def _from_recipe(self, recipe: str, **options: Any) -> Family:
-        # Recipes build on families, so they register here like any other plugin.
-        reader = next(point for point in points_of("worldgen.family_files") if point.name == "toml")
-        made_by: Family = reader.load()(recipe, **options)
-        return made_by
-
-
-# Prefix of the name of every family that a recipe makes.
-RECIPE = "recipe:"
 FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
 
 

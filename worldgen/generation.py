@@ -19,8 +19,7 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
     """Return a world of a family, with a witness that its target can be reached.
 
     Args:
-        name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family
-            itself.
+        name: Name of a registered family, ``./file.py:name``, or the family itself.
         seed: An integer, of which the low 64 bits count, or a NumPy generator, from which the next
             64 bits are taken. Equal seeds and parameters give equal worlds.
         **params: The family's parameters; see its documentation. ``None`` lets the family choose,
@@ -34,7 +33,7 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
         InvalidParameter: If the family or a parameter is unknown, or a value is out of range.
         GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
     """
-    return _family(name, params)(seed, **params)
+    return _family(name)(seed, **params)
 
 
 def stream(
@@ -57,7 +56,7 @@ def stream(
             range, with the first world.
         GenerationFailed: When a world cannot be made.
     """
-    made_by = _family(name, params)
+    made_by = _family(name)
     complete = made_by.complete(params)
     first = seed_of(seed)
     if count is not None and count < 0:
@@ -71,8 +70,8 @@ def stream(
     return (made_by((first + k) & MASK64, **complete) for k in numbers)
 
 
-def _family(name: str | Family, params: dict[str, Value | None]) -> Family:
+def _family(name: str | Family) -> Family:
     if isinstance(name, Family):
         return name
     admit_argument(name)
-    return FAMILIES.find(name, params)
+    return FAMILIES.get(name)

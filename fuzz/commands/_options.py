@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
-from worldgen.cli.output import PATH, named_also
+from worldgen.cli.output import PATH
 from worldgen.cli.usage import Instead
 from worldgen.parameters import Parameter
 
@@ -128,8 +128,6 @@ def _option(parameter: Parameter, said: str) -> Callable[[F], F]:
     if parameter.written.metavar:
         settings["metavar"] = parameter.written.metavar
     settings["type"] = _type(parameter)
-    if parameter.written.also:
-        return named_also(written, parameter.name, also=parameter.written.also, **settings)
     return click.option(written, parameter.name, **settings)
 
 

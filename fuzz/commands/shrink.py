@@ -8,16 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import (
-    PATH,
-    emit_data,
-    emit_json,
-    force_option,
-    json_option,
-    named_also,
-    note,
-    say,
-)
+from worldgen.cli.output import PATH, emit_data, emit_json, force_option, json_option, note, say
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -55,10 +46,9 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     type=PATH,
     help="File to write.  [default: NAME.shrunk.grid, or no file with --snippet]",
 )
-@named_also(
+@click.option(
     "--budget",
     "seconds",
-    also="--seconds",
     type=Duration(),
     metavar="TIME",
     help="Stop after this time, such as 30s or 5m, and keep the smallest world so far.",

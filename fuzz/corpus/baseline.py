@@ -8,12 +8,10 @@ from pathlib import Path
 
 from fuzz.cause import CAUSE
 from fuzz.corpus.entry import CorpusEntry, Facts
-from fuzz.facts.crash_bucket import has_facts
 from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of, oracle_of
 from sim.controllers import in_plain_place
-from sim.evidence import FaultEvidence
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
@@ -89,7 +87,7 @@ class Baseline:
             facts = Facts.of(now, str(entry.path))
             # A file from before causes were recorded has none to compare.
             is_same = facts.group == entry.facts.group or CAUSE not in failure.record.details
-            known = is_same or _is_known(failure, now)
+            known = is_same or _is_known(now)
             if not is_same:
                 unknown = "" if known else ", which is not known"
                 say(
@@ -135,26 +133,13 @@ def _key(facts: Facts) -> _Key:
     return (*_who(facts.controller, facts.motion), facts.group)
 
 
-def _is_known(stored: Failure, now: Failure) -> bool:
+def _is_known(now: Failure) -> bool:
     """Return True if a failure with a new cause is still the stored one.
 
     This is true for a robot that loops differently, but not for a controller that crashes, hangs or
-    sends invalid commands: that may be a separate fault, introduced by yesterday's edit. Files from
-    before the reasons of crashes named a place are an exception: they are accepted if the run is the
-    same up to the same crash.
+    sends invalid commands: that may be a separate fault, introduced by yesterday's edit.
     """
-    if now.verdict not in BY_THE_CONTROLLER:
-        return True
-    return not has_facts(_crash_evidence(stored)) and _crash(stored) == _crash(now)
-
-
-def _crash(failure: Failure) -> tuple[object, ...]:
-    evidence = _crash_evidence(failure)
-    return failure.verdict, failure.record.trace_digest, evidence.error, evidence.step
-
-
-def _crash_evidence(failure: Failure) -> FaultEvidence:
-    return failure.evidence if isinstance(failure.evidence, FaultEvidence) else FaultEvidence()
+    return now.verdict not in BY_THE_CONTROLLER
 
 
 def _failure_now(failure: Failure) -> tuple[Failure | None, str]:

@@ -154,7 +154,7 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
     if not chosen:
         return [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots]
     names = set(FAMILIES.names())
-    return [name for name in chosen if name in names or ":" in name or name.endswith(".toml")]
+    return [name for name in chosen if name in names or ":" in name]
 
 
 def natural_runs(

@@ -76,7 +76,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     Raises:
         InvalidParameter: If the name is unknown or the strategy does not fit.
     """
-    if ":" in name or name.endswith(".toml"):
+    if ":" in name:
         FAMILIES.get(name)
     elif name not in (known := (*OWN_STRATEGIES, *FAMILIES.names())):
         raise InvalidParameter.of(
@@ -85,7 +85,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
                 name,
                 known,
                 "strategies: {strategies!l}; families: {families!l}; your own family: "
-                "package.module:name, ./file.py:name or ./recipe.toml",
+                "package.module:name or ./file.py:name",
                 strategies=list(OWN_STRATEGIES),
                 families=list(FAMILIES.names()),
             )

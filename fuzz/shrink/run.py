@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
-from fuzz.chance import chance_details
+from fuzz.chance import seeds_that_fail
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.hazards import HAZARD_DETAILS
 from fuzz.failure import SHRINKING, Failure, ShrinkState
@@ -229,7 +229,7 @@ class _Reducer:
         details |= {name: value for name, value in came.items() if name not in _OF_THE_OLD_WORLD}
         details |= made.record.details
         if self._still_fails.oracle.by_verdict:
-            details |= chance_details(made.world, scenario)
+            details |= seeds_that_fail(made.world, scenario)
         details |= {
             "shrunk_from": self._failure.world.solid_cells,
             "kept": CAUSE,

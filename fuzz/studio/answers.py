@@ -51,6 +51,7 @@ from sim.options.run import RunOptions, step_budget
 from sim.thesis.run import signal_in
 from sim.verdict import UNENDED
 from worldgen.difficulty import METRICS, measure, search_world
+from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.families.builtin.shift import shifted
 from worldgen.family import FAMILIES
@@ -60,7 +61,6 @@ from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, Decision, check_certificate, decide
-from worldgen.reach.single.widest import widest_disc
 from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, JointWitness, Value, Witness, World
@@ -167,7 +167,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def widest(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the largest radius that fits through; null in a world with events."""
         world = world_of(field(message, "world", dict))
-        return {"widest": None if world.is_dynamic else widest_disc(world)}
+        return {"widest": None if world.is_dynamic else bottleneck(world, world.walls)}
 
     def signal(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the signal that the thesis's robot reads, cell by cell; -2 in walls."""
@@ -189,7 +189,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             for name, value in field(message, "parameters", dict).items()
         }
         # Refuse anything else, because the search would treat it as an argument.
-        FAMILIES.find(family, parameters).complete(parameters)
+        FAMILIES.get(family).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)
         if where is None and hard is None:

@@ -73,7 +73,7 @@ class CampaignOptions(SearchOptions):
     motion: str = "swept"
     task: Literal["target", "cover"] = "target"
     families: Annotated[tuple[str, ...], Written("--family")] = ()
-    strategies: Annotated[tuple[str, ...], Written("--strategy", also="--lane")] = ()
+    strategies: Annotated[tuple[str, ...], Written("--strategy")] = ()
     world: Annotated[Path | None, Written(path="file")] = None
     vary: Annotated[tuple[str, ...], Written(metavar="NAME=VALUE,...")] = ()
     time_step: float | None = None

@@ -16,7 +16,6 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
-    named_also,
     note,
     say,
     skip_bad_file,
@@ -49,10 +48,9 @@ _TIME_FOR_NEVER = 300.0
 
 @click.command(epilog=EXAMPLES)
 @click.argument("paths", type=PATH, nargs=-1, required=True, metavar="PATH...")
-@named_also(
+@click.option(
     "--controller",
     "controllers",
-    also="--controllers",
     multiple=True,
     required=True,
     metavar="A,B,C",

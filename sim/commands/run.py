@@ -18,7 +18,6 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     motion_option,
-    named_also,
     note,
     say,
     time_step_option,
@@ -60,9 +59,8 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 )
 @time_step_option
 @click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
-@named_also(
+@click.option(
     "--picture",
-    also="--trail",
     type=PATH,
     metavar="OUT",
     help="Draw the world and the trail: .png, .svg, .html, or an animated .gif.",

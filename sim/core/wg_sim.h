@@ -189,8 +189,6 @@ typedef struct WgSettings {
     int64_t neighbours;    // limit on the other robots that it senses
     int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
     int64_t smoke_reach;   // cells around a burning one that its smoke fills
-    int64_t coin;          // number of values that a random number has; 0: any in [0, 1)
-    int64_t lattice;       // lattice units to which poses are rounded after each step; 1: none
 
     // Between the lattice and SI units.
     double metres;          // m per lattice unit

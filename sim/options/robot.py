@@ -77,11 +77,6 @@ class RobotOptions(OptionSet):
         neighbours: How many other robots it senses at most, the nearest first, 1 to 64.
         message: How many numbers each robot may send to the robots that sense it, 0 to 8; they
             arrive in the next step.
-        lattice: Poses are rounded after each step to 1/lattice of a cell, if the way there is
-            clear; a power of 2 from 2 to 1024, 0 means no rounding.
-        coin: Number of values that the controller's random number can have: 0, 1/coin and so on,
-            equally likely; 0 means any number below 1. With few values, and a coarse lattice,
-            everything that can happen can be explored.
 
     Raises:
         InvalidParameter: If a value is out of range.
@@ -113,20 +108,11 @@ class RobotOptions(OptionSet):
     neighbour_range: Annotated[float, Bounds(0, 1e6, "m"), Group("Neighbours")] = 0.0
     neighbours: Annotated[int, Bounds(1, MAX_NEIGHBOURS), Group("Neighbours")] = 8
     message: Annotated[int, Bounds(0, MAX_MESSAGE), Group("Neighbours")] = 0
-    lattice: Annotated[int, Bounds(0, 1024), Group("Lattice")] = 0
-    coin: Annotated[int, Bounds(0, 65536), Group("Lattice")] = 0
 
     OWNER: ClassVar[str] = "robot"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.lattice and (self.lattice == 1 or 1024 % self.lattice):
-            raise InvalidParameter(
-                "not-a-power-of-two",
-                "lattice={lattice} does not divide 1024",
-                "use a power of 2 from 2 to 1024",
-                lattice=self.lattice,
-            )
         for name, size, each in _LISTS:
             self._check_list(name, size, each)
         if any(time < 0.0 for time in self.pushes[::4]):

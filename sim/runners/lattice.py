@@ -189,7 +189,7 @@ class LatticeRun:
     def reach_of_a_step(self) -> float:
         """How far from its centre the robot can touch another one in a step, m, or more."""
         settings = self.settings
-        fastest = settings.top_speed * settings.speed + settings.drift_reach + settings.lattice
+        fastest = settings.top_speed * settings.speed + settings.drift_reach + 1
         return float((settings.reach + fastest + _FLEET_SLACK) * settings.metres)
 
     @property

@@ -75,7 +75,6 @@ def _fill_dynamics(settings: Any, options: RunOptions) -> None:
     settings.wall_friction = robot.wall_friction
     settings.slip = robot.slip
     settings.odometry_noise = robot.odometry_noise
-    settings.lattice = UNIT // robot.lattice if robot.lattice else 1
 
 
 def _fill_sensors(settings: Any, options: RunOptions, senses: int) -> None:
@@ -97,7 +96,6 @@ def _fill_sensors(settings: Any, options: RunOptions, senses: int) -> None:
     settings.beam_field = _units(robot.beam_field or 2 * math.pi)
     settings.beam_noise = robot.beam_noise
     settings.beam_dropout = robot.beam_dropout
-    settings.coin = robot.coin
 
 
 def _units(radians: float) -> float:

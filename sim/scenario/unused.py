@@ -35,7 +35,6 @@ _READ_BY = {
     "sensor_cells": ("signal_heading",),
     "decoys": _SIGNAL,
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
-    "coin": ("random",),
 }
 # Options that only adjust another one, by name; they do nothing if that one is off.
 _SHAPES = (

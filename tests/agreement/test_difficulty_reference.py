@@ -1,13 +1,12 @@
-"""The C core finds the same pockets and openings as plain Python."""
+"""The C core finds the same pockets as plain Python."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.reference.worldgen import openings, pockets
+from tests.reference.worldgen import pockets
 from worldgen import generate
-from worldgen.difficulty import junctions
 from worldgen.difficulty import pockets as pockets_module
 from worldgen.difficulty.nodes import nodes_of
 
@@ -57,24 +56,3 @@ def test_pockets_are_those_of_the_reference(name, seed):
         top,
         expected,
     )
-
-
-@pytest.mark.gate
-@given(NAMES, SEEDS)
-@settings(max_examples=10, deadline=None)
-def test_openings_are_those_of_the_reference(name, seed):
-    nodes = nodes_drawn(name, seed)
-    graph = nodes.graph
-    places = np.flatnonzero(graph.clear)[seed % 7 :: 7]
-    sizes = nodes.clearance_sq.ravel()[places].astype(np.int64)
-    kinds, kind = np.unique(sizes, return_inverse=True)
-    rings = [openings.ring_of(int(size)) for size in kinds]
-    begins = np.cumsum([0, *(len(ring) for ring in rings)])
-    ring = np.concatenate(rings)
-    columns = (places, sizes, kind, begins, ring[:, 0], ring[:, 1])
-    found = [0] * len(places)
-    openings.count_openings(
-        graph.clear.ravel().tolist(), graph.middle.ravel().tolist(), graph.stride, *neighbours(graph.stride),
-        *(column.tolist() for column in columns), [0] * graph.clear.size, [0] * (2 * graph.clear.size), found,
-    )  # fmt: skip
-    assert junctions._openings(nodes, places, sizes).tolist() == found

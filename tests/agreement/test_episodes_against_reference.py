@@ -19,7 +19,6 @@ ROBOTS = {
     "plain": {},
     "slippery": {"slip": 0.3, "odometry_noise": 0.2},
     "heavy": {"acceleration": 0.4, "friction": 0.3, "turn_limit": 2.0, "wall_friction": 0.5},
-    "coarse": {"lattice": 16, "coin": 4},
     "blind": {"signal": "weakened", "sensor_noise": 0.1, "sensor_cells": 2, "smoke": 0.3},
     "pushed": {
         "pushes": (
@@ -43,7 +42,7 @@ ROBOTS = {
         "push_places": (0.45, 0.35, 0.05, 0.03, 0.2, 0.65, 0.65, -0.31, 0.0, 0.0),
         "wall_friction": 0.2,
     },
-    "drifting": {"drift": 0.2, "drift_heading": 2.0, "lattice": 8, "pushes": (1.0, 0.1, 0.1, 0.5)},
+    "drifting": {"drift": 0.2, "drift_heading": 2.0, "pushes": (1.0, 0.1, 0.1, 0.5)},
     "lured": {
         "decoys": (1.2, 0.4, 3.0, 0.2, 1.2, 0.5),
         "sensor_noise": 0.1,

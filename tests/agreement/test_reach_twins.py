@@ -4,6 +4,7 @@ Parts of both are compared with brute force.
 """
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,10 +19,11 @@ from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
 from tests.reference.worldgen import chains, coarse, graph_search, paths
 from tests.reference.worldgen import rasters as reference_rasters
 from tests.reference.worldgen.chains import linked_offsets
+from tests.reference.worldgen.target_poses import plain_poses
 from worldgen._core import ffi, lib
+from worldgen.generation import generate
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach import check_certificate
-from worldgen.reach.deciding import decide_many
 from worldgen.reach.single import prove
 from worldgen.reach.single.prove import decide
 from worldgen.reach.still import lattice_graph, path
@@ -38,7 +40,7 @@ from worldgen.reach.still.lattice_graph import (
     neighbour_shifts,
 )
 from worldgen.reach.still.path import clearance_sq, shorten
-from worldgen.reach.still.target_poses import deciding_poses, plain_poses
+from worldgen.reach.still.target_poses import deciding_poses
 from worldgen.reach.still.walls import Walls, segment_box_sq
 from worldgen.support.ccall import check, pointer
 from worldgen.world import Pose, Target, World
@@ -340,6 +342,20 @@ def test_the_poses_that_decide_are_those_that_fractions_find(world):
     assert list(dict.fromkeys(poses)) == expected
 
 
+@given(st.sampled_from(["cave", "maze", "trap"]), st.integers(0, 99), st.floats(0.9, 1.5))
+def test_lengths_of_many_digits_are_rounded_and_the_answer_is_that_of_fractions(name, seed, share):
+    made = generate(name, seed, size=16)
+    x, y = made.target.x + 0.012345678901234567, made.target.y - 0.0098765432109876543
+    world = replace(made, target=Target(x, y, 0.03123456789012345), certificate=None)
+    radius = made.certificate.clearance * share * 0.98765432109876543
+    found = decide(world, radius=radius)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prove, "deciding_poses", plain_poses)
+        assert decide(world, radius=radius).result == found.result
+    proved = replace(world, robot_radius=radius, certificate=found.certificate)
+    assert found.certificate is not None and check_certificate(proved).valid
+
+
 @given(still_worlds())
 def test_a_chain_parts_the_same_poses_in_c_and_in_fractions(world):
     walls, disc = Walls(world.walls, radius_in_cells(world)), target_disc(world)
@@ -380,13 +396,6 @@ def test_a_disc_is_beyond_a_ring_in_c_where_fractions_say_so(start, x, y, radius
     parted = is_inside(lines, start) != is_inside(lines, (x, y))
     expected = parted and all(is_away(line, (x, y), radius) for line in lines)
     assert beyond(ring, start, Disc(x, y, radius)) == expected
-
-
-@given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))
-def test_many_worlds_are_decided_as_one_by_one(worlds):
-    assert decide_many(worlds) == [decide(world) for world in worlds]
-    bare = decide_many(worlds, certificate=False)
-    assert [decision.result for decision in bare] == [decide(world).result for world in worlds]
 
 
 @pytest.mark.gate

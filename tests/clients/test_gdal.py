@@ -1,4 +1,4 @@
-"""GDAL checks the output of ``export --to geojson`` and ``wkt``."""
+"""GDAL checks the output of ``export --to geojson``."""
 
 import re
 import subprocess
@@ -18,11 +18,10 @@ ORIGIN = (-12.7, 3.45)
 FINE = 4  # points per cell along each side
 
 
-def written(folder, world, name):
-    """The exported file; a geometry in text goes into the column of a table, as GDAL reads it."""
-    data = export_world(world, name, origin=ORIGIN, sidecar=False).data
-    path = folder / ("w.geojson" if name == "geojson" else "w.csv")
-    path.write_bytes(data if name == "geojson" else b'kind,WKT\nwalls,"' + data.strip() + b'"\n')
+def written(folder, world):
+    """The exported file."""
+    path = folder / "w.geojson"
+    path.write_bytes(export_world(world, "geojson", origin=ORIGIN, sidecar=False).data)
     return path
 
 
@@ -34,11 +33,10 @@ def ran(name, *words):
     return done.stdout
 
 
-@pytest.mark.parametrize("name", ["geojson", "wkt"])
 @pytest.mark.parametrize("family", ["maze", "cave", "rubble"])
-def test_points_lie_in_the_walls_as_cells_do(tmp_path, name, family):
+def test_points_lie_in_the_walls_as_cells_do(tmp_path, family):
     world = generate(family, seed=5, size=31)
-    path, raster = written(tmp_path, world, name), tmp_path / "w.raw"
+    path, raster = written(tmp_path, world), tmp_path / "w.raw"
     ends = [ORIGIN[0], ORIGIN[1], ORIGIN[0] + world.width * 0.1, ORIGIN[1] + world.height * 0.1]
     size = ["-ts", world.width * FINE, world.height * FINE]
     within = ["-where", "kind='walls'", "-l", "w"]
@@ -62,10 +60,9 @@ def test_points_lie_in_the_walls_as_cells_do(tmp_path, name, family):
     assert np.array_equal(flip_rows(cells), np.kron(world.walls, np.ones((FINE, FINE))))
 
 
-@pytest.mark.parametrize("name", ["geojson", "wkt"])
-def test_the_walls_are_valid_and_their_area_is_that_of_the_cells(tmp_path, name):
+def test_the_walls_are_valid_and_their_area_is_that_of_the_cells(tmp_path):
     for world in (generate("cave", seed=5, size=31), TINY):
-        path = written(tmp_path, world, name)
+        path = written(tmp_path, world)
         sql = "SELECT SUM(ST_Area(geometry)) AS area, MIN(ST_IsValid(geometry)) AS valid FROM w"
         said = ran("ogrinfo", "-q", "-dialect", "sqlite", "-sql", sql, path)
         assert re.search(r"valid \(Integer\) = (\d)", said)[1] == "1"
@@ -75,7 +72,7 @@ def test_the_walls_are_valid_and_their_area_is_that_of_the_cells(tmp_path, name)
 
 def test_places_and_changes_are_features_with_what_belongs_to_them(tmp_path):
     line = Timeline.of([(1.5, 2, 1, CellState.BURNING), (4.25, 2, 1, CellState.FREE)])
-    said = ran("ogrinfo", "-q", "-al", written(tmp_path, replace(TINY, timeline=line), "geojson"))
+    said = ran("ogrinfo", "-q", "-al", written(tmp_path, replace(TINY, timeline=line)))
     assert re.findall(r"POINT \((.+)\)", said) == ["-12.55 3.6", "-12.35 3.6"]
     assert re.findall(r"heading \(Real\) = (.+)", said) == ["0.5"]
     assert re.findall(r"time \(Real\) = (.+)", said) == ["1.5", "4.25"]

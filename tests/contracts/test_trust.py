@@ -72,7 +72,6 @@ KINDS = {
 # Commands that run the controller of a record: all of them refuse.
 RUNNERS = {
     "boundary": ("RECORD", "--axis", "speed"),
-    "chance": ("RECORD",),
     "corpus export": ("FOLDER", "--out", "all.zip", "--force"),
     "corpus prune": ("FOLDER",),
     "corpus show": ("FOLDER",),
@@ -215,7 +214,7 @@ def test_a_command_that_needs_a_strangers_code_says_how_to_trust_it(
     assert (ran(), file.exists()) == (0, True)
 
 
-@pytest.mark.parametrize("command", [name for name in RUNNERS if name != "chance"])
+@pytest.mark.parametrize("command", RUNNERS)
 def test_the_corrected_command_runs_it(stranger, ran, record, command):
     file = naming(record, KINDS["file"])
     done = called(command, RUNNERS[command], file)

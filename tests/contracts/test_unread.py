@@ -81,7 +81,6 @@ def test_what_programs_write_besides_walls_keeps_no_map_from_its_proof(label, tm
         "irsim+robot=omni",
         "ros+image=png+mode=raw",
         "ros+mode=scale+negate",
-        "stage+lidar",
         "obj+floor",
         "stl+floor",
     ],

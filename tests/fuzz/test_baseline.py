@@ -219,18 +219,3 @@ def test_a_new_crash_in_a_known_world_is_not_known(crash):
     notes = []
     assert not baseline_of(known, notes, scenario).failures
     assert "which is not known" in notes[0]
-
-
-def test_a_crash_that_was_stored_before_classes_named_a_place_is_known_if_the_run_is_the_same(
-    crash,
-):
-    file, scenario, known = crash
-    path = known / "crash.grid"
-    record = read_world(path).failure
-    evidence = {name: value for name, value in record.evidence.items() if name != "frames"}
-    old = stored(
-        known, path, evidence=evidence, details={**record.details, "class": "crash-KeyError"}
-    )
-    assert [key[2] for key in baseline_of(old, [], scenario).failures] == [record.details["class"]]
-    edited(file, "1 / 0")
-    assert not baseline_of(old, [], scenario).failures

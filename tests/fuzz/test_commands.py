@@ -229,7 +229,7 @@ def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):
 
 def test_a_run_is_an_animated_picture(tmp_path):
     world = read_world_with_start_in_target(tmp_path)
-    worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "run.gif")
+    worldgen("run", world, "--controller", "turn-left", "--picture", tmp_path / "run.gif")
     with Image.open(tmp_path / "run.gif") as picture:
         assert picture.n_frames >= 1 and picture.format == "GIF"
 

@@ -358,7 +358,12 @@ def test_shrinking_drops_a_robot_that_only_waits_behind_the_two_that_are_needed(
 
 @pytest.mark.parametrize(
     ("family", "robots"),
-    [("maze", 7), ("corridor", 2), ("examples/recipes/trap-in-maze.toml", 2), ("doorway", 3)],
+    [
+        ("maze", 7),
+        ("corridor", 2),
+        ("./examples/compose/trap_in_maze.py:trap_in_maze", 2),
+        ("doorway", 3),
+    ],
 )
 def test_a_campaign_draws_several_robots_in_worlds_of_any_family(tmp_path, family, robots) -> None:
     out = tmp_path / "f"
@@ -465,14 +470,6 @@ def test_a_strategy_for_one_robot_is_refused_with_several(tmp_path) -> None:
     )  # fmt: skip
     assert result.code == 2
     assert result.error.code == "strategy-for-one-robot"
-
-
-def test_a_question_about_one_robot_refuses_a_world_of_several(tmp_path) -> None:
-    path = tmp_path / "w.grid"
-    write_world(alley(), path)
-    result = worldgen("chance", path, "--controller", "naive")
-    assert result.code == 2
-    assert result.error.code == "world-of-several-robots"
 
 
 def test_a_boundary_is_about_all_robots() -> None:

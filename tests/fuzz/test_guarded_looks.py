@@ -17,7 +17,6 @@ from fuzz.unit.config import CampaignConfig
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.shared import guarded
-from sim.episode.chance import ENDED, explore
 from sim.options.run import RunOptions
 from sim.outcome import LIMIT
 from sim.runners.edited import CellEdit, EditedRuns, EditKind, Wanted
@@ -155,13 +154,6 @@ def test_an_edit_after_which_the_controller_crashes_is_found(library):
     edits = [CellEdit(EditKind.FREE_RUN, k, 1) for k in range(3)]
     assert runs.first(edits, Wanted(0, crash=True), way=False) == (0, 1)
     assert runs.first(edits, Wanted(1), way=False)[0] is None
-
-
-def test_states_in_which_a_controller_crashes_end_there(library):
-    world = generate("maze", 3, size=10)
-    options = Scenario("turn-left").options(world)
-    outcomes = explore(world, f"lib:{library}:segfault", options, most=5_000)
-    assert outcomes.following[-1][0][1] == ENDED
 
 
 def test_a_process_that_somebody_ended_is_started_again(library):

@@ -93,7 +93,7 @@ def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
 
 
 def test_only_families_have_natural_worlds():
-    assert natural_families(["native", "trap", "./mine.toml"]) == ["trap", "./mine.toml"]
+    assert natural_families(["native", "trap", "./mine.py:hall"]) == ["trap", "./mine.py:hall"]
     assert {"trap", "maze", "fire"} <= set(natural_families([]))
 
 

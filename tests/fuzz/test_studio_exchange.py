@@ -115,7 +115,7 @@ def dropped(*places):
     }
 
 
-@pytest.mark.parametrize("name", ["ros", "irsim", "stage", "tiled", "thesis", "movingai"])
+@pytest.mark.parametrize("name", ["ros", "irsim", "tiled", "thesis", "movingai"])
 def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_line(
     answers, folder, tmp_path, name
 ):

@@ -29,7 +29,7 @@ def folder(tmp_path):
         (folder / name).write_text(CODE, "utf-8")
     for place in (folder, tmp_path):
         (place / "taught.json").write_text(LEARNED, "utf-8")
-    (tmp_path / "recipe.toml").write_text("not = a recipe", "utf-8")
+    (tmp_path / "notes.toml").write_text("secret = 1", "utf-8")
     (folder / "link.json").symlink_to(tmp_path / "taught.json")
     (folder / "away").symlink_to(tmp_path)
     return folder
@@ -131,7 +131,7 @@ def test_the_user_s_own_controller_may_read_any_file(folder, tmp_path):
         Answers(Folder(folder), (label,)).check({"controller": label, **SETTINGS}, print)
 
 
-@pytest.mark.parametrize("place", ["../recipe.toml", "away/recipe.toml", "/etc/passwd"])
+@pytest.mark.parametrize("place", ["../notes.toml", "away/notes.toml", "/etc/passwd"])
 def test_a_family_reads_no_file_outside_the_folder(answers, place):
     with raises(InvalidParameter, "outside-of-folder"):
         answers.generate({"family": "fire", "seed": "1", "parameters": {"over": place}}, print)

@@ -50,9 +50,6 @@ def building_file(kind, mesh=None):
     if kind == "gltf":
         files = trimesh.Scene(mesh).export(file_type="gltf", merge_buffers=True, embed_buffers=True)
         return files["model.gltf"] if isinstance(files, dict) else files
-    if kind == "3mf":  # trimesh writes millimetres, whatever the mesh's unit is
-        mesh = mesh.copy()
-        mesh.apply_scale(1000.0)
     data = mesh.export(file_type=kind)
     return data.encode() if isinstance(data, str) else data
 

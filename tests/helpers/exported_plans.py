@@ -6,13 +6,11 @@ whether a point is solid, and where the start is.
 import io
 import json
 import re
-import zipfile
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
 import shapely
-import trimesh
 import yaml
 from PIL import Image
 
@@ -114,20 +112,6 @@ def obj(files):
     return Plan(footprints(np.array(corners).reshape(-1, 8, 3)))
 
 
-def ply(files):
-    mesh = trimesh.load_mesh(io.BytesIO(next(iter(files.values()))), file_type="ply", process=False)
-    return Plan(footprints(np.asarray(mesh.vertices).reshape(-1, 8, 3)))
-
-
-def threemf(files):
-    with zipfile.ZipFile(io.BytesIO(next(iter(files.values())))) as archive:
-        root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
-    placed = [numbers(item.get("transform")) for item in root.findall(".//{*}item")]
-    return Plan(
-        rectangles([(row[9] + row[0] / 2, row[10] + row[4] / 2, row[0], row[4]) for row in placed])
-    )
-
-
 def glb(files):
     document, _ = glb_parts(next(iter(files.values())))
     nodes = {node["name"]: node for node in document["nodes"]}
@@ -154,10 +138,6 @@ def geojson(files):
     }
     walls = [parts[kind] for kind in ("walls", "border") if kind in parts]
     return Plan(shapely.GeometryCollection(walls), (parts["start"].x, parts["start"].y))
-
-
-def wkt(files):
-    return Plan(shapely.from_wkt(next(iter(files.values())).decode()))
 
 
 def svg(files):
@@ -195,12 +175,6 @@ def irsim(files):
     return Plan(shapely.GeometryCollection(shapes), tuple(document["robot"][0]["state"][:2]))
 
 
-def dbcbs(files):
-    top = yaml.safe_load(next(iter(files.values())))
-    boxes = [[*box["center"], *box["size"]] for box in top["environment"]["obstacles"]]
-    return Plan(rectangles(boxes), tuple(top["robots"][0]["start"][:2]))
-
-
 def picture(data):
     return np.asarray(Image.open(io.BytesIO(data)).convert("L"))
 
@@ -220,20 +194,6 @@ def ros(files):
     )
 
 
-def stage(files):
-    """Apply Stage's rule, which stretches the area of the black pixels to the size."""
-    text = next(iter(files.values())).decode()
-    plan = re.search(r"^floorplan\n\((.*?)^\)", text, re.DOTALL | re.MULTILINE)[1]
-    length, width = numbers(re.search(r"size \[(.*)\]", plan)[1])[:2]
-    x, y = numbers(re.search(r"pose \[(.*)\]", plan)[1])[:2]
-    dark = picture(files[re.search(r'bitmap "(.*)"', plan)[1]]) <= 127
-    rows, columns = np.nonzero(dark)
-    dark = dark[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    robot = re.search(r"^disc\n\((.*?)^\)", text, re.DOTALL | re.MULTILINE)[1]
-    shape = pixels(dark, x - length / 2, y - width / 2, x + length / 2, y + width / 2)
-    return Plan(shape, tuple(numbers(re.search(r"pose \[(.*)\]", robot)[1])[:2]))
-
-
 def tiled(files):
     document = json.loads(next(iter(files.values())))
     said = {one["name"]: one["value"] for one in document["properties"]}
@@ -250,11 +210,10 @@ def tiled(files):
 
 
 PLANS = {
-    "3mf": threemf,
-    "barn": barn, "dbcbs": dbcbs,
+    "barn": barn,
     "geojson": geojson, "glb": glb, "irsim": irsim, "irsim+walls=image": irsim, "mjcf": mjcf, "obj": obj,
-    "ply": ply, "ros": ros, "sdf": sdf, "stage": stage, "stl": stl, "svg": svg, "tiled": tiled,
-    "usd": usd, "wkt": wkt,
+    "ros": ros, "sdf": sdf, "stl": stl, "svg": svg, "tiled": tiled,
+    "usd": usd,
 }  # fmt: skip
 """Readers of files that have coordinates, by what is exported."""
 

@@ -52,10 +52,7 @@ AS_OTHERS_WRITE = {
         {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},
         {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
     ],
-    **{
-        kind: [{f"b.{kind}": building_file(kind)}]
-        for kind in ("3mf", "glb", "gltf", "obj", "ply", "stl")
-    },
+    **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("glb", "gltf", "obj", "stl")},
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 

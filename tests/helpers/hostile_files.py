@@ -125,14 +125,6 @@ OF_ONE = {
         "bomb": b"world: {height: 10, width: 10, obstacle_map: wide.png}\n",
         "laughs": b"world: {height: 10, width: 10}\n" + LAUGHS.encode(),
     },
-    "stage": {
-        "itself": b'include "stage-itself"\n' * 1000,
-        "device": b'include "/dev/zero"\nmodel ( bitmap "/dev/zero" size [1 1 1] )\n',
-        "pipe": b'floorplan ( bitmap "pipe" size [8 8 1] pose [0 0 0 0] )\n',
-        "bomb": b'define floorplan model ()\nfloorplan ( bitmap "wide.png" size [8 8 1] pose [0 0 '
-        b"0 0] )\n",
-        "deep": b"define a model ( " * 20_000,
-    },
     "tiled": {
         "huge": b'{"type": "map", "width": 999999999, "height": 999999999, "layers": []}',
         "numbers": b'{"type": "map", "width": 1e999999, "height": ' + b"9" * 100_000 + b"}",

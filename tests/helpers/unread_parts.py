@@ -3,7 +3,6 @@
 import io
 import json
 import struct
-import zipfile
 import zlib
 
 import numpy as np
@@ -339,21 +338,6 @@ def holed(kind):
     return building_file(kind, mesh)
 
 
-def _three_mf(change):
-    def changed(files):
-        name, data = next(iter(files.items()))
-        stream = io.BytesIO()
-        with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w") as new:
-            for one in old.namelist():
-                text = old.read(one)
-                new.writestr(one, change(text) if one.endswith("dmodel.model") else text)
-            if change(b"") == b"second":
-                new.writestr("3D/more.model", b"<model/>")
-        return {**files, name: stream.getvalue()}
-
-    return changed
-
-
 def _npy(array):
     stream = io.BytesIO()
     np.save(stream, array)
@@ -446,28 +430,6 @@ INJECTIONS = {
             ),
         },
     ),
-    "ply": (
-        0,
-        {
-            "unknown elements": _replaced(
-                b"end_header", b"element wall 0\nelement tristrips 1\nend_header"
-            ),
-            "hole": _instead(holed("ply")),
-        },
-    ),
-    "3mf": (
-        0,
-        {
-            "unknown element": _three_mf(lambda t: t.replace(b"</model>", b"<walls/></model>")),
-            "beam lattice": _three_mf(
-                lambda t: t.replace(
-                    b"</mesh>", b"<b:beamlattice xmlns:b='b'><b:beams/></b:beamlattice></mesh>"
-                )
-            ),
-            "second model": _three_mf(lambda t: t or b"second"),
-            "hole": _instead(holed("3mf")),
-        },
-    ),
     "ros": (
         1,
         {
@@ -492,30 +454,6 @@ INJECTIONS = {
             ),
             "random obstacle": _appended(b"  - number: 2\n    distribution: {name: random}\n"),
             "unknown shape": _appended(b"  - shape: {name: blob}\n    state: [0.2, 0.2, 0]\n"),
-        },
-    ),
-    "dbcbs": (
-        0,
-        {
-            "unknown key": _appended(b"walls: [1, 2]\n"),
-            "unknown key of the environment": _replaced(
-                b"environment:\n", b"environment:\n  walls: [1]\n"
-            ),
-            "unknown key of a box": _replaced(
-                b"    - type: box\n", b"    - type: box\n      angle: 1.0\n"
-            ),
-            "unknown shape": _replaced(b"    - type: box\n", b"    - type: sphere\n"),
-        },
-    ),
-    "stage": (
-        0,
-        {
-            "model": _appended(b"model ( size [1 1 1] pose [0 0 0 0] )\n"),
-            "unknown model": _appended(b"wall ( size [1 1 1] )\n"),
-            "missing file": lambda f: {**f, _main(f): b'include "none.inc"\n' + f[_main(f)]},
-            "part of the floor plan": _replaced(
-                b"floorplan\n(", b"floorplan\n(\n  model ( size [1 1 1] )"
-            ),
         },
     ),
     "pogema": (

@@ -165,7 +165,7 @@ def test_the_target_of_configuration_10_is_at_the_centre_and_few_collisions_lead
 
 
 def test_the_command_prints_both_tables_side_by_side():
-    result = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS), "--seeds", 20)
+    result = worldgen("compare", FOLDER, "--controller", ",".join(ROBOTS), "--seeds", 20)
     assert result.code == 0 and "motion stepped, as in the published figures" in result.err
     assert result.out.count("  published") == 10 and "8.355 (+0.000); 10.590 (-2.235)" in result.out
 
@@ -185,5 +185,5 @@ def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
 @pytest.mark.gate
 def test_the_table_of_the_documentation_is_what_the_command_prints():
     page = (FOLDER.parents[1] / "docs/howto/compare.md").read_text(encoding="utf-8")
-    printed = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS)).out
+    printed = worldgen("compare", FOLDER, "--controller", ",".join(ROBOTS)).out
     assert f"```text\n{printed}```" in page

@@ -255,9 +255,7 @@ def test_of_two_figures_for_one_run_the_nearer_one_counts(table):
 
 
 def test_the_command_prints_the_table_and_the_totals(folder):
-    result = worldgen(
-        "compare", folder, "--controllers", "thesis-1,thesis-2", "--motion", "stepped"
-    )
+    result = worldgen("compare", folder, "--controller", "thesis-1,thesis-2", "--motion", "stepped")
     assert result.code == 0
     lines = result.out.splitlines()
     assert lines[0].split() == ["world", "thesis-1", "thesis-2", "best", "worst"]
@@ -269,7 +267,7 @@ def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model
     (folder / "published.csv").write_text(
         "world,controller,motion,time\nempty,thesis-1,stepped,1.5\n"
     )
-    result = worldgen("compare", folder, "--controllers", "thesis-1")
+    result = worldgen("compare", folder, "--controller", "thesis-1")
     assert "motion stepped, as in the published figures" in result.err
     assert "1.500 (+" in result.out and "Against the published figures" in result.out
 
@@ -277,7 +275,7 @@ def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model
 def test_a_world_named_alone_has_the_published_table_beside_it_too(folder):
     text = "world,controller,motion,time\nempty,thesis-1,stepped,1.5\nwall,thesis-1,stepped,2.5\n"
     (folder / "published.csv").write_text(text)
-    result = worldgen("compare", folder / "empty.grid", "--controllers", "thesis-1")
+    result = worldgen("compare", folder / "empty.grid", "--controller", "thesis-1")
     assert (
         "1.500 (+" in result.out and "not here" not in result.err and "motion stepped" in result.err
     )
@@ -287,9 +285,9 @@ def test_a_run_gets_time_enough_for_the_published_arrival(folder):
     (folder / "published.csv").write_text(
         "world,controller,motion,time\nempty,thesis-1,stepped,2000\n"
     )
-    result = worldgen("compare", folder / "..", folder, "--controllers", "thesis-1", "--json")
+    result = worldgen("compare", folder / "..", folder, "--controller", "thesis-1", "--json")
     assert result.code == 2  # the folder above has no worlds of its own, so the same ones again
-    result = worldgen("compare", folder, "--controllers", "thesis-1", "--json")
+    result = worldgen("compare", folder, "--controller", "thesis-1", "--json")
     budgets = {row["world"]: row["cells"][0]["budget"] for row in json.loads(result.out)["worlds"]}
     assert budgets["empty"] == round(2 * 2000 / 0.015) > budgets["wall"]
 
@@ -299,7 +297,7 @@ def test_csv_json_and_picture_hold_what_was_printed(folder, tmp_path):
     arguments = [
         "compare",
         folder,
-        "--controllers",
+        "--controller",
         "thesis-1,thesis-3",
         "--motion",
         "stepped",
@@ -322,7 +320,7 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
     other.mkdir()
     write_world(EMPTY.world, other / "empty.grid")
     result = worldgen(
-        "compare", folder / "empty.grid", other, "--controllers", "turn-left", "--json"
+        "compare", folder / "empty.grid", other, "--controller", "turn-left", "--json"
     )
     names = [row["world"] for row in json.loads(result.out)["worlds"]]
     assert names == [str(folder / "empty"), str(other / "empty")]
@@ -404,15 +402,15 @@ def test_a_motion_for_one_robot_names_the_world_of_several():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["{}", "--controllers", "thesis-1,thesis-1"], "named twice"),
-        (["{}", "--controllers", "thesis-1,"], "an empty text is not a name"),
-        (["{}", "{}/empty.grid", "--controllers", "thesis-1"], "given twice"),
-        (["{}/none", "--controllers", "thesis-1"], "none"),
-        (["{}", "--controllers", "thesis-1", "--picture", "a.svg"], "use a name that ends in .png"),
-        (["{}", "--controllers", "thesis-1", "--motion", "stepd"], "stepped"),
-        (["{}", "--controllers", "thesis-1", "--against", "{}/no.csv"], "no.csv"),
-        (["{}", "--controllers", "thesis-1", "--csv", "{}/empty.grid"], "--force"),
-        (["{}", "--controllers", ",".join(f"thesis-1+sensor_range={40 + k}" for k in range(9)), "--picture", "a.png"],
+        (["{}", "--controller", "thesis-1,thesis-1"], "named twice"),
+        (["{}", "--controller", "thesis-1,"], "an empty text is not a name"),
+        (["{}", "{}/empty.grid", "--controller", "thesis-1"], "given twice"),
+        (["{}/none", "--controller", "thesis-1"], "none"),
+        (["{}", "--controller", "thesis-1", "--picture", "a.svg"], "use a name that ends in .png"),
+        (["{}", "--controller", "thesis-1", "--motion", "stepd"], "stepped"),
+        (["{}", "--controller", "thesis-1", "--against", "{}/no.csv"], "no.csv"),
+        (["{}", "--controller", "thesis-1", "--csv", "{}/empty.grid"], "--force"),
+        (["{}", "--controller", ",".join(f"thesis-1+sensor_range={40 + k}" for k in range(9)), "--picture", "a.png"],
          "name fewer"),
     ],
 )  # fmt: skip

@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 
 from fuzz.evidence_checks import check_evidence
 from sim import Command, RunOptions, simulate, simulate_many
-from sim.controllers import CONTROLLERS
 from sim.drawing.picture import trail_of
 from sim.episode import prepare
-from sim.episode.chance import why_not_explored
 from sim.evidence import CoveredEvidence
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
@@ -185,12 +183,6 @@ def test_the_thesis_robot_has_no_coverage_task():
 def test_a_task_is_one_of_two():
     with raises(InvalidParameter, code="unknown-name", name="task"):
         RunOptions(task="sweep")
-
-
-def test_chances_of_covering_are_not_explored_state_by_state():
-    world = generate("trap", 3, size=16)
-    options = Scenario.parse("turn-random+task=cover+coin=4+lattice=8").options(world)
-    assert "cover" in why_not_explored(CONTROLLERS.get("turn-random"), world, options)
 
 
 def test_a_picture_shows_what_was_not_covered():

@@ -169,7 +169,7 @@ def test_an_option_of_programs_behind_another_controller_gets_the_hint_that_it_n
 
 @pytest.mark.parametrize(
     "command",
-    [("run",), ("chance",), ("fuzz", "--units", 1, "--seed", 1, "--workers", 1)],
+    [("run",), ("fuzz", "--units", 1, "--seed", 1, "--workers", 1)],
     ids=lambda command: command[0],
 )
 def test_leaving_the_debugger_ends_the_command_as_ctrl_c_does(world_file, tmp_path, command):

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from sim import CompiledController, Observation, RobotOptions, RunOptions, simulate, simulate_many
 from sim.drawing.picture import disturbances_in
-from sim.episode import prepare
 from sim.options.disturbances import Doubt, why_arrival_is_not_certain
 from sim.options.run import step_budget
 from tests.helpers.command_line import worldgen
@@ -251,12 +250,3 @@ def test_the_command_says_where_nobody_is_sure_to_arrive(tmp_path):
 
 def test_observations_name_no_disturbance():
     assert not {"drift", "pushes", "decoys"} & set(Observation._fields)
-
-
-def test_a_run_with_pushes_is_not_explored_as_if_it_had_none():
-    from sim.episode.chance import why_not_explored
-
-    world = generate("trap", 3)
-    options = RunOptions(robot=RobotOptions(coin=4, lattice=8, pushes=(1.0, 0.1, 0.0, 0.0)))
-    controller = prepare(world, "turn-random", options).controller
-    assert "pushes" in why_not_explored(controller, world, options)

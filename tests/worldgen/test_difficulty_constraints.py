@@ -10,13 +10,13 @@ from tests.helpers.raising import raises
 from worldgen.difficulty import METRICS, parse
 from worldgen.errors import InvalidParameter, WorldgenError
 
-VALUES = {"detour": 3.0, "bottleneck": 0.1, "decisions": 4, "length": 6.0}
+VALUES = {"detour": 3.0, "bottleneck": 0.1, "turns": 4, "length": 6.0}
 
 TRUE = [
     "detour > 2",
     "detour >= 3 and detour <= 3",
     "2 < detour < 4",
-    "1 < 2 < detour != 4 > decisions - 1",
+    "1 < 2 < detour != 4 > turns - 1",
     "not detour < 2",
     "not (detour < 2 or length > 100)",
     "not not detour == 3",
@@ -24,9 +24,9 @@ TRUE = [
     "bottleneck==0.1m",
     "length / detour * 2 == 4",
     "-detour < +1 - 2 * (3 - length) / 3",
-    "detour > 9 or length > 5 and decisions == 4",
+    "detour > 9 or length > 5 and turns == 4",
     "1e1 > detour",
-    "decisions // 3 == 1 and decisions % 3 == 1",
+    "turns // 3 == 1 and turns % 3 == 1",
     ".5 < detour < 5.",
 ]
 FALSE = [
@@ -87,10 +87,10 @@ def test_an_unknown_name_comes_with_the_list_of_names():
 
 
 def test_the_names_asked_for_are_known():
-    assert parse("detour > 3 and (length < 2r or not decisions > 1)").names == {
+    assert parse("detour > 3 and (length < 2r or not turns > 1)").names == {
         "detour",
         "length",
-        "decisions",
+        "turns",
     }
 
 

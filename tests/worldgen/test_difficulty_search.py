@@ -18,11 +18,9 @@ from worldgen.random_streams import RandomStream
 
 
 def test_the_world_found_is_as_constrained_and_generate_makes_it_again():
-    world = search_world(
-        "maze", "detour > 2.5 and decisions <= 12", seed=1, algorithm="backtracker"
-    )
+    world = search_world("maze", "detour > 2.5 and turns <= 40", seed=1, algorithm="backtracker")
     found = measure(world)
-    assert found.detour > 2.5 and found.decisions <= 12
+    assert found.detour > 2.5 and found.turns <= 40
     made = world.provenance
     assert made.params["algorithm"] == "backtracker"
     assert dumps(generate(made.family, made.seed, **made.params)) == dumps(world)

@@ -19,22 +19,12 @@ from worldgen.interop import (
     read_map,
     write_export,
 )
+from worldgen.interop.recognising import read_map_alone
+from worldgen.interop.sidecar import with_sidecar
 from worldgen.lattice import in_cells
 from worldgen.reach import check_certificate
 
-ABLE = ["dbcbs", "irsim", "mjcf", "movingai", "pogema", "sdf", "stage"]
-ALCOVE = """
-environment:
-  min: [-1, 0]
-  max: [5.5, 3.5]
-  obstacles:
-    - {type: box, center: [0.25, 0.5], size: [2.5, 1.0]}
-    - {type: box, center: [4.25, 0.5], size: [2.5, 1.0]}
-    - {type: box, center: [2.25, 3.0], size: [6.5, 1.0]}
-robots:
-  - {type: unicycle_first_order_0_sphere, start: [-0.5, 1.75, 0], goal: [5.0, 1.75, 0]}
-  - {type: unicycle_first_order_0_sphere, start: [5.0, 1.75, 3.1], goal: [-0.5, 1.75, 0]}
-"""
+ABLE = ["irsim", "mjcf", "movingai", "pogema", "sdf"]
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +76,6 @@ def test_every_other_format_refuses_several_robots_or_is_a_map(fleet, name):
     ("name", "word", "times"),
     [
         ("irsim", "goal_threshold", 3),
-        ("stage", "localization_origin", 1),
-        ("stage", '  name "robot', 3),
         ("mjcf+robot", "<actuator>", 1),
         ("mjcf+robot", '_turn" ', 3),
         ("sdf+robot", '<model name="robot', 3),
@@ -138,40 +126,6 @@ def test_an_agent_without_a_target_is_refused(tmp_path):
         import_world(path, name="pogema+agents=all")
 
 
-def test_a_problem_of_db_cbs_comes_back(tmp_path):
-    path = tmp_path / "alcove.yaml"
-    path.write_text(ALCOVE)
-    found = import_world(path)
-    world = found.world
-    assert found.decision.result == "reachable"
-    assert check_certificate(world).valid
-    assert [robot.radius for robot in world.robots] == [0.4, 0.4]
-    again = import_world(exported(world, "dbcbs", tmp_path, "again.yaml"))
-    assert (again.world.robots, again.world.walls.tolist()) == (world.robots, world.walls.tolist())
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "code"),
-    [
-        ("type: box", "type: sphere", "unsupported"),
-        ("unicycle_first_order_0_sphere", "car_first_order_with_1_trailers_0", "unsupported"),
-        ("min: [-1, 0]", "min: [-1, 0, 0]", "wrong-count"),
-        ("max: [5.5, 3.5]", "max: [-5.5, 3.5]", "out-of-range"),
-        ("goal: [5.0, 1.75, 0]", "goal: here", "wrong-type"),
-        ("goal: [5.0, 1.75, 0]", "goal: []", "wrong-type"),
-        ("start: [-0.5, 1.75, 0], ", "", "wrong-count"),
-        ("max: [5.5, 3.5]", "max: [1e60, 3.5]", "wrong-size"),
-        ("environment:", "surroundings:", "missing-key"),
-    ],
-)
-def test_a_fault_in_a_problem_of_db_cbs_is_one_message(tmp_path, old, new, code):
-    path = tmp_path / "bad.yaml"
-    assert old in ALCOVE
-    path.write_text(ALCOVE.replace(old, new, 1))
-    with raises(FormatError, code):
-        import_world(path, name="dbcbs")
-
-
 def test_a_grid_file_keeps_its_robots_when_it_is_imported(fleet, tmp_path):
     write_world(fleet, tmp_path / "w.grid")
     done = worldgen("import", str(tmp_path / "w.grid"), "--out", str(tmp_path / "v.grid"))
@@ -203,26 +157,11 @@ def vars_of(item):
     return tuple(round(getattr(item, name), 9) for name in item.__slots__)
 
 
-@pytest.mark.parametrize(
-    ("name", "file", "back"),
-    [("dbcbs", "w.yaml", "dbcbs"), ("pogema", "w.pogema", "pogema+agents=all")],
-)
-def test_every_robot_comes_back_with_its_sidecar(tmp_path, name, file, back):
-    world = generate("doorway", 5, robots=3)
-    write_export(export_world(world, name, file=file), tmp_path)
-    found = import_world(tmp_path / file, name=back)
+def test_every_robot_comes_back_with_its_sidecar(tmp_path):
+    world, path = pogema_with_sidecar(tmp_path)
+    found = import_world(path, name="pogema+agents=all")
     assert facts(found.world) == facts(world)
     assert found.decision.result == "reachable"
-
-
-def test_a_solvable_world_is_solvable_after_db_cbs(tmp_path):
-    grid, foreign, back = (str(tmp_path / name) for name in ("w.grid", "w.yaml", "j.grid"))
-    assert worldgen("doorway", "--robots", "3", "--seed", "5", "--out", grid).code == 0
-    assert worldgen("export", grid, "--to", "dbcbs", "--out", foreign).code == 0
-    done = worldgen("import", foreign, "--from", "dbcbs", "--out", back)
-    assert done.code == 0
-    assert "reachable" in done.out
-    assert {robot.radius for robot in read_world(back).robots} == {0.07}
 
 
 def pogema_with_sidecar(tmp_path):
@@ -263,12 +202,11 @@ def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
 
 
 def test_a_robot_that_is_missing_from_a_list_leaves_the_sidecars_robots_unknown(tmp_path):
-    world = generate("doorway", 5, robots=3)
-    path = write_export(export_world(world, "dbcbs", file="w.yaml"), tmp_path)[0]
-    kept, _, _ = path.read_text().rpartition("  - type: unicycle")
-    path.write_text(kept)
-    found = read_map(path)
-    assert (found.robot_radius, found.others[0].radius) == (0.4, 0.4)
+    _, path = pogema_with_sidecar(tmp_path)
+    alone, sidecar = read_map_alone(path, "pogema+agents=all")
+    listed = replace(alone, others=alone.others[:1], numbers=())
+    found = with_sidecar(listed, sidecar)
+    assert (found.robot_radius, found.others) == (listed.robot_radius, listed.others)
     assert "values of 3 robots, but the file has 2" in found.warnings[0]
 
 
@@ -339,7 +277,6 @@ def test_a_radius_that_is_given_is_every_robots(tmp_path):
 
 
 ROBOT = "{kinematics: {name: diff}, state: [1, 1, 0], goal: [3, 3, 0]}"
-DRIVER = "{type: unicycle_first_order_0_sphere, start: [1, 1, 0], goal: [3, 3, 0]}"
 
 
 @pytest.mark.parametrize(
@@ -348,8 +285,6 @@ DRIVER = "{type: unicycle_first_order_0_sphere, start: [1, 1, 0], goal: [3, 3, 0
         (f"world: {{height: 4, width: 4}}\nrobot:\n  - {ROBOT}\n  - {ROBOT}\n", "irsim"),
         (f"robot:\n  - {ROBOT}\n  - {ROBOT}\nworld: {{height: 4, width: 4}}\n", "irsim"),
         ("world:\n  height: 4\nenvironment:\n  wind: 1\n", "irsim"),
-        (f"robots:\n  - {DRIVER}\nenvironment: {{min: [0, 0], max: [4, 4]}}\n", "dbcbs"),
-        ("environment:\n  max: [4, 4]\n  min: [0, 0]\n  obstacles:\n" + " \n" * 5000, "dbcbs"),
     ],
 )
 def test_yaml_files_are_recognised_by_their_own_keys(tmp_path, text, name):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.drawn_worlds import drawn
-from worldgen.reach import BLOCKED, check_certificate, decide
+from worldgen.reach import BLOCKED, UNDECIDED, check_certificate, decide
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Cut, Pose, Target, Witness, World
 
@@ -148,7 +148,17 @@ def test_a_target_that_misses_the_only_clear_pose_by_a_hair_of_1e_31_cell_is_pro
     assert check_certificate(world, decision.certificate).valid
 
 
-@pytest.mark.parametrize("cell", [1.0, 1e3, 4.142135623730951e4, 1e5])
+def test_a_tie_in_lengths_that_are_too_long_to_multiply_is_undecided():
+    # The target misses the nearest clear pose by 1e-18 cells.
+    world = World(
+        np.zeros((3, 3), bool), Pose(1e5, 1e5), Target(0.0, 0.0, 0.1414213562373), 1e5, 0.1
+    )
+    decision = decide(world)
+    assert (decision.result, decision.certificate) == (UNDECIDED, None)
+    assert "round the radius" in decision.reason
+
+
+@pytest.mark.parametrize("cell", [1.0, 1e3])
 def test_a_cut_round_a_target_in_a_corner_holds_for_a_robot_of_any_size_if_the_target_is_as_far_as_that(
     cell,
 ):

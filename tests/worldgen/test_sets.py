@@ -194,13 +194,14 @@ def test_a_file_that_a_power_cut_took_is_made_again(whole, traps, left):
     assert contents(traps) == contents(whole / "set")
 
 
-def test_bytes_that_an_archive_lost_are_made_again(whole, tmp_path, monkeypatch):
-    monkeypatch.setattr(worldgen.sets.stores.ArchiveStore, "finish", lambda self: None)
+def test_a_world_that_an_unpacked_archive_lost_is_made_again(whole, tmp_path, monkeypatch):
+    monkeypatch.setattr(worldgen.sets.stores.SetArchive, "finish", lambda self: None)
     run(*TRAPS, "--out", tmp_path / "set.zip")
     monkeypatch.undo()
-    worlds = tmp_path / "set.zip.part/worlds"
-    worlds.write_bytes(worlds.read_bytes()[: 3 * manifest_of(whole / "set").entries[0].size])
-    assert " worlds already exist; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    (tmp_path / "set.zip.part/trap-8.grid").unlink()
+    assert (
+        "3 of 6 worlds already exist; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    )
     assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
 
 
@@ -489,7 +490,11 @@ def test_a_world_that_comes_out_otherwise_is_told_and_not_written(whole, tmp_pat
             '"version": 9223372036854775808',
             {"code": "wrong-value", "key": "version"},
         ),
-        ('"metrics": ', '"wish": 3, "metrics": ', {"code": "wrong-value", "key": "wish"}),
+        (
+            '"metrics": ',
+            '"constraint": 3, "metrics": ',
+            {"code": "wrong-value", "key": "constraint"},
+        ),
         ('{"file": "trap-7.grid"', "[", {"code": "not-json"}),
         ('"count": 6', '"count": 5', {"code": "wrong-count", "worlds": 6}),
     ],

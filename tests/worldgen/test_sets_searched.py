@@ -27,12 +27,6 @@ def test_a_set_that_was_searched_for_is_made_again_from_its_manifest(searched, t
     assert contents(tmp_path / "again") == contents(searched)
 
 
-def test_an_older_manifest_calls_the_constraint_a_wish(searched, tmp_path):
-    older = (searched / "manifest.jsonl").read_text().replace('"constraint"', '"wish"', 1)
-    (tmp_path / "manifest.jsonl").write_text(older)
-    assert manifest_of(tmp_path).header.constraint == "detour > 2"
-
-
 def test_lines_of_a_set_that_was_searched_for_have_what_the_search_varied(searched):
     first, *lines = [
         json.loads(line) for line in (searched / "manifest.jsonl").read_text().splitlines()
@@ -51,16 +45,6 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(searched, tmp_pat
     (part / "trap-4.grid").unlink()
     assert "2 of 4 worlds already exist" in run(*SEARCHED, "--count", 4, "--out", part).err
     assert contents(part) == contents(searched)
-
-
-def test_a_set_that_an_older_version_began_is_continued(searched, tmp_path):
-    part = shutil.copytree(searched, tmp_path / "set")
-    first, *lines = (part / "manifest.jsonl").read_bytes().splitlines(keepends=True)
-    older = first.replace(b'"constraint"', b'"wish"')
-    (part / "manifest.jsonl").write_bytes(older + b"".join(lines[:2]))
-    (part / "trap-4.grid").unlink()
-    assert "2 of 4 worlds already exist" in run(*SEARCHED, "--count", 4, "--out", part).err
-    assert (part / "manifest.jsonl").read_bytes() == older + b"".join(lines)
 
 
 def test_another_constraint_does_not_go_on_with_a_set(searched):

@@ -229,7 +229,7 @@ def first_fault(group: click.Group, words: Sequence[str]) -> click.UsageError | 
         return error
     except click.exceptions.Exit:
         return None
-    # A family or a recipe that does not exist, or a project's file with a mistake.
+    # A family that does not exist, or a project's file with a mistake.
     except (WorldgenError, click.ClickException) as error:
         return click.UsageError(str(error))
     return None

@@ -64,7 +64,7 @@ def configured(
                 file=project.file,
                 name=name,
             )
-        if name not in known and not name.endswith(".toml") and ":" not in name:
+        if name not in known and ":" not in name:
             raise InvalidParameter(
                 "unknown-name",
                 "{file}: [tool.worldgen.{name}] is not a command",

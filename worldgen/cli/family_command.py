@@ -99,8 +99,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         command = decorate(command)
     for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
-    named = f"compose {name}" if name.endswith(".toml") else name
-    epilog = _EXAMPLES.format(name=named)
+    epilog = _EXAMPLES.format(name=name)
     needs = {"out": _needs_folder}
     return click.command(name, cls=ConditionalCommand, needs=needs, epilog=epilog)(command)
 

@@ -99,12 +99,8 @@ class LazyGroup(click.Group):
                     f"command {cmd_name!r} ({point.value}) is not a click command"
                 )
             return command
-        if (
-            cmd_name in self._points("worldgen.families")
-            or ":" in cmd_name
-            or cmd_name.endswith(".toml")
-        ):
-            # Such as ./mine.py:my_family or ./recipe.toml.
+        if cmd_name in self._points("worldgen.families") or ":" in cmd_name:
+            # Such as ./mine.py:my_family.
             admit_typed([cmd_name], "")
             from worldgen.cli.family_command import family_command
 

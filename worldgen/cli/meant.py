@@ -26,6 +26,7 @@ OTHER_WORDS = {
     "o": ("out", "picture"), "output": ("out", "picture"), "output-dir": ("out",),
     "dir": ("out",), "folder": ("out",), "file": ("out",), "save": ("out", "picture"),
     "out": ("picture",),
+    "trail": ("picture",), "lane": ("strategy",), "seconds": ("budget",),
     "png": ("picture",), "svg": ("picture",), "html": ("picture", "report"),
     "image": ("picture",), "plot": ("picture",), "gif": ("picture",),
     "n": ("count", "units", "seeds", "examples", "steps"),
@@ -48,6 +49,7 @@ COMMANDS = {
     "view": "show", "draw": "show", "plot": "show", "render": "show", "cat": "show",
     "convert": "export", "ls": "list", "rm": "prune", "minimize": "shrink", "minimise": "shrink",
     "rerun": "replay", "list": "families", "benchmark": "compare", "bench": "compare",
+    "compose": "", "chance": "compare",
 }  # fmt: skip
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
 

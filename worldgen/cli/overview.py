@@ -8,7 +8,6 @@ from importlib.metadata import PackageNotFoundError, version
 COMMANDS: dict[str, dict[str, str]] = {
     "Make worlds": {
         "families": "List the families of worlds.",
-        "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",
         "regenerate": "Rebuild a set of worlds from its manifest, or check it.",
         "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
         "verify": "Check a world's proof, or decide whether a target can be reached.",
@@ -29,7 +28,6 @@ COMMANDS: dict[str, dict[str, str]] = {
         "oracles": "List the oracles that fuzz --oracle adds to the verdict.",
         "find": "Search for a world with the outcomes that you name.",
         "boundary": "Find the radius, speed or heading at which failures begin.",
-        "chance": "Decide whether a random controller always, never or sometimes arrives.",
         "init": "Set up a project whose CI searches for failures.",
     },
     "Keep and understand failures": {
@@ -48,7 +46,6 @@ COMMANDS: dict[str, dict[str, str]] = {
         "measure": "Measure how hard worlds are.",
         "audit": "Check whether a trajectory from any simulator was possible.",
         "census": "Count the maps whose target a robot of a given radius can reach.",
-        "check-scenarios": "Check the path lengths that MovingAI problems state.",
     },
 }
 """Name and summary of each command by job; a test compares them with the commands' own."""

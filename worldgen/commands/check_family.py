@@ -8,7 +8,7 @@ from worldgen.cli.output import emit_json, json_option, say
 
 EXAMPLES = (
     "\b\n  worldgen check-family warehouse\n  worldgen check-family ./mine.py:my_family\n"
-    "  worldgen check-family ./recipe.toml --except different-seeds-give-different-worlds"
+    "  worldgen check-family ./mine.py:hall --except different-seeds-give-different-worlds"
 )
 
 
@@ -24,7 +24,7 @@ EXAMPLES = (
 def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: bool) -> None:
     """Check that your own family keeps the promises that every family makes.
 
-    NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. If a
+    NAME is a registered family, ./file.py:name or package.module:name. If a
     parameter has a fixed set of words, each word of the first such parameter is a case. Exit code 1
     means that a promise is broken.
     """

@@ -90,7 +90,7 @@ EXAMPLES = (
 @click.option(
     "--unit",
     type=click.Choice(["m", "cm", "mm", "in"]),
-    help="Unit of an STL, OBJ or PLY file.  [default: m]",
+    help="Unit of an STL or OBJ file.  [default: m]",
 )
 @click.option(
     "--up",

@@ -50,9 +50,9 @@ def verify(
     too), with 1 if a certificate is invalid or a map remains undecided, with 2 if a file, or a part
     of the map that it was imported from, cannot be read.
     """
+    from worldgen.difficulty.bottleneck import bottleneck
     from worldgen.errors import InvalidParameter
     from worldgen.files.worlds import read_worlds
-    from worldgen.reach import widest_disc
     from worldgen.reach.verifying import verify_world
 
     # Verify one world after the other.
@@ -71,9 +71,16 @@ def verify(
                     path=str(path),
                     count=len(world.robots),
                 )
+            if widest and world.is_dynamic:
+                raise InvalidParameter(
+                    "world-changes",
+                    "{path} changes, but the largest disc that could pass is defined only for "
+                    "static worlds",
+                    path=str(path),
+                )
             if widest and not world.unread:
                 work.say(f"{path}: looking for the largest disc that could pass")
-                results[-1]["widest"] = widest_disc(world)
+                results[-1]["widest"] = bottleneck(world, world.walls)
             # Each result is printed as soon as it is known, since one can take minutes.
             if not as_json:
                 say(_line(results[-1]))
@@ -110,7 +117,7 @@ def _line(result: dict[str, Any]) -> str:
             "forever" if latest is None else f"until {latest:g} s"
         )
     at_all = (
-        f"; the largest disc that could pass at all: {result['widest']:.9g} m"
+        f"; the largest disc that could pass at all: {result['widest']:.6g} m"
         if "widest" in result
         else ""
     )

@@ -56,8 +56,7 @@ def corner_of(
         if anchor is None:
             return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
         return _anchored(piece, mark_at(x, y), anchor)
-    # A named place wins over a mark of the same name, so a recipe keeps its meaning whatever marks
-    # the host has.
+    # A named place wins over a mark of the same name, so a word has one meaning on every host.
     if at in host.marks and at not in (*NAMED, *DRAWN):
         return _anchored(piece, host.marks[at], anchor or "centre")
     if anchor is not None:
@@ -136,20 +135,14 @@ def put_down(
         InvalidParameter: If the piece sticks out although ``outside`` is ``refuse``, if it lacks a
             mark, or if the cell sizes differ.
     """
-    # Cells by which the piece sticks out on the left, right, lower and upper side.
     x, y = corner
-    over = [
-        max(0, -x),
-        max(0, x + piece.width - host.width),
-        max(0, -y),
-        max(0, y + piece.height - host.height),
-    ]
-    if any(over) and outside == "refuse":
+    is_inside = 0 <= x <= host.width - piece.width and 0 <= y <= host.height - piece.height
+    if not is_inside and outside == "refuse":
         raise InvalidParameter(
             "outside-grid",
             "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x "
             "{host_height} cells",
-            "put it elsewhere, or use outside='clip' or 'grow'",
+            "put it elsewhere, or use outside='clip'",
             width=piece.width,
             height=piece.height,
             x=x,
@@ -157,10 +150,6 @@ def put_down(
             host_width=host.width,
             host_height=host.height,
         )
-    if any(over) and outside == "grow":
-        host = host.pad(*over)
-        x = x + over[0]
-        y = y + over[2]
 
     # ``overlaid`` prefers the host's marks, so the piece's start counts only without the host's.
     dropped = [name for name, who in whose.items() if _is_piece(name, who, piece)]
@@ -231,8 +220,7 @@ def _same_size(host: float | None, piece: float | None) -> float | None:
         raise InvalidParameter(
             "cell-sizes-differ",
             "the host has cells of {host:g} m, but the piece has cells of {piece:g} m",
-            "make one with the other's cell_size, or give the piece "
-            "for_robot(cell_size={host:g}), which changes its size in m",
+            "make one with the other's cell_size",
             host=host,
             piece=piece,
         )

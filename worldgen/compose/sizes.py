@@ -11,10 +11,6 @@ from worldgen.errors import InvalidParameter
 MAX_CELLS = 16_000_000
 
 
-class TooLarge(InvalidParameter):
-    """Report too many cells; ``first_possible`` does not redraw after this error."""
-
-
 def whole(name: str, value: object, low: int, high: int) -> int:
     """Check that a value is a whole number in a range, and return it as an int.
 
@@ -42,10 +38,10 @@ def check_size(what: str, width: int, height: int) -> None:
     """Reject a size that a piece cannot have.
 
     Raises:
-        TooLarge: If a side is 0 or too long, or there are too many cells.
+        InvalidParameter: If a side is 0 or too long, or there are too many cells.
     """
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_CELLS):
-        raise TooLarge(
+        raise InvalidParameter(
             "too-large",
             "{what} gives {width} x {height} cells; a piece has sides of 1 to {max_side} and at "
             "most {max_cells} cells",

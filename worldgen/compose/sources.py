@@ -1,29 +1,21 @@
-"""Create pieces from families, worlds, files, drawings, rectangles and rows of other pieces."""
+"""Create pieces from families, worlds, files, drawings and rectangles."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.compose.marks import START, TARGET, Mark, frozen, marks_of
 from worldgen.compose.piece import Piece
-from worldgen.compose.sizes import TooLarge, check_size, whole
+from worldgen.compose.sizes import check_size, whole
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import (
-    FormatError,
-    GenerationFailed,
-    InvalidParameter,
-    InvalidWorld,
-    WorldgenError,
-)
-from worldgen.family import FAMILIES, Family, check_choice, family
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.family import FAMILIES, Family
 from worldgen.generation import generate
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import in_cells
@@ -32,11 +24,8 @@ from worldgen.reach.decision import unread_reason
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value, World
 
-T = TypeVar("T")
-
 _SIGNS = {"#": True, ".": False, "S": False, "G": False}
 _NOTHING = "_"
-MOST_REFUSALS = 16  # compositions to draw before giving up on parts that do not fit
 _HALF = Fraction(1, 2)
 
 
@@ -183,133 +172,3 @@ def rectangle(width: int, height: int, *, solid: bool = False) -> Piece:
     width, height = (whole(n, v, 1, MAX_SIDE) for n, v in (("width", width), ("height", height)))
     check_size("a rectangle", width, height)
     return of_cells(np.full((height, width), solid))
-
-
-_ALIGNED = ("low", "centre", "high")
-
-
-def beside(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
-    """Put pieces in a row from left to right.
-
-    The row has the first piece's start and the last piece's target.
-
-    Args:
-        pieces: At least one piece.
-        gap: Undefined cells between neighbours.
-        align: Where to put shorter pieces across the row: ``low``, ``centre`` or ``high``.
-        join: Width, in cells, of a passage to dig from each piece's target to the next piece's
-            start; 0 digs none.
-
-    Raises:
-        InvalidParameter: If there is no piece, or a piece to join has no start or no target.
-    """
-    return _chain(pieces, gap, align, join, upwards=False)
-
-
-def above(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
-    """Put pieces in a column from bottom to top; otherwise the same as :func:`beside`."""
-    return _chain(pieces, gap, align, join, upwards=True)
-
-
-def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, int]:
-    """Return the width and height of a row of pieces, in cells.
-
-    Raises:
-        InvalidParameter: If there is no piece, or the row has too many cells.
-    """
-    if not pieces:
-        raise InvalidParameter("empty", "there is no piece to put in a row", "use at least one")
-    gaps = whole("gap", gap, 0, MAX_SIDE) * (len(pieces) - 1)
-    widths = [piece.width for piece in pieces]
-    heights = [piece.height for piece in pieces]
-    size = (max(widths), sum(heights) + gaps) if upwards else (sum(widths) + gaps, max(heights))
-    check_size("a row of pieces", *size)
-    return size
-
-
-def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards: bool) -> Piece:
-    check_choice("align", align, _ALIGNED)
-    whole("join", join, 0, MAX_SIDE)
-    lengths = [piece.height if upwards else piece.width for piece in pieces]
-    breadths = [piece.width if upwards else piece.height for piece in pieces]
-    width, height = row_size(pieces, gap, upwards=upwards)
-    size = (height, width)
-    breadth = max(breadths)
-
-    # Place the pieces on an undefined background. Inner starts and targets get numbered names, so
-    # that they survive next to each other until the passages are dug.
-    scene = Piece(np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_))
-    at = 0
-    last = len(pieces) - 1
-    for number, (piece, own, across) in enumerate(zip(pieces, lengths, breadths, strict=True)):
-        off = (0, (breadth - across) // 2, breadth - across)[_ALIGNED.index(align)]
-        kept = piece if number == 0 else _renamed(piece, START, number, join)
-        kept = kept if number == last else _renamed(kept, TARGET, number, join)
-        scene = scene.place(kept, at=(off, at) if upwards else (at, off))
-        at += own + gap
-
-    # Dig the passages between neighbours, then drop the numbered marks.
-    for number in range(last if join else 0):
-        scene = scene.dig(f"target {number}", f"start {number + 1}", width=join)
-    joints = [f"{end} {number}" for end in (START, TARGET) for number in range(len(pieces))]
-    return scene.without_marks(*joints)
-
-
-def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
-    """Append a piece's number to the name of its start or target, which is not the row's own."""
-    marks = dict(piece.marks)
-    mark = marks.pop(end, None)
-    if mark is not None:
-        marks[f"{end} {number}"] = mark
-    elif join:
-        raise InvalidParameter(
-            "missing-mark",
-            "piece {number} of a row has no {end} to join it to the others",
-            "give it one",
-            number=number + 1,
-            end=end,
-        )
-    return replace(piece, marks=marks)
-
-
-def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> World:
-    """Call a function until it draws a composition that can be solved, and return its proved world.
-
-    At most 64 compositions are tried.
-
-    Args:
-        build: Draws a piece from a stream, which must be its only source of randomness.
-        seed: Equal seeds give equal worlds.
-
-    Raises:
-        GenerationFailed: If no composition can be solved.
-        InvalidParameter: If ``build`` raises it for every composition.
-    """
-
-    @family("composition", version=1)
-    def composition(rng: RandomStream) -> World:
-        return first_possible(lambda drawing: build(drawing).layout(), rng)
-
-    # Drop the provenance: nobody could rebuild the world from this local family's name.
-    return replace(generate(composition, seed), provenance=None)
-
-
-def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
-    """Call a function until it draws a composition whose parts fit, and return that one.
-
-    Random parts may be too large for their places; another draw may fit.
-
-    Raises:
-        WorldgenError: The first error, if ``build`` raises every time.
-        TooLarge: If ``build`` makes too many cells. This is not retried, because each attempt costs
-            time and memory.
-    """
-    refusals: list[WorldgenError] = []
-    for attempt in range(MOST_REFUSALS):
-        try:
-            return build(rng.child("composition", attempt))
-        except TooLarge:
-            raise
-        except (InvalidParameter, InvalidWorld, GenerationFailed) as refusal:
-            refusals.append(refusal)
-    raise refusals[0]

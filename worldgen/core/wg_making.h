@@ -187,8 +187,7 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
                   const int64_t *cells, const int64_t *cell_ends, const int64_t *halos, const int64_t *halo_ends,
                   int64_t kinds, uint8_t *stands);
 
-// making/distances.c, by_distance.c, pockets.c, openings.c, unite.c: for the measures of
-// difficulty.
+// making/distances.c, by_distance.c, pockets.c, unite.c: for the measures of difficulty.
 
 // Squared distance from each node to the nearest marked one, exactly.
 //
@@ -197,25 +196,6 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 // found:  (rows, columns) to be filled; above 2^30 if none is marked,
 //         or (rows + columns)^2 if that is less.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found);
-
-// Marks the nodes that are clear, have no larger free disc next to them, and are within two radii
-// of something.
-//
-// clear:    (rows, columns) 1 where the disc is clear; 0 on the rim.
-// squared:  (rows, columns) squared distances to the nearest wall.
-// away:     (rows, columns) squared distances to that something.
-// found:    (rows, columns) to be filled.
-WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const int32_t *away, int64_t rows,
-                          int64_t columns, uint8_t *found);
-
-// Marks the places that are not in a larger disc of another place.
-//
-// places:  (count,) nodes, flat, in ascending order.
-// sizes:   (count,) squared radii of their discs.
-// asked:   (asked_count,) numbers of places.
-// found:   (asked_count,) to be filled.
-WgStatus wg_highest(const int64_t *places, const int64_t *sizes, int64_t count, int64_t stride, const int64_t *asked,
-                    int64_t asked_count, uint8_t *found);
 
 // Sorts the clear nodes by their distance from a point; nodes at the same distance keep their
 // order.
@@ -244,17 +224,6 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
                     const uint8_t *role, int64_t size, int64_t stride, int64_t at_start, int64_t *top, int64_t *joined,
                     int64_t *pairs);
 
-// Counts the paths that lead from places: the parts of the ring around each
-// that reach its outer circle.
-//
-// clear:  (size,) 1 where the disc is clear; 0 on the rim.
-// middle: (size,) 1 where it is clear half a step right of and above each node.
-// places: (count,) nodes that are clear.
-// sizes:  (count,) squared radii of their free discs, in nodes.
-// found:  (count,) to be filled; counts below three may be inexact, but stay below three.
-WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, int64_t stride, const int64_t *places,
-                     const int64_t *sizes, int64_t count, int64_t *found);
-
 // Unites linked cells until a closed chain has an odd sum.
 //
 // ones, others: (links,) cells that are linked.
@@ -264,24 +233,5 @@ WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, 
 // closed:       1 if such a chain was found.
 WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd, int64_t links, int64_t *parent,
                   uint8_t *bit, int64_t cells, int64_t *closed);
-
-// making/surroundings.c: the surroundings of points. Cells are closed; everything outside is solid.
-
-// Finds the distance from each point to the nearest wall, cells.
-//
-// solid: (rows, columns) 1 is solid.
-// x, y:  (count,) cells.
-// found: (count,) to be filled.
-WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y,
-                          int64_t count, double *found);
-
-// Finds how far rays get before they touch a wall, in steps of their directions.
-//
-// directions: (rays, 2) steps in x and y, in cells.
-// reach:      cells along the longer axis, beyond which rays between the axes
-//             and diagonals are not followed.
-// far:        (count, rays) to be filled; infinity beyond the reach.
-WgStatus wg_rays(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y, int64_t count,
-                 const int64_t *directions, int64_t rays, double reach, double *far);
 
 #endif

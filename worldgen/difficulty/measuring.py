@@ -10,21 +10,17 @@ import numpy as np
 
 from worldgen import reach
 from worldgen.difficulty.bottleneck import bottleneck
-from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.metrics import METRICS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import nodes_of
 from worldgen.difficulty.path import WitnessPath, distance, witness_path_of
 from worldgen.difficulty.pockets import pockets
-from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import target_disc
-from worldgen.support.arrays import Bools
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, JointWitness, Witness, World
 
 _BOTTLENECK = frozenset({"bottleneck", "bottleneck_radii"})
-_MEANS = frozenset({"wall_distance", "visibility", "dispersion", "characteristic_dimension"})
 _POCKETS = frozenset({"concavity", "retreat"})
 
 
@@ -61,7 +57,14 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     if isinstance(certificate, Witness) and len(certificate.times):
         way = witness_path_of(world, certificate)
         found |= _along(world, certificate, way)
-        found |= _round(world, solid, way, wanted)
+        # Building the graph is the most expensive part, so skip it unless a metric needs it.
+        if wanted & _POCKETS:
+            depths = pockets(nodes_of(world, solid), way, target_disc(world))
+            if depths is not None:
+                found |= {
+                    name: depth * world.cell_size / UNIT
+                    for name, depth in zip(("concavity", "retreat"), depths, strict=True)
+                }
         # The formula was fitted to static worlds and needs every one of its inputs.
         if "difficulty" in wanted and not world.is_dynamic and found.keys() >= set(INPUTS):
             found["difficulty"] = difficulty(found, world.robot_radius)
@@ -120,28 +123,4 @@ def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, fl
     chord = distance(*(float(value) for value in (way.x[0], way.y[0], way.x[-1], way.y[-1])))
     if chord > 0.0:
         found["tortuosity"] = way.length / chord
-    return found
-
-
-def _round(
-    world: World, solid: Bools, way: WitnessPath, wanted: frozenset[str]
-) -> dict[str, float]:
-    """Return the metrics of the robot's surroundings and of its free space."""
-    samples = samples_of(way)
-    found: dict[str, float] = {}
-    if wanted & _MEANS:
-        means = surroundings(solid, samples)
-        found |= {
-            name: value if name == "dispersion" else value * world.cell_size
-            for name, value in means.items()
-        }
-    # Building the graph is the most expensive part, so skip it unless a metric needs it.
-    if not wanted & (_POCKETS | {"decisions"}):
-        return found
-    nodes = nodes_of(world, solid)
-    if "decisions" in wanted:
-        found["decisions"] = len(decision_points(nodes, samples.nodes()))
-    depths = pockets(nodes, way, target_disc(world)) if wanted & _POCKETS else None
-    if depths is not None:
-        found["concavity"], found["retreat"] = (depth * world.cell_size / UNIT for depth in depths)
     return found

@@ -46,17 +46,6 @@ METRICS: Final = {
         1,
         "detour to places farther from the target than the start, which every path has to make",
     ),
-    "decisions": Metric("", 1, "places along the witness where three or more paths meet"),
-    "wall_distance": Metric(
-        "m", -1, "distance to the closest obstacle, mean along the witness", _BARN
-    ),
-    "visibility": Metric("m", -1, "free length of eight rays, mean along the witness", _BARN),
-    "dispersion": Metric(
-        "", 1, "changes between wall and free around the robot, mean along the witness", _BARN
-    ),
-    "characteristic_dimension": Metric(
-        "m", -1, "narrowest of four widths, mean along the witness", _BARN
-    ),
     "tortuosity": Metric(
         "", 1, "length of the witness over the straight line between its ends", _BARN
     ),
@@ -87,11 +76,6 @@ class Metrics:
     bottleneck_radii: float | None = None
     concavity: float | None = None
     retreat: float | None = None
-    decisions: float | None = None
-    wall_distance: float | None = None
-    visibility: float | None = None
-    dispersion: float | None = None
-    characteristic_dimension: float | None = None
     tortuosity: float | None = None
     solid: float | None = None
     duration: float | None = None

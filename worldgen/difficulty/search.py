@@ -211,7 +211,7 @@ def search_world(
         GenerationFailed: If no world tried fits; the message describes the nearest one.
     """
     admit_argument(family)
-    made_by = family if isinstance(family, Family) else FAMILIES.find(family, given)
+    made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     search = Search(made_by, constraint_for(where, difficulty), seed, given)
     return next(found(search, 1, tries, progress)).world
 

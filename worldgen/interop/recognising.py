@@ -33,10 +33,8 @@ _COMMON = (
     ".gz",
     ".stl",
     ".obj",
-    ".ply",
     ".glb",
     ".gltf",
-    ".3mf",
 )
 _OURS = "worldgen.interop."
 _WAY_OUT = (

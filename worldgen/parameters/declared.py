@@ -74,13 +74,11 @@ class Written:
         flag: Flag such as ``--family`` for ``families``; empty for the name with dashes.
         metavar: Placeholder of the value in help; empty for its type.
         path: ``file`` or ``folder`` if the value names one.
-        also: Earlier flag that scripts may still use, hidden in help.
     """
 
     flag: str = ""
     metavar: str = ""
     path: str = ""
-    also: str = ""
 
 
 @dataclass(frozen=True)

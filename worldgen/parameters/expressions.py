@@ -1,9 +1,8 @@
-"""Expressions over named numbers, as in ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
+"""Conditions on named numbers, as in ``detour > 3 and bottleneck < 1.2r``.
 
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
 ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``,
-signs, calls, parentheses, names, numbers. The caller decides which names, functions and units there
-are, and whether an expression is a number or a condition.
+signs, parentheses, names, numbers. The caller decides which names and units there are.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from worldgen.errors import InvalidParameter, Message
 from worldgen.parameters.known_names import unknown_name
 
 MOST_NESTED: Final = 50
-# Limit on the levels of the syntax tree; Python allows a thousand nested calls.
+# Limit on the levels of the syntax tree; Python allows a thousand nested ones.
 _DEEPEST: Final = 250
 
 _TOKEN = re.compile(
@@ -29,7 +28,6 @@ _TOKEN = re.compile(
     r"|(?P<mark><=|>=|==|!=|//|[<>+\-*/%(),])|(?P<end>\Z)|(?P<wrong>.))",
     re.DOTALL | re.ASCII,
 )
-_CALLED = re.compile(r"\s*\(")
 _ARITHMETIC: Final[dict[type[ast.operator], str]] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%",
 }  # fmt: skip
@@ -38,7 +36,7 @@ _COMPARISONS: Final[dict[type[ast.cmpop], str]] = {
 }  # fmt: skip
 _BETWEEN = frozenset({"and", "or", *_ARITHMETIC.values(), *_COMPARISONS.values()})
 # After these an operand is needed; after the second ones a condition is possible.
-_BEGINNERS = _BETWEEN | {"(", ",", "not"}
+_BEGINNERS = _BETWEEN | {"(", "not"}
 _CONDITION_NEXT = frozenset({"(", "and", "or", "not"})
 _COMPUTE: Final[dict[str, Callable[..., Any]]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
@@ -54,8 +52,7 @@ class Language:
         variables: Names of the numbers that are known when an expression is evaluated.
         noun: What a variable is called in messages, such as ``metric``.
         longest: Limit on the characters of an expression.
-        example: A number or condition in this language, for messages.
-        functions: By name; each takes one number or several.
+        example: A condition in this language, for messages.
         units: Suffixes of a number, each with the variable that it is then multiplied by, or None.
         unit_words: These units, for messages.
     """
@@ -64,7 +61,6 @@ class Language:
     noun: str
     longest: int
     example: str
-    functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     units: Mapping[str, str | None] = field(default_factory=dict)
     unit_words: str = ""
 
@@ -85,12 +81,12 @@ class Variable:
 
 @dataclass(frozen=True)
 class Operation:
-    """An operator or a function with its operands.
+    """An operator with its operands.
 
     Args:
-        mark: The operator as written, or the function's name. A chain of comparisons is an ``and``
+        mark: The operator as written. A chain of comparisons is an ``and``
             of comparisons with two operands each.
-        operands: One or two; any number for a function, ``and`` and ``or``.
+        operands: One or two; any number for ``and`` and ``or``.
         compute: The function that gives its value; None for comparisons and for ``and``, ``or``,
             ``not``.
     """
@@ -125,18 +121,6 @@ def variables_in(node: Node) -> Iterator[str]:
     elif isinstance(node, Operation):
         for operand in node.operands:
             yield from variables_in(operand)
-
-
-def parse_number(text: str, language: Language) -> Node:
-    """Parse an expression that is a number.
-
-    Raises:
-        InvalidParameter: If it cannot be parsed; the message marks the place.
-    """
-    reader = _Reader(text, language)
-    if isinstance(reader.tree, ast.Compare | ast.BoolOp):
-        reader.refuse_condition(reader.begins, "omit the comparison")
-    return reader.number(reader.tree, reader.begins)
 
 
 def parse_condition(text: str, language: Language) -> Node:
@@ -187,22 +171,19 @@ class _Reader:
         Operands and operators alternate, so the previous word determines what may come next.
         """
         structure = ""
-        # for each open one, the word before it, which is "call" for a function
-        brackets: list[str] = []
+        brackets = 0
         before = "("  # parse the whole as if it were in parentheses
         for token in _TOKEN.finditer(self._text):
             kind = "number" if token["number"] is not None else str(token.lastgroup)
             word = token[kind]
             at = token.start(kind)
-            if len(brackets) > MOST_NESTED:
+            if brackets > MOST_NESTED:
                 self._fail(_too_deep(MOST_NESTED), at)
             if kind == "wrong":
                 self._fail(self._misplaced(repr(word), "{came} has no meaning here"), at)
 
             # Check that it fits after the previous word.
-            if word in self._language.functions and _CALLED.match(self._text, token.end()):
-                kind = "call"
-            elif kind == "word" and word in ("and", "or", "not"):
+            if kind == "word" and word in ("and", "or", "not"):
                 kind = "mark"
             rule = _broken_rule(kind, word, before, brackets)
             if rule:
@@ -216,9 +197,9 @@ class _Reader:
                 )
                 word = "_" * (token.end() - at)
             if word == "(":
-                brackets.append(before)
+                brackets += 1
             elif word == ")":
-                brackets.pop()
+                brackets -= 1
             structure += " " * (at - token.start()) + word
             before = word if kind == "mark" else kind
             if kind == "end":
@@ -310,19 +291,12 @@ class _Reader:
             mark = _ARITHMETIC[type(node.op)]
             left = self.number(node.left, at)
             return Operation(mark, (left, self._inner(node.right)), _COMPUTE[mark])
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            name = node.func.id
-            function = self._language.functions[name]
-            return Operation(name, tuple(map(self._inner, node.args)), function)
         if isinstance(node, ast.UnaryOp) and not isinstance(node.op, ast.Not):
             inner = self._inner(node.operand)
             return (
                 inner if isinstance(node.op, ast.UAdd) else Operation("-", (inner,), operator.neg)
             )
-        self.refuse_condition(at, "conditions can be joined with and, or, not")
-
-    def refuse_condition(self, at: int, way_out: str) -> NoReturn:
-        """Raise the error about a condition in the place of a number."""
+        way_out = "conditions can be joined with and, or, not"
         self._fail(Message("wrong-form", "this is a condition, not a number", way_out), at)
 
     def _inner(self, node: ast.expr) -> Node:
@@ -338,18 +312,15 @@ class _Reader:
         return parts[0] if len(parts) == 1 else Operation("and", tuple(parts))
 
 
-def _broken_rule(kind: str, word: str, before: str, brackets: list[str]) -> str:
+def _broken_rule(kind: str, word: str, before: str, brackets: int) -> str:
     """Return the rule that a word breaks after the one before it; empty if it fits."""
-    if before == "call":
-        return ""  # its parenthesis
     if before in _BEGINNERS:
-        begins = kind in ("number", "word", "call") or word in ("(", "+", "-")
+        begins = kind in ("number", "word") or word in ("(", "+", "-")
         if begins or (word == "not" and before in _CONDITION_NEXT):
             return ""
         return "{came} in place of a {noun} or a number"
     if brackets:
-        closes = word == ")" or (word == "," and brackets[-1] == "call")
-        return "" if closes or word in _BETWEEN else "{came} in place of a closing parenthesis"
+        return "" if word == ")" or word in _BETWEEN else "{came} in place of a closing parenthesis"
     return "" if word in _BETWEEN or kind == "end" else "{came} is not expected here"
 
 

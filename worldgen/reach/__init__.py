@@ -1,14 +1,13 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
 Contents:
-    decide, decide_many: prove it, in one world and in many.
+    decide: prove it.
     Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
     Confinement: the proof that a deadline cannot be met.
     Swap: the proof that two robots cannot both arrive.
     reachable_cells, coverage_tour: which cells' centres the disc can reach, and a tour of them.
 Imported when they are first used, because few need them, and the checkers load shapely:
     decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
-    widest_disc: the largest disc that gets through.
     check_certificate, CheckReport: check a proof.
     check_confinement: check the proof about a deadline.
     check_swap: check the proof about two robots that cannot pass each other.
@@ -19,7 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from worldgen.reach.deciding import decide, decide_many
+from worldgen.reach.deciding import decide
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Confinement, Decision, Swap
 from worldgen.reach.still.cells import coverage_tour, reachable_cells
 from worldgen.support.lazy import lazy_names
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from worldgen.reach.check.margin import delayed, witness_margin
     from worldgen.reach.check.swap import check_swap
     from worldgen.reach.deadline import decide_in_time, latest_start, until
-    from worldgen.reach.single.widest import widest_disc
 
 __getattr__, __dir__ = lazy_names(
     __name__,
@@ -40,7 +38,6 @@ __getattr__, __dir__ = lazy_names(
         "check.swap": ("check_swap",),
         "check.margin": ("delayed", "witness_margin"),
         "deadline": ("decide_in_time", "latest_start", "until"),
-        "single.widest": ("widest_disc",),
     },
 )
 
@@ -58,11 +55,9 @@ __all__ = [
     "coverage_tour",
     "decide",
     "decide_in_time",
-    "decide_many",
     "delayed",
     "latest_start",
     "reachable_cells",
     "until",
-    "widest_disc",
     "witness_margin",
 ]

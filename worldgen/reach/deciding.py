@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from worldgen.reach.decision import UNDECIDED, Decision, check_margin, check_radius, unread_reason
 from worldgen.reach.single import prove
 from worldgen.world import World
@@ -44,19 +42,3 @@ def decide(
     from worldgen.reach.joint.decide import decide_joint
 
     return decide_joint(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
-
-
-def decide_many(
-    worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True
-) -> list[Decision]:
-    """Return what :func:`decide` returns for each of many worlds.
-
-    Args:
-        worlds: Any worlds.
-        radius: Radius of the disc, m; each world's robot's if omitted.
-        certificate: True to return the proofs of static worlds.
-
-    Raises:
-        InvalidParameter: If the radius is not a finite number above 0.
-    """
-    return [decide(world, radius=radius, certificate=certificate) for world in worlds]

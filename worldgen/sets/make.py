@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.family import FAMILIES, RECIPE
+from worldgen.family import FAMILIES
 from worldgen.plugins.trust import admit_argument
 from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
-from worldgen.sets.stores import PART, SetFolder, Store, store_for
+from worldgen.sets.stores import PART, SetArchive, SetFolder, store_for
 
 Progress = Callable[[int], None]
 """Called with the number of worlds saved so far, at the beginning and after each."""
@@ -196,7 +196,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             work.refuse(old)
             resumed = store.resume(old)
             # A finished set has nothing to resume; only --force replaces it.
-            if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
+            if len(old.entries) == work.count == resumed and not isinstance(store, SetArchive):
                 raise OutputError(
                     "set-finished",
                     "{out} already holds this set, complete",
@@ -215,7 +215,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
 
 def _write_all(
     work: _Work,
-    store: Store,
+    store: SetFolder,
     done: int,
     old: Manifest | None,
     *,
@@ -298,16 +298,14 @@ def _entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) 
             checked[key] = _place(entry, places.get(entry.family, entry.family))
         # The families of a set are one object.
         if not jobs or entry.params is not jobs[-1].params:
-            FAMILIES.find(checked[key], entry.params).complete(entry.params)
+            FAMILIES.get(checked[key]).complete(entry.params)
         jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
     return jobs
 
 
 def _place(entry: ManifestEntry, place: str) -> str:
-    # Its text is among the parameters.
-    if place.startswith(RECIPE):
-        return place
-    if place == entry.family and place not in FAMILIES.names():
+    is_unknown = place == entry.family and place not in FAMILIES.names()
+    if is_unknown and not place.startswith("recipe:"):
         raise InvalidParameter(
             "unknown-name",
             "the set is of family {family!r}, which is not one of {known!l}",

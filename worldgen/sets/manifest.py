@@ -263,12 +263,7 @@ def _header(line: bytes, source: str) -> ManifestHeader:
     if found.get("format") != FORMAT:
         rule = f'must be "{FORMAT}"; is this the manifest of a set, or of a later version?'
         raise _wrong(found, "format", rule, line=1, source=source)
-    # Older sets call a constraint a wish.
-    if "constraint" not in found and not isinstance(found.get("wish", ""), str):
-        raise _wrong(found, "wish", "must be text", line=1, source=source)
-    header = _content(
-        {"constraint": found.get("wish", ""), **found}, ManifestHeader, line=1, source=source
-    )
+    header = _content(found, ManifestHeader, line=1, source=source)
     _check(found, "strata", header.strata, header.seed, line=1, source=source)
     note_names([header.family, header.params], source)
     return msgspec.structs.replace(header, family=NameInFile(header.family))

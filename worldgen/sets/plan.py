@@ -74,12 +74,6 @@ class SearchedPlan(SetPlan):
     family: Family
     tries: int
 
-    @property
-    def given(self) -> dict[str, Value]:
-        """Parameters with fixed values, without the family's own constants."""
-        constants = self.family.constants
-        return {name: value for name, value in self.header.params.items() if name not in constants}
-
 
 @dataclass(frozen=True, kw_only=True)
 class SeededPlan(SetPlan):

@@ -37,7 +37,9 @@ class WantedPlan(SearchedPlan):
         The search repeats what it found before, because later finds depend on it.
         """
         header = self.header
-        search = Search(self.family, constraint_for(header.constraint), header.seed, self.given)
+        search = Search(
+            self.family, constraint_for(header.constraint), header.seed, self.header.params
+        )
         for k, one in enumerate(found(search, header.count, self.tries, self.tell)):
             if k >= first:
                 metrics = measure(one.world).as_dict() if header.metrics else {}
@@ -75,10 +77,9 @@ def plan_wanted_set(
     admit_argument(family)
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
-    fixed = {**given, **made_by.constants}
     constraint = constraint_for(where, difficulty).text
     header = msgspec.structs.replace(
-        header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint
+        header_of(made_by, given, seed, count, metrics=metrics), constraint=constraint
     )
     return WantedPlan(family=made_by, header=header, tries=tries, tell=tell)
 
@@ -104,7 +105,7 @@ class StratifiedPlan(SearchedPlan):
             header.strata,
             header.count,
             header.seed,
-            self.given,
+            self.header.params,
             where=self.where,
             tries=self.tries,
         )
@@ -151,12 +152,11 @@ def plan_stratified_set(
     admit_argument(family)
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
-    fixed = {**given, **made_by.constants}
     low, high = difficulty
     edges = edges_of(low, high, count)
     constraint = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
     header = msgspec.structs.replace(
-        header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint, strata=edges
+        header_of(made_by, given, seed, count, metrics=metrics), constraint=constraint, strata=edges
     )
     return StratifiedPlan(family=made_by, header=header, where=where, tries=tries)
 

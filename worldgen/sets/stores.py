@@ -1,4 +1,4 @@
-"""Where a set's files are written: a folder, or an archive that grows in a folder next to it."""
+"""Where a set's files are written: a folder, which may be packed into an archive at the end."""
 
 from __future__ import annotations
 
@@ -7,58 +7,18 @@ import hashlib
 import os
 import shutil
 from pathlib import Path
-from typing import IO, Protocol
 
 from worldgen.errors import OutputError
 from worldgen.files.archives import is_archive, writer_for
 from worldgen.files.whole import refused_writes
-from worldgen.sets.journal import Journal, append_at
+from worldgen.sets.journal import Journal
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manifest
 
 # Suffix of the folder in which an archive grows.
 PART = ".part"
-# File in that folder with the files' bytes, one after another.
-_WORLDS = "worlds"
 
 
-class Store(Protocol):
-    """A store for the files of a set, one after another.
-
-    Whatever was written counts, however the process ends.
-    """
-
-    def find(self, *, force: bool) -> Manifest | None:
-        """Return the set that an earlier run left there.
-
-        Args:
-            force: True if something else may be there.
-
-        Raises:
-            OutputError: If something else is there and must not be replaced.
-        """
-
-    def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Begin a set.
-
-        Args:
-            header: First line of its manifest.
-            over: A set that it replaces.
-        """
-
-    def resume(self, old: Manifest) -> int:
-        """Continue a set; return the number of complete worlds, from the first."""
-
-    def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Add a file and then its line in the manifest."""
-
-    def finish(self) -> None:
-        """Finish the set."""
-
-    def close(self) -> None:
-        """Release it, finished or not."""
-
-
-def store_for(out: Path) -> Store:
+def store_for(out: Path) -> SetFolder:
     """Return an archive if the name is an archive's, otherwise a folder.
 
     Raises:
@@ -72,7 +32,7 @@ def store_for(out: Path) -> Store:
                 "use another name",
                 out=out,
             )
-        return ArchiveStore(out)
+        return SetArchive(out)
     if out.exists() and not out.is_dir():
         raise OutputError(
             "is-a-file",
@@ -85,6 +45,8 @@ def store_for(out: Path) -> Store:
 
 class SetFolder:
     """A folder with a file for each world.
+
+    Whatever was written counts, however the process ends.
 
     Args:
         folder: The folder, created along with the first file.
@@ -203,29 +165,24 @@ class SetFolder:
         self._journal.close()
 
 
-class ArchiveStore:
-    """An archive; while incomplete, its manifest and worlds are two files in a folder next to it.
+class SetArchive(SetFolder):
+    """A set that is made in a folder next to an archive, and packed into it at the end.
 
     Args:
         archive: The archive.
     """
 
     def __init__(self, archive: Path) -> None:
+        super().__init__(archive.with_name(archive.name + PART))
         self._archive = archive
-        self._part = archive.with_name(archive.name + PART)
-        self._over_others = False
-        self._journal = Journal(self._part / MANIFEST)
-        self._worlds: int | None = None
-        self._end = 0
 
     def find(self, *, force: bool) -> Manifest | None:
-        """Return the incomplete archive that an earlier run left; refuse a complete one."""
-        self._over_others = force
-        found = self._journal.read(force=force)
+        """Return the set that an earlier run left in the folder; refuse a complete archive."""
+        found = super().find(force=force)
         if self._archive.exists() and not force:
             # The earlier run was killed between its last two steps.
             if found is not None and found.finished:
-                self._remove_part()
+                self._remove_folder()
             raise OutputError(
                 "file-exists",
                 "{archive} already exists",
@@ -233,107 +190,56 @@ class ArchiveStore:
                 at_terminal=True,
                 archive=self._archive,
             )
-        if found is None and not force and self._part.exists() and any(self._part.iterdir()):
-            raise OutputError(
-                "file-exists",
-                "{part} is in the way and is not an unfinished set",
-                "move it away, or use --force",
-                at_terminal=True,
-                part=self._part,
-            )
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
         """Create the folder next to the archive."""
-        with refused_writes(self._archive):
-            self._archive.parent.mkdir(parents=True, exist_ok=True)
-            self._part.mkdir(exist_ok=True)
-        self._journal.start(header)
+        super().start(header, over)
         if self._archive.exists() and not self._over_others:
-            self._remove_part()
+            self._remove_folder()
             raise OutputError(
                 "written-meanwhile",
                 "{archive} was made by another command in the meantime",
                 "look at it, or choose another archive",
                 archive=self._archive,
             )
-        self._open_worlds(0)
-
-    def resume(self, old: Manifest) -> int:
-        """Count the worlds whose bytes match the manifest.
-
-        All worlds after the first that does not match are made again.
-        """
-        end = len(old.first)
-        done = 0
-        size = 0
-        worlds = self._part / _WORLDS
-        if worlds.is_file():
-            with worlds.open("rb") as stream:
-                # Keep worlds up to the first whose bytes don't match: a crash can damage only the
-                # end.
-                for entry, line in zip(old.entries, old.lines, strict=True):
-                    data = _exactly(stream, entry.size)
-                    if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
-                        break
-                    end = end + len(line)
-                    done = done + 1
-                    size = size + entry.size
-        # Cut both files after the last whole world, and append from there.
-        self._journal.cut(end)
-        self._open_worlds(size)
-        return done
-
-    def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Append the bytes, then the line."""
-        if self._worlds is None:
-            raise OutputError(
-                "not-open", "{archive} is not open", "start the set first", archive=self._archive
-            )
-        with refused_writes(self._archive):
-            append_at(self._worlds, self._end, data)
-        self._journal.append(line)
-        self._end += len(data)
 
     def finish(self) -> None:
         """Pack the files, the manifest first."""
-        packed = self._part / "packed"
+        packed = self._folder / ".packed"
         manifest = read_manifest(self._journal.path)
         # Pack into a temporary file and rename it, so that a reader never sees half an archive.
         with refused_writes(self._archive):
-            with packed.open("wb") as stream, (self._part / _WORLDS).open("rb") as worlds:
+            with packed.open("wb") as stream:
                 archive = writer_for(self._archive, stream)
                 archive.add(MANIFEST, b"".join((manifest.first, *manifest.lines)))
                 for entry in manifest.entries:
-                    archive.add(entry.file, _bytes_of(entry, worlds))
+                    archive.add(entry.file, self._bytes_of(entry))
                 archive.close()
                 # Without fsync, a crash after the rename could leave an empty file under the final
                 # name.
                 stream.flush()
                 os.fsync(stream.fileno())
             packed.replace(self._archive)
-        self._remove_part()
+        self._remove_folder()
 
-    def close(self) -> None:
-        """Unlock it for other commands."""
-        self._journal.close()
-        if self._worlds is not None:
-            os.close(self._worlds)
-            self._worlds = None
-
-    def _open_worlds(self, size: int) -> None:
-        with refused_writes(self._archive):
-            self._worlds = os.open(
-                self._part / _WORLDS, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
+    def _bytes_of(self, entry: ManifestEntry) -> bytes:
+        file = self._folder / entry.file
+        data = file.read_bytes() if file.is_file() else b""
+        if hashlib.sha256(data).hexdigest() != entry.sha256:
+            raise OutputError(
+                "file-changed",
+                "{file} was changed on disk in the meantime",
+                "run the same command again",
+                file=file,
             )
-            os.ftruncate(self._worlds, size)
-        self._end = size
+        return data
 
-    def _remove_part(self) -> None:
+    def _remove_folder(self) -> None:
         # This happens on systems that cannot remove open files and have no locks.
         if os.name == "nt":
             self.close()
-        shutil.rmtree(self._part, ignore_errors=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
         # Unlock only now, because another command must not start in a folder that is being removed.
         self.close()
 
@@ -351,20 +257,3 @@ def place_file(file: Path, data: bytes) -> None:
         with contextlib.suppress(OSError):
             part.unlink()
         raise
-
-
-def _exactly(stream: IO[bytes], size: int) -> bytes | None:
-    left = os.fstat(stream.fileno()).st_size - stream.tell()
-    return stream.read(size) if size <= left else None
-
-
-def _bytes_of(entry: ManifestEntry, worlds: IO[bytes]) -> bytes:
-    data = _exactly(worlds, entry.size)
-    if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
-        raise OutputError(
-            "file-changed",
-            "{file} was changed on disk in the meantime",
-            "run the same command again",
-            file=entry.file,
-        )
-    return data

@@ -183,7 +183,7 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
             given=repr(name),
         )
     admit_argument(name)
-    family = name if isinstance(name, Family) else FAMILIES.find(name, params)
+    family = name if isinstance(name, Family) else FAMILIES.get(name)
     seed = whole("pool_seed", given.get("pool_seed", 0), 0, MASK64)
     # Without a range of difficulty, worlds are drawn from consecutive seeds.
     if "difficulty" not in given:

@@ -211,10 +211,7 @@ def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
     """Yield objects that are not our own, with their digests."""
     yield controller_source(config.scenario.controller)
     for name in config.families:
-        if name.endswith(".toml"):
-            yield f"family {name}", digest_of(FAMILIES.get(name).constants)
-        else:
-            yield f"family {name}", _digest_of_source(FAMILIES, name)
+        yield f"family {name}", _digest_of_source(FAMILIES, name)
     for text in config.oracles:
         yield f"oracle {text}", _digest_of_source(ORACLES, NamedOracle.parse(text).name)
 

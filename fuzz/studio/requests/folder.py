@@ -119,7 +119,7 @@ class Folder:
         Raises:
             InvalidParameter: If it names a file outside the folder, as :meth:`place` defines it.
         """
-        # Options of what is named follow a plus: ./recipe.toml+size=20.
+        # Options of what is named follow a plus: ./mine.py:rooms+size=20.
         name, plus, rest = text.partition("+")
         if name in known:
             return text

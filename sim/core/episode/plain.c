@@ -1,4 +1,4 @@
-// Plain runs: no events, disturbances, noise, dynamic limits, coarser lattice, digest or recording,
+// Plain runs: no events, disturbances, noise, dynamic limits, digest or recording,
 // little memory, and a search for loops. Most runs are plain, and a specialised loop takes less
 // than two thirds of the time.
 //
@@ -27,7 +27,7 @@ bool wg_is_plain(const WgEpisode *episode)
     const WgArena *arena = episode->arena;
     const WgSettings *settings = episode->settings;
     return arena->event_count == 0 && settings->slip <= 0.0 && settings->measures == 0
-           && settings->disturbed == 0 && settings->lattice <= 1 && settings->turn_limit == INFINITY && settings->gain == INFINITY
+           && settings->disturbed == 0 && settings->turn_limit == INFINITY && settings->gain == INFINITY
            && settings->loss == INFINITY && settings->digest == 0 && settings->find_loop == WG_SEEK_LOOP
            && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;
 }

@@ -163,46 +163,6 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
     return last;
 }
 
-WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state)
-{
-    int64_t grid = settings->lattice;
-    int64_t left = wg_floor_div(state->x, grid) * grid;
-    int64_t low = wg_floor_div(state->y, grid) * grid;
-    if (left == state->x && low == state->y) {
-        return (WgVector){state->x, state->y};
-    }
-
-    // Among equally near points, the first from the lower left counts.
-    int64_t to_x = state->x;
-    int64_t to_y = state->y;
-    int64_t best = -1;
-    for (int corner = 0; corner < 4; corner++) {
-        WgSegment way = {state->x, state->y, left + (corner & 1) * grid, low + (corner >> 1) * grid};
-        int64_t dx = way.qx - way.px;
-        int64_t dy = way.qy - way.py;
-        int64_t away = dx * dx + dy * dy;
-        if (best >= 0 && away >= best) {
-            continue;
-        }
-        if (!wg_first_not_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), way).found) {
-            to_x = way.qx;
-            to_y = way.qy;
-            best = away;
-        }
-    }
-    return (WgVector){to_x, to_y};
-}
-
-void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
-{
-    const WgState *state = &robot->body->state;
-    WgVector to = wg_rounded_place(arena, settings, state);
-    if (to.x != state->x || to.y != state->y) {
-        wg_add_corner(robot, to.x, to.y, WG_STEP_TIME);
-        wg_arrive_closely(arena, settings, step, to.x, to.y, robot);
-    }
-}
-
 // Displaces the robot by a push, as far as the path is clear, and turns it.
 static void push(const WgArena *arena, const WgSettings *settings, int64_t step, const WgPush *by, WgRobot *robot)
 {
@@ -226,9 +186,6 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
     }
     for (int64_t k = before; k < robot->corners && robot->report.ending == WG_LIMIT; k++) {
         wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
-    }
-    if (settings->lattice > 1 && robot->report.ending == WG_LIMIT) {
-        wg_round_pose(arena, settings, step, robot);
     }
 }
 

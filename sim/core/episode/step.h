@@ -103,14 +103,6 @@ void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, Wg
 // The part of a displacement covered by a time in the step, lattice units.
 int64_t wg_share_of(int64_t whole, int64_t time);
 
-// Returns the nearest point of a coarser lattice that the robot can reach on a clear line, or its
-// own place if there is none.
-WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state);
-
-// Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
-// there is one.
-void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
-
 // Displaces and turns a robot that is pushed in a step, after its own move.
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
@@ -269,12 +261,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // Features that few robots have: poses on a coarser lattice, wheels that measure with errors,
-    // or miss what pushes the robot. Against a wall the wheels do not turn,
-    // whatever the floor does.
-    if (settings->lattice > 1 && report->ending == WG_LIMIT) {
-        wg_round_pose(arena, settings, step, robot);
-    }
+    // Features that few robots have: wheels that measure with errors, or miss what pushes the robot.
+    // Against a wall the wheels do not turn, whatever the floor does.
     if (settings->measures != 0) {
         bool drifts = settings->disturbed != 0 && !wg_is_contact(robot->contact);
         int64_t moved_x = state->x - x - (drifts ? settings->drift_x : 0);

@@ -13,9 +13,8 @@
 // for the next step.
 enum { WG_MOST_PHASES = 12 };
 
-// The corners that one move may add to a robot's path: two for each phase, a wait,
-// and a coarser lattice.
-enum { WG_FLEET_CORNERS = 2 * WG_MOST_PHASES + 2 };
+// The corners that one move may add to a robot's path: two for each phase, and a wait.
+enum { WG_FLEET_CORNERS = 2 * WG_MOST_PHASES + 1 };
 
 // Up to this many robots, all pairs are examined; above it, a grid is faster.
 enum { WG_FEW_ROBOTS = 12 };

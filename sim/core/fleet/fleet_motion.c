@@ -546,59 +546,6 @@ static void change_world(WgFleet *fleet, int64_t step)
     }
 }
 
-// Moves robots with coarser poses to the nearest points of their lattices,
-// as many as can move at the same time.
-static void round_poses(WgFleet *fleet, int64_t step)
-{
-    WgMover *movers = fleet->movers;
-    bool any = false;
-    for (int64_t k = 0; k < fleet->count; k++) {
-        const WgEpisode *member = member_of(fleet, k);
-        const WgState *state = &member->robot.body->state;
-        movers[k].is_active = member->robot.report.ending == WG_LIMIT;
-        WgVector to = {state->x, state->y};
-        if (movers[k].is_active && member->settings->lattice > 1) {
-            to = wg_rounded_place(member->arena, member->settings, state);
-        }
-        set_out(fleet, k, (WgVector){to.x - state->x, to.y - state->y});
-        movers[k].goal = (WgPlace){to.x, to.y};
-        any = any || is_moving(&movers[k]);
-    }
-    if (!any) {
-        return;
-    }
-    wg_find_near(fleet);
-    bool found = true;
-    while (found) {
-        found = false;
-        for (int64_t k = 0; k < fleet->count; k++) {
-            movers[k].is_violated = false;
-        }
-        for (int64_t k = 0; k < fleet->near->pair_count; k++) {
-            const WgPair *pair = &fleet->near->pairs[k];
-            if (!are_clear(fleet, pair)) {
-                found = true;
-                movers[pair->one].is_violated = true;
-                movers[pair->other].is_violated = true;
-            }
-        }
-        for (int64_t k = 0; found && k < fleet->count; k++) {
-            if (movers[k].is_violated) {
-                movers[k].goal = movers[k].place;
-            }
-        }
-    }
-    for (int64_t k = 0; k < fleet->count; k++) {
-        WgEpisode *member = member_of(fleet, k);
-        if (!is_at_goal(&movers[k])) {
-            wg_add_corner(&member->robot, movers[k].goal.x, movers[k].goal.y, WG_STEP_TIME);
-            wg_arrive_closely(member->arena, member->settings, step, movers[k].goal.x, movers[k].goal.y,
-                              &member->robot);
-        }
-    }
-}
-
-// Returns true if an event or a robot has ended the run.
 static bool is_ended(const WgFleet *fleet)
 {
     for (int64_t k = 0; k < fleet->count; k++) {
@@ -626,8 +573,5 @@ void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by)
         if (due && !is_ended(fleet)) {
             change_world(fleet, step);
         }
-    }
-    if (!is_ended(fleet)) {
-        round_poses(fleet, step);
     }
 }

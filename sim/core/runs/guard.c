@@ -33,12 +33,6 @@ int64_t wg_call_first_edit(const WgCall *call)
     return wg_first_edit(objects[0], objects[1], objects[2], *old, objects[4], call->number, objects[5], objects[6]);
 }
 
-int64_t wg_call_outcomes(const WgCall *call)
-{
-    void *const *objects = call->objects;
-    return wg_outcomes(objects[0], objects[1], objects[2], call->number, objects[3], objects[4], objects[5]);
-}
-
 int64_t wg_call_fleet(const WgCall *call)
 {
     return wg_fleet_run(call->objects[0], call->number);

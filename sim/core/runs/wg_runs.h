@@ -84,18 +84,7 @@ typedef struct WgTried {
 WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                        const WgEdit *edits, int64_t count, const WgWanted *wanted, WgTried *tried);
 
-// outcomes.c
-
-// One step from each of many states. The world must not change, and only the controller may draw
-// random numbers.
-//
-// states:   (count, words) complete states; the number of draws is ignored.
-// faces:    (count,) index of the next random number's value, from 0, of WgSettings.coin.
-// after:    (count, words) filled; the number of draws is 0.
-// endings:  (count,) filled; WG_LIMIT if the run continues.
-// drew:     (count,) filled; 1 if the random number was used up.
-WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
-                     int64_t *endings, int64_t *drew);
+// sensed.c
 
 // Computes the senses of a controller that walls determine, except contact, at each of many poses.
 //

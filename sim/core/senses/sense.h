@@ -111,9 +111,7 @@ static inline double wg_sensed_heading(const WgSettings *settings, const WgState
 // The controller's next random number.
 static inline double wg_sensed_random(const WgSettings *settings, const WgState *state)
 {
-    double drawn = wg_random_draw(settings->seed, state->draws);
-    double coin = (double)settings->coin;
-    return settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
+    return wg_random_draw(settings->seed, state->draws);
 }
 
 // Fills the observation; senses that cost time only if they are in WgSettings.senses.

@@ -376,11 +376,9 @@ def sense(
             strongest = _strongest_cell(cells, settings, scales, (x, y, heading), decoys, step)
         observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     if senses & layout.SENSE_RANDOM != 0:
-        drawn, coin = (
-            random_draw(settings[layout.SET_SEED], state[layout.STATE_DRAWS]),
-            settings[layout.SET_COIN],
+        observation[layout.OBS_RANDOM] = random_draw(
+            settings[layout.SET_SEED], state[layout.STATE_DRAWS]
         )
-        observation[layout.OBS_RANDOM] = drawn if coin == 0 else math.floor(drawn * coin) / coin
     if senses & layout.SENSE_TIME != 0:
         observation[layout.OBS_TIME] = step * scales[layout.SCALE_TIME_STEP]
     if senses & layout.SENSE_ODOMETRY != 0:

@@ -284,36 +284,6 @@ def _move_through_events(
     return event, count, nx, ny
 
 
-def _round_pose(
-    arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot
-) -> int:
-    """Moves the robot to the nearest point of the coarser lattice on a clear path, if any.
-
-    Of equally near points, the first from the lower left counts.
-
-    Returns:
-        The number of filled rows of the chain.
-    """
-    state, grid = robot.state, settings[layout.SET_LATTICE]
-    x, y = state[layout.STATE_X], state[layout.STATE_Y]
-    if x % grid == 0 and y % grid == 0:
-        return count
-    qx, qy, best = x, y, -1
-    for corner in range(4):
-        ax, ay = (x // grid + (corner & 1)) * grid, (y // grid + (corner >> 1)) * grid
-        away = (ax - x) * (ax - x) + (ay - y) * (ay - y)
-        if best < 0 or away < best:
-            ends = (x, y, ax, ay)
-            clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
-            if not segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
-                qx, qy, best = ax, ay, away
-    if best > 0:
-        robot.chain[count, 0], robot.chain[count, 1], robot.chain[count, 2] = qx, qy, TIME_UNIT
-        _judge_path(arena, settings, scales, step, (count, count + 1), False, robot)
-        count += 1
-    return count
-
-
 def _measure(
     settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot
 ) -> None:
@@ -371,8 +341,6 @@ def _push(
     for k in range(before, count):
         if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
             _judge_path(arena, settings, scales, step, (k, k + 1), False, robot)
-    if settings[layout.SET_LATTICE] > 1 and robot.counts[layout.OUT_ENDING] == layout.LIMIT:
-        count = _round_pose(arena, settings, scales, step, count, robot)
     return count, nx, ny
 
 
@@ -423,8 +391,6 @@ def _advance(
     else:
         whole = (0, TIME_UNIT)
         count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
-    if settings[layout.SET_LATTICE] > 1 and counts[layout.OUT_ENDING] == layout.LIMIT:
-        count = _round_pose(arena, settings, scales, step, count, robot)
     if settings[layout.SET_MEASURES] != 0:
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
         if (

@@ -64,15 +64,13 @@ SET_SIGNAL = 15  # OPEN, WEAKENED, BLOCKED
 SET_BEAMS = 16
 SET_PLAIN_SENSOR = 17  # 1: the signal sensor is the thesis's, without noise or limits
 SET_SMOKE_REACH = 18  # cells around a burning one that its smoke fills
-SET_LATTICE = 19  # lattice units to which poses are rounded after each step; 1: none
-SET_COIN = 20  # how many values a random number has; 0: any in [0, 1)
-SET_ENTRY = 21  # step of the state that PROVE_LOOP compares with the last one
-SET_DISTURBED = 22  # 1: something moves the robot besides its wheels
-SET_MEASURES = 23  # 1: odometry may differ from the pose
-SET_DRIFT_X, SET_DRIFT_Y = 24, 25  # what a tilted floor adds to each step, lattice units
-SET_DRIFT_REACH = 26  # the length of that, rounded up
-SET_PLACES = 27  # how many pushes are at places; they come first
-SET_SIZE = 28
+SET_ENTRY = 19  # step of the state that PROVE_LOOP compares with the last one
+SET_DISTURBED = 20  # 1: something moves the robot besides its wheels
+SET_MEASURES = 21  # 1: odometry may differ from the pose
+SET_DRIFT_X, SET_DRIFT_Y = 22, 23  # what a tilted floor adds to each step, lattice units
+SET_DRIFT_REACH = 24  # the length of that, rounded up
+SET_PLACES = 25  # how many pushes are at places; they come first
+SET_SIZE = 26
 
 # Values of SET_FIND_LOOP: how a recurrence of the complete state ends the run.
 NO_LOOP = 0  # never

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-from array import array
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -28,7 +27,7 @@ from worldgen.interop.format.foreign_map import (
 )
 from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
-from worldgen.support.arrays import Bytes, Floats, Ints
+from worldgen.support.arrays import Bytes
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
@@ -39,11 +38,6 @@ PASSABLE = b".GS"
 BLOCKED = b"@OTW"
 # Radius in cells; a scenario's robot turns in corridors one cell wide.
 SCENARIO_RADIUS = Fraction(4, 10)
-# A robot on ground, on water or among trees stays there.
-GROUND = 0
-OUTSIDE = 1
-WATER = 2
-TREES = 3
 # Line of the first row, after type, height, width and map.
 _FIRST_ROW = 5
 # Limit on the length of a line, bytes; it has nine short fields.
@@ -54,9 +48,10 @@ _MAX_SCENARIOS = 1_000_000
 _LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
 _BAD = 255
 
+# By character, whether its cell is solid.
 _TABLE = np.full(256, _BAD, np.uint8)
-for _letters, _terrain in ((PASSABLE, GROUND), (b"@O", OUTSIDE), (b"W", WATER), (b"T", TREES)):
-    _TABLE[list(_letters)] = _terrain
+_TABLE[list(PASSABLE)] = 0
+_TABLE[list(BLOCKED)] = 1
 
 
 def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
@@ -70,7 +65,7 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         FormatError: If the header is wrong or the rows do not match it, with the line.
     """
     data = read_bounded(path)
-    walls = flip_rows(_parse(data) != GROUND)
+    walls = flip_rows(_parse(data) != 0)
     return _with_only_problem(ForeignMap(walls, cell_size), path)
 
 
@@ -105,25 +100,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     return found
 
 
-@names_its_file
-def read_terrain(path: Path) -> Bytes:
-    """Read the terrain of a map's cells.
-
-    The result has shape (height, width), top row first, with values ``GROUND``, ``OUTSIDE``,
-    ``WATER`` and ``TREES``. The benchmark's problems may begin on water or among trees; their paths
-    stay there, as those on ground stay on ground.
-
-    Args:
-        path: The ``.map`` file.
-
-    Raises:
-        FormatError: As :func:`read_movingai`.
-    """
-    return _parse(read_bounded(path))
-
-
 def _parse(data: bytes) -> Bytes:
-    """Return the terrain, top row first."""
+    """Return the cells, top row first: 1 is solid."""
     head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type").lower()
@@ -347,94 +325,6 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     if not rows:
         raise FormatError("empty", "has no problem", "use a scenario file that has some")
     return _map_name(_fields(rows[0].removesuffix(b"\r"), 2)[1]), len(rows)
-
-
-@dataclass(frozen=True, eq=False)
-class Problems:
-    """All problems of a scenario file.
-
-    Args:
-        map_name: File name of the map that all problems are for.
-        version: Version as the file states it.
-        size: Width and height, cells, of the map that they were made on.
-        starts: (n, 2) column and row, row 0 the top one.
-        goals: (n, 2) column and row, row 0 the top one.
-        published: (n,) lengths of the benchmark's shortest paths.
-    """
-
-    map_name: str
-    version: str
-    size: tuple[int, int]
-    starts: Ints
-    goals: Ints
-    published: Floats
-
-
-@names_its_file
-def read_problems(path: Path) -> Problems:
-    """Read a complete scenario file.
-
-    Args:
-        path: The ``.scen`` file.
-
-    Raises:
-        FormatError: If a line isn't a problem, has a cell outside its map, or is for another map or
-            a different size from the first.
-    """
-    # Limit the file's size and the number of its problems.
-    map_name, _ = scenario_contents(path)
-    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
-    # As lists of objects, problems would take five times the file's size.
-    numbers = array("q")
-    published = array("d")
-    # Check every problem; all must be about the same map.
-    for number, line in enumerate(lines[1:], 2):
-        if not line.strip():
-            continue
-        fields = _fields(line.removesuffix(b"\r"), number)
-        name = _map_name(fields[1])
-        if name != map_name:
-            raise FormatError(
-                "other-map",
-                "a problem for map {name!q} among problems for {first!q}",
-                "use a file for each map",
-                name=name,
-                first=map_name,
-                line=number,
-            )
-        row = [int(field) for field in fields[2:8]]
-        check_sides(row[0], row[1], line=number)
-        if numbers and row[:2] != list(numbers[:2]):
-            raise FormatError(
-                "wrong-size",
-                "{width} x {height} cells among problems for {first_width} x {first_height}",
-                "use a separate file for each",
-                width=row[0],
-                height=row[1],
-                first_width=numbers[0],
-                first_height=numbers[1],
-                line=number,
-            )
-        if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
-            raise FormatError(
-                "outside-grid",
-                "cells {start} to {goal} are not in the map of {width} x {height} cells that "
-                "the line names",
-                "correct the line",
-                start=tuple(row[2:4]),
-                goal=tuple(row[4:]),
-                width=row[0],
-                height=row[1],
-                line=number,
-            )
-        numbers.extend(row)
-        published.append(float(fields[8]))
-    # Split the columns.
-    table = np.array(numbers, np.int64).reshape(-1, 3, 2)
-    version = lines[0].split()[1].decode()
-    return Problems(
-        map_name, version, (numbers[0], numbers[1]), table[:, 1], table[:, 2], np.array(published)
-    )
 
 
 def _map_name(field: bytes) -> str:

@@ -1,4 +1,4 @@
-"""Lengths of shortest octile paths.
+"""The moves of a shortest octile path.
 
 Such a path leads from centre to centre of free cells, straight or diagonally, and does not cut
 corners: a diagonal move needs both cells next to it free. SciPy's Dijkstra searches; this module
@@ -13,66 +13,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import dijkstra
 
-from worldgen.support.arrays import Bools, Floats, Ints
+from worldgen.support.arrays import Bools, Ints
 
 _ROOT_TWO = math.sqrt(2.0)
-# Distances that one batch of searches may return: 32 MB of float64.
-_BATCH_CELLS = 4_000_000
-# A limit this much beyond the expected length never cuts off a path of that length.
-_SLACK = 1.001
 
 Cells = npt.NDArray[np.integer[Any]]
-
-
-def octile_lengths(walls: Bools, starts: Cells, goals: Cells, expected: Floats) -> Floats:
-    """Return the lengths of shortest octile paths, in cells.
-
-    Good guesses make it fast: each search first goes no farther than the expected length, and
-    searches the whole map only if that was too short.
-
-    Args:
-        walls: (height, width) bool, True is solid; everything outside is solid too.
-        starts: (n, 2) column and row of cells; rows count as in ``walls``.
-        goals: (n, 2) column and row of cells.
-        expected: (n,) guessed lengths, in cells.
-
-    Returns:
-        (n,) lengths; infinity if there is no path, or an end is solid.
-    """
-    graph = _graph(walls)
-    begin = _numbers(starts, walls)
-    end = _numbers(goals, walls)
-    found = np.full(len(starts), np.inf)
-
-    # Solid cells are regions of their own, so a solid end needs a test only if it is both ends.
-    _, region = connected_components(graph, directed=False)
-    joined = (region[begin] == region[end]) & ~walls.ravel()[begin]
-
-    # Neighbours in the order of expected lengths share a limit that fits all of them.
-    waiting = np.flatnonzero(joined)
-    waiting = waiting[np.argsort(expected[waiting], kind="stable")]
-    limits = expected * _SLACK + 1.0
-    found[waiting] = _searched(graph, begin[waiting], end[waiting], limits[waiting])
-
-    # These paths are longer than expected.
-    longer = np.flatnonzero(joined & np.isinf(found))
-    found[longer] = _searched(graph, begin[longer], end[longer], np.full(len(longer), np.inf))
-    return found
-
-
-def _searched(graph: Any, begin: Cells, end: Cells, limits: Floats) -> Any:
-    """Return the lengths of shortest paths; infinity if one is longer than the batch's limit."""
-    batch = max(_BATCH_CELLS // graph.shape[0], 1)
-    found = np.empty(len(begin))
-    for at in range(0, len(begin), batch):
-        part = slice(at, at + batch)
-        lengths = dijkstra(
-            graph, directed=False, indices=begin[part], limit=float(limits[part].max())
-        )
-        found[part] = lengths[np.arange(len(lengths)), end[part]]
-    return found
 
 
 def octile_moves(

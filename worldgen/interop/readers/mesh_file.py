@@ -25,13 +25,10 @@ from worldgen.errors import FormatError, WorldgenError
 from worldgen.interop.account import report_unread
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
-from worldgen.interop.readers.threemf_file import read_threemf
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import quote
 
-_COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
-_HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
-_ELEMENT = re.compile(rb"^element[ \t]+(\w+)[ \t]+(\d+)", re.MULTILINE)
+_HELD_LINE = re.compile(rb"^# (\w+ = .{1,200})$", re.MULTILINE)
 # Words of an OBJ file: corners and faces, and those that only name or paint them.
 _OBJ = frozenset(
     b"v vn vt f o g s mtllib usemtl usemap maplib d_interp c_interp lod shadow_obj".split()
@@ -57,14 +54,12 @@ class RawMesh(NamedTuple):
         faces: (m, 3) int64.
         held: Facts about the world in a file from worldgen, by the names of
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
-        unit: Metres per unit, if the file gives it.
     """
 
     up: str
     vertices: Floats
     faces: Ints
     held: dict[str, Any]
-    unit: float | None
 
 
 def load_mesh(path: Path, kind: str) -> RawMesh:
@@ -72,43 +67,28 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
 
     Args:
         path: The file.
-        kind: Its format: ``glb``, ``gltf``, ``stl``, ``obj``, ``ply`` or ``3mf``.
+        kind: Its format: ``glb``, ``gltf``, ``stl`` or ``obj``.
 
     Raises:
         FormatError: If the file breaks its format's rules, is too large, or has no triangles.
     """
     data = read_bounded(path)
-    held: dict[str, Any] = {}
-    unit: float | None = None
-    left_out = 0
-    up = "z"
-    # Check the file before a library reads it; 3MF has its own reader.
-    if kind == "3mf":
-        vertices, faces, held, unit = read_threemf(data)
+    # Check the file before a library reads it.
+    if kind in ("glb", "gltf"):
+        up = "y"
+        document = gltf_json(data)
+        check_gltf(document)
+        held = root_extras(document)
     else:
-        if kind in ("glb", "gltf"):
-            up = "y"
-            document = gltf_json(data)
-            check_gltf(document)
-            held = root_extras(document)
-        else:
-            _check_counts(data, kind)
-            held = _held(data, kind)
-        vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
-        _report_other_words(data, kind, len(faces))
+        up = "z"
+        if (kind == "obj" and b"\0" in data[:4]) or not data.strip():
+            raise FormatError("empty", "holds no mesh", "use a file with triangles")
+        held = _held(data, kind)
+    vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
+    _report_other_words(data, kind, len(faces))
     report_unread("parts other than surfaces, such as points and lines", left_out)
     _check_arrays(vertices, faces)
-    return RawMesh(up, vertices, faces, held, unit)
-
-
-def _check_counts(data: bytes, kind: str) -> None:
-    """Reject headers that claim more parts than the file has bytes."""
-    if kind == "ply" and any(
-        int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])
-    ):
-        raise FormatError("ends-early", "claims more parts than it has bytes", "export it again")
-    if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
-        raise FormatError("empty", "holds no mesh", "use a file with triangles")
+    return RawMesh(up, vertices, faces, held)
 
 
 def _report_other_words(data: bytes, kind: str, faces: int) -> None:
@@ -120,11 +100,6 @@ def _report_other_words(data: bytes, kind: str, faces: int) -> None:
             word for word in words if word not in _OBJ and not word.startswith(b"#")
         ):
             report_unread(f"lines {quote(word, 20)}", words[word])
-    elif kind == "ply":
-        head = data.partition(b"end_header")[0]
-        for name, count in _ELEMENT.findall(head):
-            if name not in (b"vertex", b"face"):
-                report_unread(f"elements {quote(name, 20)}", int(count))
     elif kind == "stl":
         own = len(data) - 84 - 50 * faces
         if own != 0:

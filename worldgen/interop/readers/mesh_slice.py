@@ -4,8 +4,8 @@ As with a real lidar, anything lower or higher than the plane is not seen: only 
 appear.
 
 Each format has the options that its kind of file leaves open. Source of the axes: glTF 2.0, section
-3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics follow although
-their formats do not require it.
+3.3 (y up, metres); ROS REP 103 (z up), which STL and OBJ files in robotics follow although their
+formats do not require it.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
     """Return the reader of a format without unit or up axis.
 
     Args:
-        kind: ``stl``, ``obj`` or ``ply``.
+        kind: ``stl`` or ``obj``.
     """
 
     def read(
@@ -156,8 +156,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     check_between("cell_size", cell_size, *CELL_SIZES, "m")
 
     # Convert to metres, z up, and cut.
-    unit = plane.unit if mesh.unit is None else mesh.unit
-    vertices = mesh.vertices * unit
+    vertices = mesh.vertices * plane.unit
     if plane.up == "y":
         vertices = np.stack([vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]], axis=1)
     bodies = sort_bodies(vertices, mesh.faces)
@@ -216,7 +215,7 @@ def _as_written(mesh: RawMesh, plane: Plane) -> bool:
 
     In any other frame, the facts in the file would describe a different world.
     """
-    return plane.up == mesh.up and (mesh.unit is not None or plane.unit == 1.0)
+    return plane.up == mesh.up and plane.unit == 1.0
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:

@@ -46,7 +46,11 @@ _CUT_NOT_ASKED = (
     "the start is covered, or chains of cells separate it from the target; the cut was not "
     "requested"
 )
+_TOO_LARGE = "the target's disc is too large to examine all of its poses; use a smaller one"
+_TOO_FINE = "a passage is as wide as the disc, to a billionth of a cell; round the radius"
 _NONE = np.zeros(0, np.int64)
+# Lengths with more digits than C can multiply are rounded to this part of a cell.
+_GRAIN = Fraction(1, 2**30)
 
 
 def decide(
@@ -349,10 +353,13 @@ class _ReachQuery:
                     return found
         return []
 
-    def _cut(self) -> Decision | None:
+    def _cut(self, *, is_rounded: bool = False) -> Decision | None:
         """Return a proof that no pose of the target can be reached.
 
         If there is none, ``goal`` becomes a pose that can be reached.
+
+        Args:
+            is_rounded: True if the lengths are rounded already.
         """
         if self.goal is not None:
             chain = self._chain([self.goal])
@@ -364,9 +371,10 @@ class _ReachQuery:
             if self.goal == (self.disc.x, self.disc.y) and beyond(chain, self.start, self.disc):
                 return self._ringed(chain)
         poses = deciding_poses(self.walls, self.disc)
+        if poses is None and not is_rounded:
+            return self._cut_with_fewer_digits()
         if poses is None:
-            reason = "the target's disc is too large to examine all of its poses; use a smaller one"
-            return Decision(UNDECIDED, None, reason)
+            return Decision(UNDECIDED, None, _TOO_LARGE)
         if not len(poses):
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
             return self._blocked(cell, None, "no pose in the target's disc is clear")
@@ -391,6 +399,42 @@ class _ReachQuery:
             None,
             "every pose in the target's disc is walled off, but no single ring was found",
         )
+
+    def _cut_with_fewer_digits(self) -> Decision | None:
+        """Do the work of :meth:`_cut` by two questions whose lengths C can multiply.
+
+        What a larger disc reaches in a smaller target, this disc reaches, too; and what stops a
+        smaller disc from every pose of a larger target stops it. Only a passage that is as wide as
+        the disc to a billionth of a cell leaves both open.
+        """
+        harder = self._rounded(1)
+        starts = harder is not None and harder.walls.is_clear(self.start, self.start)
+        if harder is not None and starts and harder._cut(is_rounded=True) is None:
+            self.goal = harder.goal
+            return None
+        easier = self._rounded(-1)
+        found = None if easier is None else easier._cut(is_rounded=True)
+        if found is not None and found.result == BLOCKED:
+            return found
+        return Decision(UNDECIDED, None, _TOO_LARGE if found is not None else _TOO_FINE)
+
+    def _rounded(self, sign: int) -> _ReachQuery | None:
+        """Return a harder question, or with -1 an easier one, with few digits; None if it has none.
+
+        Its disc is larger, and its target is inside this one.
+        """
+        grain = UNIT * _GRAIN
+        # Rounding moves the centre by less than a grain.
+        reach = math.floor(self.disc.radius / grain * sign) * sign - sign
+        if reach < 0:
+            return None
+        x, y = (round(value / grain) * grain for value in (self.disc.x, self.disc.y))
+        other = _ReachQuery(self.world, self.radius)
+        radius = math.ceil(self.walls.radius / _GRAIN * sign) * sign * _GRAIN
+        other.walls = Walls(self.world.walls, radius)
+        other.disc = Disc(x, y, reach * grain)
+        other.wants_cut = self.wants_cut
+        return other
 
     def _ringed(self, chain: Ints) -> Decision:
         reason = (
