@@ -12,6 +12,7 @@ from fuzz.campaign.live import count_live
 from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
+from fuzz.simplicity import Case
 from fuzz.triage.crash_bucket import crash_bucket
 from fuzz.triage.judging import judge
 from fuzz.triage.proofs import certified
@@ -218,6 +219,14 @@ class Triage:
     def _keep(self, failure: Failure | None) -> str:
         if failure is None:
             return ""
+        # A failure of another robot is not the user's. Its strategy also ran worlds of that robot
+        # that did not fail, so dropping the failure would leave false counts: the unit ends.
+        violated = self._config.constraint.violated_by(Case(failure.world, failure.scenario))
+        if violated:
+            raise RuntimeError(
+                f"strategy {self.result.strategy!r} changed what the campaign fixes: "
+                f"{', '.join(violated)}"
+            )
         bucket = failure.bucket
         self.result.met[bucket] += 1
         before = self.result.failures.get(bucket)
