@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import report_unread
+from worldgen.interop.account import damage, report_unread
 from worldgen.interop.readers.gltf_tree import MOST_FACES
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.support.arrays import Floats, Ints
@@ -81,7 +81,7 @@ def read_threemf(data: bytes) -> tuple[Floats, Ints, dict[str, Any], float]:
             "wrong-structure",
             "breaks the rules of 3MF ({reason})",
             "export it again",
-            reason=f"{type(error).__name__}: {error}"[:80],
+            reason=damage(error),
         ) from error
     return (*_joined(found), _held(root), UNITS[unit])
 
