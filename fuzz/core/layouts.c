@@ -175,36 +175,59 @@ int64_t wg_layout_fill(const uint64_t solid[WG_ROWS], WgArena *arena)
     return count;
 }
 
-// Returns the corners of one row that can be reached in one more step.
+// Returns the places of one row that can be reached in one more step.
 static uint64_t joined(uint64_t clear, uint64_t row, uint64_t below, uint64_t above, uint64_t seen)
 {
     return (row | row << 1 | row >> 1 | below | above) & clear & ~seen;
 }
 
-int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS])
+// Marks the corners of four free cells. A corner has the bit and the row of the cell above and to
+// the right of it.
+static void mark_corners(const uint64_t solid[WG_ROWS], int64_t rows, uint64_t clear[WG_ROWS])
 {
-    // Rows of corners: clear ones, reached ones, and those reached by the last step. A corner of
-    // cell (ix, iy) has the bit and the row of the cell above and to the right of it.
-    uint64_t clear[WG_ROWS] = {0};
-    uint64_t reached[WG_ROWS] = {0};
-    uint64_t latest[WG_ROWS] = {0};
-    int64_t rows = places->height + 2 * WG_MARGIN;
     for (int64_t iy = 1; iy < rows; iy++) {
         uint64_t free = ~(solid[iy] | solid[iy - 1]);
         clear[iy] = free & (free << 1);
     }
-    int64_t low = places->start_y + WG_MARGIN;
-    int64_t high = low + 1;
-    uint64_t corners = (uint64_t)3 << (places->start_x + WG_MARGIN);
-    reached[low] = latest[low] = corners;
-    reached[high] = latest[high] = corners;
+}
 
-    uint64_t goal = (uint64_t)3 << (places->target_x + WG_MARGIN);
+// Marks the cells that are free with the eight cells around them.
+static void mark_middles(const uint64_t solid[WG_ROWS], int64_t rows, uint64_t clear[WG_ROWS])
+{
+    for (int64_t iy = 1; iy < rows - 1; iy++) {
+        uint64_t free = ~(solid[iy - 1] | solid[iy] | solid[iy + 1]);
+        clear[iy] = free & (free << 1) & (free >> 1);
+    }
+}
+
+int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS], int64_t reach)
+{
+    // Rows of places: clear ones, reached ones, and those reached by the last step.
+    uint64_t clear[WG_ROWS] = {0};
+    uint64_t reached[WG_ROWS] = {0};
+    uint64_t latest[WG_ROWS] = {0};
+    int64_t rows = places->height + 2 * WG_MARGIN;
+    bool narrow = reach <= WG_UNIT;
+    if (narrow) {
+        mark_corners(solid, rows, clear);
+    } else {
+        mark_middles(solid, rows, clear);
+    }
+    // A cell has its four corners, or its middle.
+    uint64_t own = narrow ? 3 : 1;
+    int64_t more_rows = narrow ? 1 : 0;
+    int64_t low = places->start_y + WG_MARGIN;
+    int64_t high = low + more_rows;
+    uint64_t begun = own << (places->start_x + WG_MARGIN);
+    reached[low] = latest[low] = begun;
+    reached[high] = latest[high] = begun;
+
+    uint64_t goal = own << (places->target_x + WG_MARGIN);
     int64_t goal_row = places->target_y + WG_MARGIN;
 
-    // Flood all corners one step at a time; only rows `low` to `high` changed last time.
+    // Flood all places one step at a time; only rows `low` to `high` changed last time.
     for (int64_t steps = 0; low <= high; steps++) {
-        if (((reached[goal_row] | reached[goal_row + 1]) & goal) != 0) {
+        if (((reached[goal_row] | reached[goal_row + more_rows]) & goal) != 0) {
             return steps;
         }
         int64_t first = high + 2;

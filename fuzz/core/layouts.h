@@ -25,6 +25,8 @@ enum {
     WG_SMALLEST_SIDE = 8,  // cells
     WG_SIDES = 21,         // number of sizes: 8 to 28 cells
     WG_FREE_AROUND = 1,    // free cells around start and target
+    // reach of the widest disc that fits at start and target, lattice units
+    WG_WIDEST = WG_UNIT * WG_FREE_AROUND + WG_UNIT / 2,
     WG_MARGIN = 2,         // solid cells around a world: as far as the simulator's masks see
     WG_ROWS = WG_SMALLEST_SIDE + WG_SIDES - 1 + 2 * WG_MARGIN,
     WG_MOST_CELLS = (WG_SMALLEST_SIDE + WG_SIDES - 1) * (WG_SMALLEST_SIDE + WG_SIDES - 1),
@@ -50,11 +52,12 @@ void wg_layout_draw(const uint8_t *layout, uint64_t solid[WG_ROWS]);
 // visited cells. Returns the number of solid cells.
 int64_t wg_layout_fill(const uint64_t solid[WG_ROWS], WgArena *arena);
 
-// Returns the number of steps of one cell from a corner of the start's cell to a corner of the
-// target's, along corners of four free cells; -1 if there is no such path.
+// Returns the number of steps of one cell along a path from start to target that a disc of this
+// reach (lattice units, at most WG_WIDEST) can certainly follow; -1 if there is no such path.
 //
-// A disc that fits at start and target, with a radius of at most one cell, can follow this path,
-// because no solid cell is nearer to it than a whole cell.
-int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS]);
+// If its radius is at most one cell, the path leads along corners of four free cells, from a corner
+// of the start's cell to one of the target's: no solid cell is nearer to it than a whole cell. For a
+// wider disc it leads along middles of cells that are free with the eight cells around them.
+int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS], int64_t reach);
 
 #endif

@@ -17,6 +17,12 @@ static int64_t fastest(const WgSettings *settings)
     return (int64_t)(settings->top_speed * settings->speed) + 1;
 }
 
+// Returns the number of the robot's radius: a scene sets it, a layout has only one.
+static int64_t radius_of(const WgLooks *looks, const uint8_t *bytes)
+{
+    return looks->layout_bytes == WG_SCENE_BYTES ? bytes[WG_LAYOUT_BYTES] % looks->radius_count : 0;
+}
+
 // Fills in the settings of a run, without its budget.
 static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, WgSettings *settings)
 {
@@ -27,12 +33,11 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
     settings->target_x = places->target_x * WG_UNIT + WG_UNIT / 2;
     settings->target_y = places->target_y * WG_UNIT + WG_UNIT / 2;
 
-    // A scene also sets the robot's radius, its target's radius and a finer heading.
+    // A scene also sets the target's radius and a finer heading.
     int64_t heading = (int64_t)WG_FINER_HEADINGS * (bytes[4] % WG_LAYOUT_HEADINGS);
-    int64_t radius = 0;
+    int64_t radius = radius_of(looks, bytes);
     int64_t target = 0;
     if (looks->layout_bytes == WG_SCENE_BYTES) {
-        radius = bytes[WG_LAYOUT_BYTES] % looks->radius_count;
         target = bytes[WG_LAYOUT_BYTES + 1] % looks->target_count;
         heading += bytes[WG_LAYOUT_BYTES + 2] % WG_FINER_HEADINGS;
     }
@@ -50,8 +55,9 @@ static int64_t own_budget(const WgPatience *patience, const WgSettings *settings
     return wg_least(wg_most(by_path, patience->fewest), patience->most);
 }
 
-// Draws a layout, and notes everything about its world that does not need a run.
-static WgPlaces note_world(const uint8_t *layout, uint64_t solid[WG_ROWS], WgLook *look)
+// Draws a layout, and notes everything about its world that does not need a run, for a robot of
+// this reach.
+static WgPlaces note_world(const uint8_t *layout, int64_t reach, uint64_t solid[WG_ROWS], WgLook *look)
 {
     WgPlaces places = wg_layout_places(layout);
     wg_layout_draw(layout, solid);
@@ -65,7 +71,7 @@ static WgPlaces note_world(const uint8_t *layout, uint64_t solid[WG_ROWS], WgLoo
     look->straight_sq = dx * dx + dy * dy;
     look->width = places.width;
     look->height = places.height;
-    int64_t length = wg_layout_distance(&places, solid);
+    int64_t length = wg_layout_distance(&places, solid, reach);
     look->distance = length >= 0 ? length + 2 : -1;
     return places;
 }
@@ -77,7 +83,8 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     WgArena *arena = seat->arena;
     WgLook *look = &looks->looks[run];
     uint64_t solid[WG_ROWS];
-    WgPlaces places = note_world(looks->layouts + run * looks->layout_bytes, solid, look);
+    const uint8_t *bytes = looks->layouts + run * looks->layout_bytes;
+    WgPlaces places = note_world(bytes, looks->discs[radius_of(looks, bytes)].reach, solid, look);
     if (look->distance < 0) {
         return false;
     }
@@ -240,7 +247,7 @@ void wg_look_note_step(WgSeat *seat)
 int64_t wg_look_draw(const uint8_t *layout, WgSeat *seat, WgLook *look)
 {
     uint64_t solid[WG_ROWS];
-    WgPlaces places = note_world(layout, solid, look);
+    WgPlaces places = note_world(layout, seat->looks->discs[0].reach, solid, look);
     seat->arena->width = places.width;
     seat->arena->height = places.height;
     return wg_layout_fill(solid, seat->arena);

@@ -65,7 +65,7 @@ static bool fits(const WgLooks *looks)
         }
     }
     for (int64_t k = 0; k < looks->radius_count; k++) {
-        if (looks->discs[k].reach < 0 || looks->discs[k].reach > WG_UNIT) {
+        if (looks->discs[k].reach < 0 || looks->discs[k].reach > WG_WIDEST) {
             return false;
         }
     }

@@ -2,11 +2,13 @@
 
 Contents:
     evaluate: run a compiled controller in the worlds of many layouts.
-    Looks: the results.
+    Screening: the results.
+    can_screen: tell whether a scenario can run in it.
+    WIDEST: the largest radius of a robot, m.
 """
 
 from __future__ import annotations
 
-from fuzz.screening.evaluation import Screening, can_screen, evaluate
+from fuzz.screening.evaluation import WIDEST, Screening, can_screen, evaluate
 
-__all__ = ["Screening", "can_screen", "evaluate"]
+__all__ = ["WIDEST", "Screening", "can_screen", "evaluate"]

@@ -35,6 +35,9 @@ from worldgen.lattice import TURN, UNIT
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints, Words
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
+WIDEST = 1.5 * DEFAULT_CELL_SIZE
+"""Largest radius of a robot, m: a cell around start and target is free in every layout."""
+
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
 # Exceeds the key of any run without a crash.
@@ -258,7 +261,7 @@ def evaluate(
         time_steps: Time steps, s; (n,), or one for all.
         budget: Steps, (n,) or one for all; if omitted, derived from the path to the target: 4,000
             to 8,000 for a compiled controller, 800 to 2,400 for another.
-        **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds,
+        **robot: ``robot_radius`` (m, at most :data:`WIDEST`) and ``robot_speed`` (m/s) of all worlds,
             overriding their bytes.
 
     Raises:
@@ -312,14 +315,14 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             budget=budget,
             most=MAX_STEPS,
         )
-    if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
+    if robot.get("robot_radius", 0.0) > WIDEST:
         raise InvalidParameter(
-            "robot-larger-than-cell",
-            "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and native "
-            "search finds no paths for such robots",
+            "robot-too-wide",
+            "robot_radius={robot_radius:g} m is more than {widest:g} m, the room around start and "
+            "target in the worlds of native search",
             "use a smaller one, or use another strategy",
             robot_radius=robot["robot_radius"],
-            cell_size=DEFAULT_CELL_SIZE,
+            widest=WIDEST,
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from fuzz.layouts.features import decode_scene
 from fuzz.layouts.layout_bytes import SCENE_BYTES
 from fuzz.layouts.variation import applied
-from fuzz.screening import Screening, can_screen, evaluate
+from fuzz.screening import WIDEST, Screening, can_screen, evaluate
 from fuzz.search.task import SearchTask
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.live import count_live
@@ -25,7 +25,6 @@ from sim.controllers import CONTROLLERS, CompiledController, ProcessController, 
 from sim.controllers.base import robot_for
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bytes
-from worldgen.world import DEFAULT_CELL_SIZE
 
 NATIVE = "native"
 
@@ -92,10 +91,10 @@ def pace_of(config: CampaignConfig) -> Pace:
 def fits(config: CampaignConfig) -> bool:
     """Return True if the strategy suits a campaign.
 
-    It takes a motion model on the pose lattice and one robot, no wider than two cells.
+    It takes a motion model on the pose lattice and one robot that is not too wide for its worlds.
     """
     radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
-    small = all(isinstance(value, float) and value <= DEFAULT_CELL_SIZE for value in radii)
+    small = all(isinstance(value, float) and value <= WIDEST for value in radii)
     return small and config.robots == 1 and can_screen(config.scenario)
 
 

@@ -10,6 +10,7 @@ from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
+from fuzz.simplicity import Case
 from fuzz.triage.judging import judge
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import NO_DEADLINE, Deadline
@@ -218,6 +219,14 @@ class Triage:
     def _keep(self, failure: Failure | None) -> str:
         if failure is None:
             return ""
+        # A failure of another robot is not the user's. Its strategy also ran worlds of that robot
+        # that did not fail, so dropping the failure would leave false counts: the unit ends.
+        violated = self._config.constraint.violated_by(Case(failure.world, failure.scenario))
+        if violated:
+            raise RuntimeError(
+                f"strategy {self.result.strategy!r} changed what the campaign fixes: "
+                f"{', '.join(violated)}"
+            )
         self.result.met[failure.group, failure.verdict] += 1
         before = self.result.failures.get(failure.key)
         if before is None or failure.order < before.order:

@@ -65,8 +65,14 @@ class Constraint:
 
     def allows(self, case: Case) -> bool:
         """Return True if a world and the run in it have allowed values only."""
-        return all(
-            value in values for name, values in self.allowed for value in _values(case, name)
+        return not self.violated_by(case)
+
+    def violated_by(self, case: Case) -> tuple[str, ...]:
+        """Return the quantities of which a world or the run in it has another value."""
+        return tuple(
+            name
+            for name, values in self.allowed
+            if any(value not in values for value in _values(case, name))
         )
 
 

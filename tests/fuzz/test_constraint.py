@@ -23,9 +23,10 @@ from fuzz.failure import Failure
 from fuzz.overview.natural import natural_runs
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
+from fuzz.triage.triage import Triage
 from fuzz.unit.constraint import FIXED, Constraint
 from fuzz.unit.options import CampaignOptions
-from fuzz.unit.result import SearchState
+from fuzz.unit.result import SearchState, UnitResult
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -115,6 +116,17 @@ def test_no_strategy_finds_a_failure_of_another_robot(strategy, fixed, tmp_path)
     asked = options(strategy, tmp_path, **fixed)
     found = run_unit(configure(asked, 1), 0).failures.values()
     assert wrong(found, asked) == []
+
+
+@pytest.mark.parametrize("fixed", FIXED_BY_USER)
+def test_a_strategy_that_runs_another_robot_ends_the_unit_as_a_bug_of_ours(fixed, tmp_path):
+    free = run_unit(configure(options("native", tmp_path), 1), 0).failures
+    other = next(iter(free.values()))
+    result = UnitResult("native")
+    triage = Triage(configure(options("native", tmp_path, **fixed), 1), result)
+    with pytest.raises(RuntimeError, match="'native' changed what the campaign fixes"):
+        triage.enter(other.world, other.scenario, str(other.verdict))
+    assert not result.failures
 
 
 @pytest.mark.parametrize("fixed", FIXED_BY_USER)

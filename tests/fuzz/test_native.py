@@ -96,7 +96,7 @@ def test_many_looks_at_once_are_those_one_by_one():
         assert alone.raw.tolist() == together.raw[n : n + 1].tolist()
 
 
-@given(SCENE, st.sampled_from((0.02, 0.06, 0.1)), st.sampled_from((0.5, 3.0)))
+@given(SCENE, st.sampled_from((0.02, 0.06, 0.1, 0.12, 0.15)), st.sampled_from((0.5, 3.0)))
 def test_looks_at_robots_of_another_size_and_speed_are_runs_of_these(data, radius, speed):
     layouts = np.frombuffer(data, np.uint8)[None, :]
     looks = evaluate(
@@ -112,9 +112,10 @@ def test_looks_at_robots_of_another_size_and_speed_are_runs_of_these(data, radiu
         )
 
 
-@given(SCENE)
-def test_where_a_look_runs_the_target_can_be_reached_by_no_longer_a_way(data):
-    looks = look(Scenario("turn-left"), data, budget=1)
+@given(SCENE, st.sampled_from(({}, {"robot_radius": 0.12}, {"robot_radius": 0.15})))
+def test_where_a_look_runs_the_target_can_be_reached_by_no_longer_a_way(data, robot):
+    layouts = np.frombuffer(data, np.uint8)[None, :]
+    looks = evaluate(layouts, Scenario("turn-left"), 0, 0.015, 1, **robot)
     if looks.ran[0]:
         proved = certified(looks.world(0))
         assert proved is not None
@@ -122,8 +123,10 @@ def test_where_a_look_runs_the_target_can_be_reached_by_no_longer_a_way(data):
 
 
 @pytest.mark.gate
-def test_most_layouts_with_a_witness_are_looked_at():
-    looks = evaluate(scenes(200), Scenario("turn-left"), np.zeros(200, np.uint64), 0.015, 1)
+@pytest.mark.parametrize("robot", [{}, {"robot_radius": 0.12}], ids=str)
+def test_most_layouts_with_a_witness_are_looked_at(robot):
+    drawn = scenes(200), Scenario("turn-left"), np.zeros(200, np.uint64)
+    looks = evaluate(*drawn, 0.015, 1, **robot)
     reachable = [certified(looks.world(n)) is not None for n in range(200)]
     assert not (looks.ran & ~np.array(reachable)).any()
     assert looks.ran.sum() > 0.95 * sum(reachable)
@@ -197,7 +200,7 @@ def test_a_layout_is_a_scene_with_nothing_added():
         ({"layouts": np.zeros((2, 5), np.uint8)}, {"code": "wrong-shape"}),
         ({"layouts": np.zeros((2, LAYOUT_BYTES))}, {"code": "wrong-shape"}),
         ({"seeds": np.zeros(3, np.uint64)}, {"code": "wrong-shape", "name": "seeds"}),
-        ({"robot_radius": 0.11}, {"code": "robot-larger-than-cell"}),
+        ({"robot_radius": 0.16}, {"code": "robot-too-wide"}),
         ({"budget": 0}, {"code": "out-of-range"}),
         ({"scenario": Scenario("turn-left", RunOptions("stepped"))}, {"code": "not-native"}),
     ],

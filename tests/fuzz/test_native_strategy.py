@@ -1,6 +1,7 @@
 """The native strategy: a unit is a function of its number, and reports proved, small failures."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.layouts.variation import Variation
 from fuzz.screening import evaluate
 from fuzz.search.native import Few, fits, scenes
-from fuzz.search.plan import planned_strategy
+from fuzz.search.plan import planned_strategy, strategies_for
 from fuzz.triage.judging import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import SearchState
@@ -80,16 +81,26 @@ def test_a_campaign_for_a_compiled_controller_is_mainly_native():
     assert strategies["native"] > 35 and strategies["features"] > 5
 
 
+def test_native_search_is_chosen_for_a_robot_of_one_radius_wider_than_a_cell():
+    config = replace(varied("robot_radius=0.12"), families=())
+    assert {"native", "archive"} <= set(strategies_for(config, SearchState()))
+    found = run_unit(varied("robot_radius=0.12"), 0)
+    assert found.worlds > 100 and found.failures
+    assert {failure.world.robot_radius for failure in found.failures.values()} == {0.12}
+
+
 @pytest.mark.parametrize(
     ("config", "expected"),
     [
         (CampaignConfig(Scenario("bug1", RunOptions("endpoint"))), True),
         (CampaignConfig(Scenario("turn-left", RunOptions("stepped"))), False),
         (CampaignConfig(Scenario("tests.sim.test_vector_controllers:TurnsAway")), True),
-        (varied("robot_radius=0.05,0.12"), False),
+        (varied("robot_radius=0.05,0.12"), True),
+        (varied("robot_radius=0.15"), True),
+        (varied("robot_radius=0.05,0.16"), False),
         (varied("slip=0,0.1"), True),
     ],
-    ids=["compiled", "stepped", "vector", "radius", "slip"],
+    ids=["compiled", "stepped", "vector", "radii", "widest", "too-wide", "slip"],
 )
 def test_the_strategy_works_where_its_kernel_runs(config, expected):
     assert fits(config) is expected

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { fileWords, listenToEdits, runsOneOf, stillOffered } from "#studio/shared/edits.js";
+import { fileWords, isSame, listenToEdits, noteReported, runsOneOf, stillOffered } from "#studio/shared/edits.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { cellsAt } from "#player/decode.js";
 import { shortName } from "#player/dom.js";
@@ -76,4 +76,19 @@ test("the refusal of failing code says where it fails", () => {
   const refusal = { code: "code-failed", problem: "loading it failed", facts: { kind: "NameError", reason: "name 'x' is not defined" }, line: null, source: null, frames: [{ file: "mine.py", line: 3 }] };
   assert.equal(refusalWords(refusal), "mine.py:3: NameError: name 'x' is not defined");
   assert.equal(refusalWords({ ...refusal, frames: [] }), "loading it failed");
+});
+
+const stamp = (code) => ({ world: "w", settings: "s", code: new Map(Object.entries(code)) });
+
+test("a question about a result does not change the result", () => {
+  const then = stamp({ a: "1" });
+  assert.equal(isSame(then, stamp({ a: "1", b: "2" })), true);
+  assert.deepEqual(then, stamp({ a: "1" }));
+});
+
+test("a file that is reported later is the result's, and its next edit outdates the result", () => {
+  const then = stamp({ a: "1" });
+  noteReported(then, stamp({ a: "2", b: "2" }));
+  assert.deepEqual(then, stamp({ a: "1", b: "2" }));
+  assert.equal(isSame(then, stamp({ a: "1", b: "3" })), false);
 });

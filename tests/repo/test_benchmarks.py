@@ -16,14 +16,7 @@ PROGRAMS = sorted(
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize(
-    "name",
-    [
-        # Even its smallest campaign takes over a minute.
-        pytest.param(name, marks=pytest.mark.nightly if name == "campaigns" else ())
-        for name in PROGRAMS
-    ],
-)
+@pytest.mark.parametrize("name", PROGRAMS)
 def test_a_tiny_round_of_a_benchmark_runs(name):
     module = importlib.import_module(f"benchmarks.{name}")
     if hasattr(module, "chromium_browser") and missing_browser():

@@ -21,7 +21,7 @@ from worldgen.reach import (
     decide,
     decide_in_time,
 )
-from worldgen.reach.joint.plan import find_plan
+from worldgen.reach.joint.plan import RobotOrder, find_plan
 from worldgen.reach.joint.question import crossing_steps, joint_question
 from worldgen.reach.still.disc import disc_of
 from worldgen.reach.still.lattice_graph import Graph
@@ -247,10 +247,15 @@ def test_what_the_planner_finds_the_checker_accepts(world):
 
 
 def _searched(search, question):
+    begun = ffi.new("WgJointSearch **")
     made = ffi.new("WgJointPlan **")
     progress = ffi.new("WgProgress *")
     described = question.described()
-    check(search(described, 200_000, made, progress))
+    check(search(described, 200_000, begun))
+    # A portion of one move divides the work in as many places as there are.
+    while progress[0] == lib.WG_GOING:
+        check(lib.wg_joint_search_advance(begun[0], 1, made, progress))
+    lib.wg_joint_search_free(begun[0])
     lib.wg_joint_free(made[0])
     return int(progress[0])
 
@@ -267,6 +272,21 @@ def test_the_searches_agree_with_plain_python(world):
     expected = lib.WG_FOUND if solvable else lib.WG_EXHAUSTED
     assert _searched(lib.wg_joint_exhaust, question) == expected
     assert _searched(lib.wg_joint_lacam, question) == expected
+
+
+@pytest.mark.parametrize("search", [lib.wg_joint_exhaust, lib.wg_joint_lacam])
+def test_a_joint_search_returns_after_each_portion_so_that_ctrl_c_is_heard(search):
+    world = fleet(["...."] * 4, *(((n % 4, n // 4), (n // 4, n % 4)) for n in range(12)))
+    question = joint_question(world, k=2, radius=None, margin=0.0)
+    begun = ffi.new("WgJointSearch **")
+    made = ffi.new("WgJointPlan **")
+    progress = ffi.new("WgProgress *")
+    described = question.described()
+    check(search(described, 200_000, begun))
+    for _ in range(20):
+        check(lib.wg_joint_search_advance(begun[0], 1, made, progress))
+        assert progress[0] == lib.WG_GOING
+    lib.wg_joint_search_free(begun[0])
 
 
 # Later robots have to wait, to step aside, or to take a longer path than the first one.
@@ -362,16 +382,11 @@ def _prioritised(question, robots):
     """Plan the first robots in their order; (ticks + 1, robots) nodes, or ``None``."""
     described = question.described()
     described.robots = robots
-    made = ffi.new("WgJointPlan **")
-    failed = ffi.new("int64_t *")
-    order = ffi.new("int64_t[]", list(range(robots)))
-    check(lib.wg_joint_prioritised(described, order, 200_000, made, failed))
-    if made[0] == ffi.NULL:
-        return None
-    nodes = np.empty((lib.wg_joint_length(made[0]) + 1, robots), np.int64)
-    lib.wg_joint_nodes(made[0], ffi.from_buffer("int64_t[]", nodes))
-    lib.wg_joint_free(made[0])
-    return nodes
+    order = RobotOrder(described)
+    for robot in range(robots):
+        if not order.add(robot, question.ends[robot], question.distances[robot], 200_000):
+            return None
+    return order.plan()
 
 
 def _earliest(world, question, nodes):

@@ -214,6 +214,32 @@ def test_a_gltf_file_that_claims_more_numbers_than_are_read_is_refused(tmp_path)
         read_map(put(tmp_path, "b.gltf", json.dumps(document).encode()))
 
 
+@pytest.mark.parametrize(
+    ("part", "code", "words"),
+    [
+        ({"accessors": [{}]}, "wrong-structure", "'count' is missing"),
+        ({"scene": 9}, "wrong-structure", "'accessors' is missing"),
+        ({"meshes": [{}]}, "unreadable-mesh", "'primitives' is missing"),
+        ({"nodes": ["mesh"]}, "wrong-structure", "a part of it is missing or of another kind"),
+        ({"meshes": []}, "wrong-structure", "a number refers to something that is not in the file"),
+    ],
+    ids=["no-count", "no-accessors", "no-primitives", "no-node", "no-mesh"],
+)
+def test_a_damaged_gltf_file_is_refused_in_words_about_the_file(part, code, words, tmp_path):
+    document = {
+        "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    }  # fmt: skip
+    with raises(FormatError, code, reason=words):
+        read_map(put(tmp_path, "b.gltf", json.dumps(document | part).encode()))
+
+
+def test_meshes_that_an_extension_places_are_refused_with_a_way_out(tmp_path):
+    document = {"asset": {"version": "2.0"}, "extensionsUsed": ["EXT_mesh_gpu_instancing"]}
+    with raises(FormatError, "instanced"):
+        read_map(put(tmp_path, "b.gltf", json.dumps(document).encode()))
+
+
 def test_points_without_triangles_are_refused(tmp_path):
     with raises(FormatError, "no-triangles"):
         read_map(put(tmp_path, "b.obj", b"v 0 0 0\nv 1 1 1\n"))

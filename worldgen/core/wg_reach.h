@@ -50,6 +50,7 @@ typedef enum WgProgress {
     WG_GOING = 0,      // there is more to search
     WG_FOUND = 1,      // an end, or the best spare end
     WG_EXHAUSTED = 2,  // there is no path
+    WG_GAVE_UP = 3,    // the search reached its limit
 } WgProgress;
 
 // A search for the shortest path from any source to any end; it does bounded work per call.
@@ -463,38 +464,40 @@ typedef struct WgJointOrder WgJointOrder;
 // it must outlive the order.
 WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made);
 
-// Plans one more robot.
+// Begins to plan one more robot, whose arrays must outlive its search; a search that has not ended
+// is dropped.
 //
 // most:       states that it may reach.
-// found:      receives 1 if it has a path; otherwise 0, and the order stays as it was.
-WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most, int64_t *found);
+WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most);
+
+// Continues to plan it, for about ``most`` ticks and spans. WG_FOUND if it has a path. After
+// WG_EXHAUSTED (there is none) and WG_GAVE_UP, the order is as it was without it.
+WgStatus wg_joint_order_advance(WgJointOrder *order, int64_t most, WgProgress *progress);
 
 // Makes the plan of an order with a path for each robot.
 WgStatus wg_joint_order_plan(const WgJointOrder *order, WgJointPlan **made);
 
 void wg_joint_order_free(WgJointOrder *order);
 
-// Plans all robots in a given order.
-//
-// order:      (robots,) their numbers from 0, the first planned first.
-// most:       states that one robot may reach.
-// made:       receives the plan, or NULL.
-// failed:     receives the robot that has no path; -1 if there is a plan.
-WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_t most, WgJointPlan **made,
-                              int64_t *failed);
+// A search over joint states, which hold the positions of all robots at once.
+typedef struct WgJointSearch WgJointSearch;
 
-// Searches all joint states, the most promising first; complete.
+// Begins a search of all joint states, the most promising first; complete.
 //
 // most:       limit on joint states examined.
-// made:       receives the plan, or NULL.
-// progress:   WG_FOUND; WG_EXHAUSTED if there is no plan at all;
-//             WG_GOING if there were too many states.
-WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
+WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointSearch **made);
 
 // Does the same depth first with lazily added constraints (LaCAM), for many robots.
 //
 // most:       limit on joint states kept.
-WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
+WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointSearch **made);
+
+// Continues either search, for about ``most`` moves of a robot.
+//
+// made:       receives the plan after WG_FOUND, otherwise NULL.
+WgStatus wg_joint_search_advance(WgJointSearch *search, int64_t most, WgJointPlan **made, WgProgress *progress);
+
+void wg_joint_search_free(WgJointSearch *search);
 
 // Returns the ticks until the last robot parks.
 int64_t wg_joint_length(const WgJointPlan *plan);

@@ -8,7 +8,10 @@
 
 // The search over all joint states; it tries every choice of moves, robot by robot.
 typedef struct Exhaust {
+    WgJointSearch search;
     WgJointStates states;
+    int64_t most;  // limit on joint states examined
+    int64_t work;  // moves tried
     WgHeap heap;  // (estimate, age)
     int32_t *next;
     int *chosen;  // (robots,) move of each
@@ -24,8 +27,9 @@ static int64_t joint_distance(const WgJoint *joint, const int32_t *places)
 }
 
 // Returns true if a robot's next move is clear of the walls and of the robots that chose before it.
-static bool fits_before(const Exhaust *search, const int32_t *here, int64_t robot, int move, int64_t tick)
+static bool fits_before(Exhaust *search, const int32_t *here, int64_t robot, int move, int64_t tick)
 {
+    search->work++;
     if (!wg_is_allowed(&search->states, robot, here[robot], move, tick)) {
         return false;
     }
@@ -79,19 +83,19 @@ static WgStatus add_successors(Exhaust *search, int64_t index)
     return status;
 }
 
-static WgStatus exhaust(Exhaust *search, int64_t most, WgJointPlan **made, WgProgress *progress)
+static WgStatus advance(WgJointSearch *base, int64_t most, WgJointPlan **made, WgProgress *progress)
 {
-    if (!wg_heap_push(&search->heap, (WgEntry){0, 0, 0})) {
-        return WG_OUT_OF_MEMORY;
-    }
-    while (search->heap.count > 0) {
+    Exhaust *search = (Exhaust *)base;
+    int64_t enough = search->work + most;
+    *progress = WG_GOING;
+    while (search->heap.count > 0 && search->work < enough) {
         int64_t index = wg_heap_pop(&search->heap).third;
         if (wg_is_end(&search->states, index)) {
             *progress = WG_FOUND;
             return wg_plan_to(&search->states, index, made);
         }
-        if (search->states.count > most) {
-            *progress = WG_GOING;
+        if (search->states.count > search->most) {
+            *progress = WG_GAVE_UP;
             return WG_OK;
         }
         WgStatus status = add_successors(search, index);
@@ -99,34 +103,53 @@ static WgStatus exhaust(Exhaust *search, int64_t most, WgJointPlan **made, WgPro
             return status;
         }
     }
-    *progress = WG_EXHAUSTED;
+    if (search->heap.count == 0) {
+        *progress = WG_EXHAUSTED;
+    }
     return WG_OK;
 }
 
-WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress)
+static void end_search(WgJointSearch *base)
+{
+    Exhaust *search = (Exhaust *)base;
+    wg_end_states(&search->states);
+    free(search->heap.entries);
+    free(search->next);
+    free(search->chosen);
+    free(search);
+}
+
+WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointSearch **made)
 {
     *made = NULL;
-    *progress = WG_EXHAUSTED;
     WgStatus status = wg_joint_check(joint);
-    if (status != WG_OK || wg_leads_nowhere(joint)) {
+    if (status != WG_OK) {
         return status;
     }
     if (most > INT32_MAX / 128) {
         return WG_BAD_VALUE;
     }
-    Exhaust search = {0};
-    search.next = malloc((size_t)joint->robots * sizeof *search.next);
-    search.chosen = malloc((size_t)joint->robots * sizeof *search.chosen);
+    Exhaust *search = calloc(1, sizeof *search);
+    if (search == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    search->search = (WgJointSearch){advance, end_search};
+    search->most = most;
+    search->next = malloc((size_t)joint->robots * sizeof *search->next);
+    search->chosen = malloc((size_t)joint->robots * sizeof *search->chosen);
     status = WG_OUT_OF_MEMORY;
-    if (search.next != NULL && search.chosen != NULL) {
-        status = wg_begin_states(&search.states, joint);
+    if (search->next != NULL && search->chosen != NULL) {
+        status = wg_begin_states(&search->states, joint);
     }
-    if (status == WG_OK) {
-        status = exhaust(&search, most, made, progress);
+    // If some robot cannot arrive at all, no state is worth examining.
+    bool is_hopeless = wg_leads_nowhere(joint);
+    if (status == WG_OK && !is_hopeless && !wg_heap_push(&search->heap, (WgEntry){0, 0, 0})) {
+        status = WG_OUT_OF_MEMORY;
     }
-    wg_end_states(&search.states);
-    free(search.heap.entries);
-    free(search.next);
-    free(search.chosen);
-    return status;
+    if (status != WG_OK) {
+        end_search(&search->search);
+        return status;
+    }
+    *made = &search->search;
+    return WG_OK;
 }

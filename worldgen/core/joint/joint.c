@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "joint.h"
+#include "joint_states.h"
 
 WgStatus wg_joint_check(const WgJoint *joint)
 {
@@ -47,6 +47,19 @@ WgJointPlan *wg_joint_plan_new(int64_t robots, int64_t length)
         return NULL;
     }
     return plan;
+}
+
+WgStatus wg_joint_search_advance(WgJointSearch *search, int64_t most, WgJointPlan **made, WgProgress *progress)
+{
+    *made = NULL;
+    return search->advance(search, most, made, progress);
+}
+
+void wg_joint_search_free(WgJointSearch *search)
+{
+    if (search != NULL) {
+        search->end(search);
+    }
 }
 
 int64_t wg_joint_length(const WgJointPlan *plan)

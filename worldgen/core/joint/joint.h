@@ -66,18 +66,6 @@ static inline bool wg_crosses_target(const int64_t *crossings, int64_t count, in
     return false;
 }
 
-// Returns what a joint search needs to know about one of its robots.
-static inline WgJointRobot wg_joint_robot(const WgJoint *joint, int64_t robot)
-{
-    return (WgJointRobot){
-        .number = robot,
-        .start = joint->starts[robot],
-        .distances = joint->distances + robot * joint->nodes,
-        .crossings = joint->crossings + joint->crossed_from[robot],
-        .crossing_count = joint->crossed_from[robot + 1] - joint->crossed_from[robot],
-    };
-}
-
 // Returns true if two robots so many nodes apart are near enough to conflict within a tick,
 // whatever their moves.
 static inline bool wg_could_meet(const WgJoint *joint, int64_t across, int64_t up)

@@ -14,6 +14,12 @@ typedef struct WgJointNode {
     int32_t last_wish;
 } WgJointNode;
 
+// The head of a search over joint states, which its methods share.
+struct WgJointSearch {
+    WgStatus (*advance)(WgJointSearch *search, int64_t most, WgJointPlan **made, WgProgress *progress);
+    void (*end)(WgJointSearch *search);
+};
+
 // The joint states that a search reached.
 typedef struct WgJointStates {
     const WgJoint *joint;

@@ -62,6 +62,8 @@ typedef struct RobotSearch {
     int64_t *table;  // hash table of nodes and intervals: index of their earliest state + 1, or 0
     int64_t mask;
     WgHeap heap;
+    int64_t most;          // states that it may reach
+    int64_t work;          // ticks, and spans and stays of nodes, that it examined
     int64_t *spans_from;   // by node: where its spans begin + 1, or 0 if they were not made yet
     int32_t *spans_count;  // by node
     Span *spans;
@@ -130,8 +132,10 @@ static bool make_spans(RobotSearch *search, int64_t node)
     int64_t x = node % joint->stride;
     int64_t y = node / joint->stride;
     const WgStay *stay;
+    search->work += search->period_count;
     for (int32_t at = reserved->latest[wg_bucket_of(reserved, node)]; at != 0; at = stay->earlier) {
         stay = &reserved->stays[at - 1];
+        search->work++;
         if (wg_is_near_stay(reserved, x, y, stay) &&
             wg_meets_stay(reserved, search->robot_class, node, node, stay)) {
             bool parks = stay->tick == reserved->tracks[stay->robot].length;
@@ -296,6 +300,7 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
     // After the last change, waiting opens no path.
     last = wg_min(last, wg_max(reserved->last_change, first));
     for (int64_t tick = first; tick <= last; tick++) {
+        search->work++;
         int64_t raster = wg_raster_at(joint, tick, search->robot_class);
         bool is_free = joint->clear[raster + state.node] != 0 &&
                        wg_move_is_clear(joint, &search->moves, raster, state.node, move);
@@ -317,17 +322,21 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
     return WG_OK;
 }
 
-static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, bool *found)
+// Continues until the search is done or has examined about ``most`` more ticks and spans.
+static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, WgProgress *progress)
 {
-    int64_t start = search->robot.start;
-    *found = false;
-    if (search->distances[start] < 0) {
-        return WG_OK;
-    }
-    if (!reach(search, start, 0, -1)) {
-        return WG_OUT_OF_MEMORY;
-    }
-    while (search->heap.count > 0 && search->count <= most && search->span_count <= MOST_SPANS) {
+    int64_t enough = search->work + most;
+    *progress = WG_EXHAUSTED;
+    while (search->heap.count > 0) {
+        if (search->count > search->most || search->span_count > MOST_SPANS) {
+            *progress = WG_GAVE_UP;
+            return WG_OK;
+        }
+        if (search->work >= enough) {
+            *progress = WG_GOING;
+            return WG_OK;
+        }
+        search->work++;
         int64_t index = wg_heap_pop(&search->heap).third;
         State state = search->states[index];
         // Skip a state that was reached earlier after it was queued.
@@ -340,7 +349,7 @@ static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, b
             if (state.parent < 0 && search->spans_count[state.node] > 0) {
                 return WG_OK;
             }
-            *found = true;
+            *progress = WG_FOUND;
             return keep_track(search, index, track) ? WG_OK : WG_OUT_OF_MEMORY;
         }
         for (int move = 0; move < WG_WAIT; move++) {
@@ -353,7 +362,7 @@ static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, b
     return WG_OK;
 }
 
-static WgStatus plan_one(RobotSearch *search, int64_t most, WgTrack *track, bool *found)
+static WgStatus begin_search(RobotSearch *search)
 {
     search->mask = 4095;
     search->capacity = 1024;
@@ -365,14 +374,23 @@ static WgStatus plan_one(RobotSearch *search, int64_t most, WgTrack *track, bool
     search->spans_count = calloc((size_t)search->joint->nodes, sizeof *search->spans_count);
     bool fits = search->states != NULL && search->spans != NULL && search->table != NULL &&
                 search->spans_from != NULL && search->spans_count != NULL;
-    WgStatus status = fits ? search_path(search, most, track, found) : WG_OUT_OF_MEMORY;
+    if (!fits) {
+        return WG_OUT_OF_MEMORY;
+    }
+    // Without a path even on its own, there is nothing to search.
+    int64_t start = search->robot.start;
+    return search->distances[start] < 0 || reach(search, start, 0, -1) ? WG_OK : WG_OUT_OF_MEMORY;
+}
+
+static void end_search(RobotSearch *search)
+{
     free(search->table);
     free(search->spans_from);
     free(search->spans_count);
     free(search->spans);
     free(search->states);
     free(search->heap.entries);
-    return status;
+    *search = (RobotSearch){0};
 }
 
 // Returns the times in which no wall changes; NULL if memory runs out.
@@ -401,6 +419,7 @@ struct WgJointOrder {
     WgReservations reserved;
     Period *periods;
     int64_t period_count;
+    RobotSearch search;  // for the robot that is being added; all zeros if there is none
 };
 
 WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made)
@@ -428,22 +447,23 @@ WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made)
 void wg_joint_order_free(WgJointOrder *order)
 {
     if (order != NULL) {
+        end_search(&order->search);
         free(order->periods);
         wg_end_reservations(&order->reserved);
         free(order);
     }
 }
 
-WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most, int64_t *found)
+WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most)
 {
-    *found = 0;
+    end_search(&order->search);
     const WgJoint *joint = order->joint;
     bool is_new = robot->number >= 0 && robot->number < joint->robots && robot->start >= 0 &&
                   robot->start < joint->nodes && order->reserved.tracks[robot->number].nodes == NULL;
     if (!is_new || most > INT32_MAX / 128) {
         return WG_BAD_VALUE;
     }
-    RobotSearch search = {
+    order->search = (RobotSearch){
         .joint = joint,
         .reserved = &order->reserved,
         .periods = order->periods,
@@ -452,13 +472,29 @@ WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int6
         .robot = *robot,
         .robot_class = joint->class_of[robot->number],
         .distances = robot->distances,
+        .most = most,
     };
-    bool has_path = false;
-    WgStatus status = plan_one(&search, most, &order->reserved.tracks[robot->number], &has_path);
-    if (status == WG_OK && has_path && !wg_reserve(&order->reserved, robot->number)) {
+    WgStatus status = begin_search(&order->search);
+    if (status != WG_OK) {
+        end_search(&order->search);
+    }
+    return status;
+}
+
+WgStatus wg_joint_order_advance(WgJointOrder *order, int64_t most, WgProgress *progress)
+{
+    RobotSearch *search = &order->search;
+    if (search->joint == NULL) {
+        return WG_BAD_VALUE;
+    }
+    int64_t robot = search->robot.number;
+    WgStatus status = search_path(search, most, &order->reserved.tracks[robot], progress);
+    if (status == WG_OK && *progress == WG_FOUND && !wg_reserve(&order->reserved, robot)) {
         status = WG_OUT_OF_MEMORY;
     }
-    *found = has_path ? 1 : 0;
+    if (status != WG_OK || *progress != WG_GOING) {
+        end_search(search);
+    }
     return status;
 }
 
@@ -483,31 +519,4 @@ WgStatus wg_joint_order_plan(const WgJointOrder *order, WgJointPlan **made)
         }
     }
     return WG_OK;
-}
-
-WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_t most, WgJointPlan **made,
-                              int64_t *failed)
-{
-    *made = NULL;
-    *failed = -1;
-    WgJointOrder *planned;
-    WgStatus status = wg_joint_order_new(joint, &planned);
-    if (status != WG_OK) {
-        return status;
-    }
-    // Check the whole order first, so that a faulty one is never half planned.
-    for (int64_t i = 0; i < joint->robots && status == WG_OK; i++) {
-        status = order[i] < 0 || order[i] >= joint->robots ? WG_BAD_VALUE : WG_OK;
-    }
-    for (int64_t i = 0; i < joint->robots && status == WG_OK && *failed < 0; i++) {
-        WgJointRobot robot = wg_joint_robot(joint, order[i]);
-        int64_t found;
-        status = wg_joint_order_add(planned, &robot, most, &found);
-        *failed = status == WG_OK && found == 0 ? order[i] : -1;
-    }
-    if (status == WG_OK && *failed < 0) {
-        status = wg_joint_order_plan(planned, made);
-    }
-    wg_joint_order_free(planned);
-    return status;
 }

@@ -185,6 +185,18 @@ def parse_json(text: bytes | str) -> Any:
     return parsed
 
 
+def damage(error: Exception) -> str:
+    """Describe the error of a reader in a damaged file as what is wrong with the file."""
+    if isinstance(error, KeyError):
+        return f"{error.args[0]!r} is missing"[:80]
+    if isinstance(error, IndexError):
+        return "a number refers to something that is not in the file"
+    if isinstance(error, ValueError | OverflowError):
+        return " ".join(str(error).split())[:80]
+    # What readers stumble over is a null where a list should be, a text where a number should be.
+    return "a part of it is missing or of another kind"
+
+
 def _parts(pairs: list[tuple[str, Any]]) -> NamedParts:
     parts = NamedParts(pairs)
     if len(parts) < len(pairs):

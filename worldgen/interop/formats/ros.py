@@ -112,10 +112,12 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
                 unknown=unknown,
             )
         )
-    if unsure.any():
+    # The note above covers the transparent cells.
+    others = np.count_nonzero(unsure & image.opaque if clear else unsure)
+    if others:
         notes.append(
-            f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
-            f"they count as {unknown}"
+            f"{others:,} of {unsure.size:,} cells are neither occupied nor free; they count as "
+            f"{unknown}"
         )
     walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata)
     if metadata.yaw != 0.0:

@@ -12,7 +12,7 @@ import struct
 from typing import Any
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import NamedParts, parse_json, report_unread
+from worldgen.interop.account import NamedParts, damage, parse_json, report_unread
 
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
@@ -21,8 +21,9 @@ _MOST_DEPTH = 200
 _MOST_VALUES = 60_000_000
 _COMPRESSED = (
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",
 )  # fmt: skip
+# One mesh at many places, which only this extension lists.
+_INSTANCING = "EXT_mesh_gpu_instancing"
 _TRIANGLES = (4, 5, 6)
 # The modes that trimesh skips: loops and strips of lines, and fans of triangles.
 _SKIPPED = (2, 3, 6)
@@ -170,12 +171,19 @@ def check_gltf(document: dict[str, Any]) -> None:
             "wrong-structure",
             "breaks the rules of glTF 2.0 ({reason})",
             "export it again; glTF-Validator reports where",
-            reason=f"{type(error).__name__}: {error}"[:80],
+            reason=damage(error),
         ) from error
 
 
 def _check_extensions(document: dict[str, Any]) -> None:
     named = [*document.get("extensionsUsed", []), *document.get("extensionsRequired", [])]
+    if _INSTANCING in named:
+        raise FormatError(
+            "instanced",
+            "needs {extension}, which is not supported",
+            "export it without instancing, so that each copy of a mesh has its own node",
+            extension=_INSTANCING,
+        )
     used = sorted({name for name in named if name in _COMPRESSED})
     if used:
         raise FormatError(

@@ -22,7 +22,7 @@ import numpy as np
 import trimesh
 
 from worldgen.errors import FormatError, WorldgenError
-from worldgen.interop.account import report_unread
+from worldgen.interop.account import damage, report_unread
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.support.arrays import Floats, Ints
@@ -191,7 +191,7 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
             "cannot be read as {kind} ({reason})",
             "export it again, or in another format",
             kind=kind,
-            reason=" ".join(f"{type(error).__name__}: {error}".split())[:100],
+            reason=damage(error),
         ) from error
 
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from worldgen._core import ffi, lib
+from worldgen._core import ffi
 from worldgen.reach.joint.apart import stay_apart
-from worldgen.reach.joint.plan import taken_nodes
+from worldgen.reach.joint.plan import RobotOrder
 from worldgen.reach.joint.question import Ground, RobotEnds, joint_question
 from worldgen.reach.joint.witness import make_joint_witness
-from worldgen.support.ccall import check, kept, pointer
+from worldgen.support.ccall import kept, pointer
 from worldgen.world import JointWitness, Robot, World
 
 _MOST_STATES = 50_000  # states of one robot: enough for a path through a hall of 1000 robots
@@ -44,9 +44,7 @@ class Crowd:
         described.class_of = described.starts = described.crossed_from = pointer(
             ffi, zeros, np.int64
         )
-        made = ffi.new("WgJointOrder **")
-        check(lib.wg_joint_order_new(described, made))
-        self._order = kept(ffi, made[0], described, zeros, free=lib.wg_joint_order_free)
+        self._order = RobotOrder(kept(ffi, described, zeros))
         self.add(world.robots[0])
 
     def add(self, robot: Robot) -> bool:
@@ -60,29 +58,20 @@ class Crowd:
         if not ends.nodes or not self._leg_fits(ends):
             return False
         # Search for a path, and keep the robot only if there is one.
-        described = ffi.new("WgJointRobot *")
-        described.number = len(self.robots)
-        described.start = ends.node
-        described.distances = pointer(ffi, distances, np.int32)
-        described.crossings = pointer(ffi, ends.crossings, np.int64)
-        described.crossing_count = len(ends.crossings)
-        found = ffi.new("int64_t *")
-        check(lib.wg_joint_order_add(self._order, described, _MOST_STATES, found))
-        if found[0]:
+        found = self._order.add(len(self.robots), ends, distances, _MOST_STATES)
+        if found:
             self.robots.append(robot)
             self._ends.append(ends)
-        return bool(found[0])
+        return found
 
     def witness(self, world: World) -> JointWitness | None:
         """Return the proof for a world of these robots; None if their last legs conflict."""
-        made = ffi.new("WgJointPlan **")
-        check(lib.wg_joint_order_plan(self._order, made))
         assert self._question is not None
         count = len(self.robots)
         question = replace(
             self._question, world=world, radii=self._question.radii * count, ends=self._ends
         )
-        return make_joint_witness(question, taken_nodes(made[0], count))
+        return make_joint_witness(question, self._order.plan())
 
     def _leg_fits(self, ends: RobotEnds) -> bool:
         """Return True if the first leg of a robot stays clear of the others' first legs."""

@@ -6,7 +6,7 @@ import { makeTable } from "#studio/compare/table.js";
 import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
 import { messageOf } from "#studio/draw/model.js";
 import { Ended } from "#studio/shared/connection.js";
-import { fileWords, isSame, noteCode, runsOneOf, stampOf } from "#studio/shared/edits.js";
+import { fileWords, isSame, noteCode, noteReported, runsOneOf, stampOf } from "#studio/shared/edits.js";
 import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { isOfferedAs, joinNames, splitNames } from "#studio/shared/links.js";
@@ -97,7 +97,9 @@ function now(compare) {
 // Greys the table unless it is about the worlds, the settings and the code on the screen.
 function showStale(compare) {
   const { table, shown } = compare;
-  table.element.classList.toggle("stale", shown !== null && !isSame(shown, now(compare)));
+  const current = now(compare);
+  noteReported(shown, current);
+  table.element.classList.toggle("stale", shown !== null && !isSame(shown, current));
 }
 
 async function list(compare) {

@@ -16,7 +16,7 @@ import { makeCodeNote } from "#studio/play/code_note.js";
 import { makeDriving } from "#studio/play/driving.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
-import { isSame, noteCode, runsOneOf, stampOf } from "#studio/shared/edits.js";
+import { isSame, noteCode, noteReported, runsOneOf, stampOf } from "#studio/shared/edits.js";
 
 const SLOW = 1500; // ms after which a run can be stopped
 const PREPARING = "Preparing: the studio starts a process, loads the controllers and proves the world.";
@@ -233,7 +233,9 @@ function showWrong(play, stamp) {
 // Greys the results unless they are about the world, the settings and the code on the screen.
 function showStale(play) {
   const { parts, shown } = play;
-  const stale = shown !== null && !isSame(shown, now(play));
+  const current = now(play);
+  noteReported(shown, current);
+  const stale = shown !== null && !isSame(shown, current);
   for (const part of [parts.stage, parts.list]) part.classList.toggle("stale", stale);
 }
 

@@ -44,16 +44,25 @@ export function noteCode(stamp, code) {
 }
 
 /**
- * Returns whether a result is about what is on the screen now.
- * @param {Stamp | null} then - Of the result; a file that is reported for the first time is added
+ * Notes the files that the server has reported for the first time since: the result is of these.
+ * @param {Stamp | null} then - Of the result; updated
+ * @param {Stamp} now
+ */
+export function noteReported(then, now) {
+  for (const [file, digest] of now.code) if (then && !then.code.has(file)) then.code.set(file, digest);
+}
+
+/**
+ * Returns whether a result is about what is on the screen now. A file that was not reported at the
+ * time of the result does not count.
+ * @param {Stamp | null} then - Of the result
  * @param {Stamp} now
  * @param {boolean} [anySettings] - Whether the settings do not matter
  * @returns {boolean}
  */
 export function isSame(then, now, anySettings = false) {
   if (!then || then.world !== now.world || (!anySettings && then.settings !== now.settings)) return false;
-  for (const [file, digest] of now.code) if (!then.code.has(file)) then.code.set(file, digest);
-  return [...now.code].every(([file, digest]) => then.code.get(file) === digest);
+  return [...now.code].every(([file, digest]) => (then.code.get(file) ?? digest) === digest);
 }
 
 /**
