@@ -3,6 +3,7 @@
 Contents:
     Account, accounting: What the parsers of one file register.
     account_for, report_unread: Register a tree; report an element that is passed over.
+    damage: Puts a parser's error into words.
     Tree, Names, IsHarmless: What a parser's tree must be able to do.
     NamedParts, parse_json: Trees of named parts, such as JSON's.
 """
@@ -15,6 +16,7 @@ from worldgen.interop.account.trees import (
     Tree,
     account_for,
     accounting,
+    damage,
     parse_json,
     report_unread,
 )
@@ -27,6 +29,7 @@ __all__ = [
     "Tree",
     "account_for",
     "accounting",
+    "damage",
     "parse_json",
     "report_unread",
 ]
