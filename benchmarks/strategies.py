@@ -105,7 +105,7 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
         steps=sum(strategy.steps for strategy in brought),
         proved=sum(strategy.failures for strategy in brought),
         signatures=tuple(sorted(signature for _, signature in failures)),
-        solid_cells=sum(failure.solid_cells for failure in failures.values()),
+        solid_cells=sum(failure.world.solid_cells for failure in failures.values()),
     )  # fmt: skip
 
 
