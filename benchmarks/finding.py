@@ -31,10 +31,12 @@ import numpy as np
 
 from benchmarks.finding_tables import summary, tables
 from benchmarks.searchers import SEARCHERS, strategies
+from fuzz.cause import CAUSE
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS, Fault
 from fuzz.shrink import shrink
+from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of, replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import UnitResult
@@ -217,7 +219,7 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
     details = small.record.details
     row = replace(
         row,
-        kind=str(details.get("class", "")),
+        kind=str(details.get(CAUSE, "")),
         solid_cells=(found.world.solid_cells, small.world.solid_cells),
         cells=(found.world.walls.size, small.world.walls.size),
         shrink_seconds=round(spent, 4),
@@ -253,15 +255,14 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
     if record.verdict in (Verdict.STALLED, Verdict.TIMEOUT):
         # The smaller world may need more steps than the first one's budget.
         options = replace(options, steps=step_budget(proved, options))
-    if record.details.get("kept") == "class":
-        other = failure_of(proved, failure.scenario, steps=options.steps)
-        return other is not None and other.bucket == failure.bucket
-    # Compare the cause too, or a shrunk failure may be another one.
+    # Compare more than the verdict, or a shrunk failure may be another one.
     episode = simulate(proved, record.controller, options)
     manner = "kind" if record.verdict == Verdict.STALLED else "cause"
-    return episode.verdict == record.verdict and evidence_table(episode.evidence).get(
-        manner
-    ) == record.evidence.get(manner)
+    evidence = evidence_table(episode.evidence)
+    if episode.verdict != record.verdict or evidence.get(manner) != record.evidence.get(manner):
+        return False
+    other = failure_of(proved, failure.scenario, steps=options.steps)
+    return other is not None and cause_of(other) == cause_of(failure)
 
 
 @dataclass(frozen=True)
@@ -275,7 +276,7 @@ class Alarm:
         searcher: Name of the searcher.
         worlds: Worlds simulated.
         asked: Those of them that the oracles judged, too.
-        failures: Failures found, by class.
+        failures: Failures found, by cause.
     """
 
     controller: str
@@ -299,10 +300,12 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
         )
         looked.append(0)
         for result in _units(searcher, config) if most else ():
-            met += result.met
+            for (cause, _), count in result.met.items():
+                met[cause] += count
             looked[-1] += result.worlds
-            for kind, failure in result.failures.items() if folder else ():
-                failure.write(folder / f"{controller}-{searcher}-{kind}.grid", force=True)
+            for failure in result.failures.values() if folder else ():
+                name = f"{controller}-{searcher}-{failure.signature}.grid"
+                failure.write(folder / name, force=True)
             if looked[-1] >= most:
                 break
     return Alarm(controller, searcher, sum(looked), looked[1], dict(met))
@@ -320,7 +323,7 @@ def floors() -> dict[str, float]:
         next(
             result
             for result in strategies()(config)
-            if any(kind.startswith("loop") for kind in result.failures)
+            if any(failure.verdict == Verdict.LOOP for failure in result.failures.values())
         )
         seconds.append(time.process_time() - begun)
     # The first one also compiles.

@@ -3,7 +3,7 @@
 ``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
 and of every family and prints the table of ``docs/reference/library.md``; ``--json`` prints one
 object. A unit's draws depend only on the seed, so the figures are the same on every machine.
-Failures are proved and classified, but not shrunk.
+Failures are proved, but not shrunk.
 """
 
 from __future__ import annotations
@@ -39,8 +39,7 @@ class Found:
         controller: Name of the controller.
         strategy: A family, or feature layouts.
         worlds: Worlds tried.
-        failed: Proved and classified failures by class; at most 24 of one verdict and cause per
-            unit.
+        failed: Proved failures by cause; at most 24 of one verdict and cause per unit.
     """
 
     controller: str
@@ -57,7 +56,8 @@ def search(controller: str, strategy: str, *, units: int, seed: int) -> Found:
     for unit in range(units):
         result = run_unit(config, unit)
         worlds += result.worlds
-        met += result.met
+        for (cause, _), count in result.met.items():
+            met[cause] += count
     return Found(controller, strategy, worlds, dict(sorted(met.items())))
 
 

@@ -34,6 +34,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import FailureKey
 from sim import RunOptions, simulate_many
 from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController
@@ -70,12 +71,12 @@ class Row:
         looks_worlds: Worlds of screening runs.
         strategy_steps: Steps of whole units of the strategy ``native``.
         strategy_worlds: Worlds of whole units of the strategy ``native``.
-        strategy_classes: Classes of proved failures in all of these units.
+        strategy_signatures: Signatures of proved failures in all of these units.
         many_steps: Steps of ``simulate_many`` in the same worlds.
         many_worlds: Worlds of ``simulate_many``.
         features_steps: Steps of whole units of the strategy ``features``.
         features_worlds: Worlds of whole units of the strategy ``features``.
-        features_classes: Classes of proved failures in the same time of such units.
+        features_signatures: Signatures of proved failures in the same time of such units.
     """
 
     controller: str
@@ -85,12 +86,12 @@ class Row:
     looks_worlds: float
     strategy_steps: float
     strategy_worlds: float
-    strategy_classes: int
+    strategy_signatures: int
     many_steps: float
     many_worlds: float
     features_steps: float
     features_worlds: float
-    features_classes: int
+    features_signatures: int
 
     @property
     def shares(self) -> dict[str, float]:
@@ -107,7 +108,7 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, float, int]:
-    """Return steps and worlds per second of whole units, and all classes that they find.
+    """Return steps and worlds per second of whole units, and how many signatures they find.
 
     Compilation does not count.
     """
@@ -117,15 +118,15 @@ def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, flo
     steps = 0
     worlds = 0
     unit = 0
-    classes = set[str]()
+    found = set[FailureKey]()
     begin = time.process_time()
     while (taken := time.process_time() - begin) < budget:
         unit += 1
         result = run_unit(config, unit)
         steps = steps + result.steps
         worlds = worlds + result.worlds
-        classes = classes | result.failures.keys()
-    return steps / taken, worlds / taken, len(classes)
+        found = found | result.failures.keys()
+    return steps / taken, worlds / taken, len(found)
 
 
 def _alone(scenario: Scenario, rounds: int) -> float:
@@ -212,7 +213,7 @@ def _markdown(rows: list[Row]) -> str:
     lines = [
         "| controller | alone | bare | looks | looks / bare | strategy | strategy / bare | simulate_many | "
         "features | worlds "
-        "| features | classes | features |",
+        "| features | signatures | features |",
         "| --- |" + " ---: |" * 12,
     ]
     for row in rows:
@@ -228,7 +229,7 @@ def _markdown(rows: list[Row]) -> str:
             cells += [f"{rate / 1e6:.2f}", f"{share:.2f}"]
         cells += [f"{rate / 1e6:.2f}" for rate in others]
         cells += [f"{rate:,.0f}" for rate in (row.strategy_worlds, row.features_worlds)]
-        cells += [str(row.strategy_classes), str(row.features_classes)]
+        cells += [str(row.strategy_signatures), str(row.features_signatures)]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 

@@ -1,8 +1,8 @@
-"""Compare strategies, alone and together: classes of failures for equal CPU seconds of one core.
+"""Compare strategies, alone and together: signatures of failures for equal CPU seconds of one core.
 
 ``python -m benchmarks.strategies`` gives every way of sharing a campaign's budget the same CPU
 seconds for each controller: the campaign's own plan, all its strategies in turn, and some
-strategies alone. It prints how many classes each finds, and how large their smallest worlds are
+strategies alone. It prints how many signatures each finds, and how large their smallest worlds are
 before shrinking; ``--json`` prints one object. Kernels are compiled before that.
 """
 
@@ -51,8 +51,8 @@ class Row:
         worlds: Worlds simulated.
         steps: Steps simulated.
         proved: Number of proved failures.
-        classes: Their classes, sorted.
-        solid_cells: Total solid cells of the smallest world of each class.
+        signatures: Their signatures, sorted.
+        solid_cells: Total solid cells of the smallest world of each signature.
     """
 
     controller: str
@@ -63,7 +63,7 @@ class Row:
     worlds: int
     steps: int
     proved: int
-    classes: tuple[str, ...]
+    signatures: tuple[str, ...]
     solid_cells: int
 
 
@@ -104,8 +104,8 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
         worlds=sum(strategy.worlds for strategy in brought),
         steps=sum(strategy.steps for strategy in brought),
         proved=sum(strategy.failures for strategy in brought),
-        classes=tuple(sorted(failures)),
-        solid_cells=sum(failure.solid_cells for failure in failures.values()),
+        signatures=tuple(sorted(signature for _, signature in failures)),
+        solid_cells=sum(failure.world.solid_cells for failure in failures.values()),
     )  # fmt: skip
 
 
@@ -134,11 +134,11 @@ def main() -> None:
 
 
 def _in_words(row: Row) -> str:
-    cells = row.solid_cells / max(len(row.classes), 1)
+    cells = row.solid_cells / max(len(row.signatures), 1)
     return (
         f"{row.controller:<34} {row.motion:<9} {row.way:<9} {row.units:>4} units {row.worlds:>8} "
         f"worlds "
-        f"{row.steps / 1e6:>7.1f} M steps {row.proved:>5} proved {len(row.classes):>3} classes of "
+        f"{row.steps / 1e6:>7.1f} M steps {row.proved:>5} proved {len(row.signatures):>3} signatures of "
         f"{cells:.0f} cells"
     )
 
