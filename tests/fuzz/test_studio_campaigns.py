@@ -7,6 +7,7 @@ import asyncio
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 from dataclasses import replace
@@ -18,6 +19,7 @@ from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import MEMORY
 from fuzz.campaign.summary import met_by_group
+from fuzz.cause import Cause
 from fuzz.failure import Failure
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.shrink.snippet import snippet
@@ -26,7 +28,9 @@ from fuzz.studio.answers import Answers
 from fuzz.studio.campaigns.state import campaign_state
 from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.requests.messages import message_of
+from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.unit.options import CampaignOptions
+from tests.helpers.campaign_folder import CORPUS, LOOP
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of
@@ -144,6 +148,21 @@ def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, 
     seen = page.ask("look", name=first["name"])["answer"]
     assert seen["run"]["steps"] > 0 and seen["words"].startswith(first["verdict"])
     assert seen["replay"] == f"worldgen replay {folder / first['name']}"
+    # The cause has its circumstance, as in the report.
+    diagnosis = diagnosis_of(Failure.read(folder / first["name"]))
+    assert (seen["sentence"], seen["advice"]) == (diagnosis.sentence(), diagnosis.advice)
+    assert seen["sentence"] != diagnosis.cause.sentence
+
+
+def test_a_failure_without_a_recorded_cause_is_looked_at_with_that_of_its_run(tmp_path):
+    shutil.copy(CORPUS / LOOP, tmp_path)
+    seen = Answers(Folder(tmp_path), ()).look({"name": LOOP}, None)
+    assert seen["sentence"] == Cause.RETURNS_TO_A_WALL.sentence
+    gone = read_world(CORPUS / LOOP)
+    gone = replace(gone, failure=replace(gone.failure, controller="./gone.py:Robot"))
+    write_world(gone, tmp_path / "gone.grid")
+    seen = Answers(Folder(tmp_path), ()).look({"name": "gone.grid"}, None)
+    assert (seen["sentence"], seen["words"]) == ("", "") and seen["error"] is not None
 
 
 def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path, monkeypatch):
