@@ -369,7 +369,7 @@ class Family:
                 family=self.name,
                 name=PLANNER,
                 value=str(value)[:60],
-                here=here,
+                here=str(here),
             )
 
 

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.cause import Cause
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.campaigns.fuzz_arguments import options
@@ -91,9 +90,6 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
         "oracles": ORACLES.names(),
         "cores": os.cpu_count() or 1,
         "known": KNOWN,
-        "causes": {
-            cause.value: {"sentence": cause.sentence, "advice": cause.advice} for cause in Cause
-        },
         "options": options(),
     }
 

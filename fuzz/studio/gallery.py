@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.boundary import describe_boundaries
-from fuzz.cause import CAUSE, Cause
+from fuzz.cause import CAUSE, Cause, Diagnosis
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.facts.changed_worlds import OtherWorlds
@@ -22,7 +22,7 @@ from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.requests.messages import Request, SendPart
 from fuzz.studio.requests.messages import field as part_of
 from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
-from fuzz.triage.diagnosis import cause_of_run
+from fuzz.triage.diagnosis import cause_of_run, diagnosis_of
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
@@ -35,6 +35,7 @@ from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import is_world_file
+from worldgen.world import World
 
 _MOST_STEPS = 200_000  # longest run drawn in a picture; the Play page shows longer ones
 
@@ -73,7 +74,6 @@ class WallAnswers(Opened):
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
                     "group": entry.facts.group,
-                    "cause": self._cause(entry),
                     "shrinking": self._record(entry)[1],
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,
@@ -108,9 +108,9 @@ class WallAnswers(Opened):
                 failure = Failure.found_in(read_world(entry.path))
             except (OSError, WorldgenError):  # replaced a moment ago
                 return "", ShrinkState.NONE
-            cause = "" if failure is None else str(failure.record.details.get(CAUSE, ""))
+            cause = "" if failure is None else _recorded_cause(failure)
             shrinking = ShrinkState.NONE if failure is None else failure.shrinking
-            self._recorded[key] = (cause if cause in set(Cause) else "", shrinking)
+            self._recorded[key] = (cause, shrinking)
         return self._recorded[key]
 
     def look(self, message: Request, part: object) -> dict[str, Any]:
@@ -124,6 +124,7 @@ class WallAnswers(Opened):
             "sensors": None,
             "error": None,
         }
+        diagnosis = diagnosis_of(failure) if _recorded_cause(failure) else None
         example = example_in(path)
         answer |= {
             "why": "" if example is None else example.why,
@@ -132,9 +133,10 @@ class WallAnswers(Opened):
                 failure.replay_command(path), failure.record.controller, CONTROLLERS.names()
             ),
             "notes": [*filter(None, (describe_seeds(failure), describe_boundaries(failure)))],
+            **_texts(diagnosis, world),
         }
         try:
-            return answer | self._seen(failure)
+            return answer | self._seen(failure, diagnosis)
         except WorldgenError as error:
             return answer | {"words": "", "error": self.folder.refusal(error)}
 
@@ -166,7 +168,7 @@ class WallAnswers(Opened):
                     entry.path.unlink()
         return {}
 
-    def _seen(self, failure: Failure) -> dict[str, Any]:
+    def _seen(self, failure: Failure, recorded: Diagnosis | None) -> dict[str, Any]:
         """Return the run of a failure, cut off at the length that a picture can show."""
         check_record(failure.record, self.named)
         world = failure.world
@@ -179,16 +181,23 @@ class WallAnswers(Opened):
         if failure.is_breach:
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
+        is_same = (
+            judged.trace_digest == failure.record.trace_digest
+            or options.steps < failure.options.steps
+        )
+        # The record describes the run that was found.
+        diagnosis = recorded
+        if diagnosis is None or not is_same:
+            diagnosis = Diagnosis(cause_of_run(world, judged, OtherWorlds(who, options)))
         return {
             **drawn_robots(
                 shown, world.cell_size, judged, motion=options.motion_model(), controller=controller
             ),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
-            "cause": cause_of_run(world, judged, OtherWorlds(who, options)).value,
+            **_texts(diagnosis, world),
             "repeats": "" if failure.oracle else describe_period(world, judged),
-            "same": judged.trace_digest == failure.record.trace_digest
-            or options.steps < failure.options.steps,
+            "same": is_same,
         }
 
     def _entries(
@@ -258,6 +267,19 @@ class WallAnswers(Opened):
             entries = read_corpus([path]).entries
             self._read[key] = entries[0] if entries else None
         return self._read[key]
+
+
+def _recorded_cause(failure: Failure) -> str:
+    """Return the cause that a failure's record names; empty if it names none."""
+    cause = str(failure.record.details.get(CAUSE, ""))
+    return cause if cause in set(Cause) else ""
+
+
+def _texts(diagnosis: Diagnosis | None, world: World) -> dict[str, str]:
+    """Return the sentence and the advice of a diagnosis; empty if there is none."""
+    if diagnosis is None:
+        return {"sentence": "", "advice": ""}
+    return {"sentence": diagnosis.sentence(world), "advice": diagnosis.advice}
 
 
 def _too_many(remedy: str, archive: str = "") -> errors.Message:

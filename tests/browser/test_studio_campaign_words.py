@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from fuzz.failure import Failure
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
 from tests.helpers.studio_held import hold, let_go
 from tests.helpers.studio_page import opened
-from worldgen.files.grid import read_world
 
 pytestmark = pytest.mark.nightly
 
@@ -24,8 +24,9 @@ FAILURES = Path(__file__).parents[2] / "corpora/failures/turn-right/swept"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a finished campaign, in which shrinking moved one class into another and one
-    class is known.
+    """A folder with a finished campaign.
+
+    One cause was met in natural worlds only, one is known, and the failures of one were deleted.
     """
     folder = tmp_path_factory.mktemp("words")
     shutil.copytree(FAILURES, folder / "collected")
@@ -34,14 +35,10 @@ def folder(tmp_path_factory):
         watch(page, "done")
     summary = folder / "done/.campaign/summary.json"
     said = json.loads(summary.read_text())
-    kinds = [read_world(path).failure.details["class"] for path in (folder / "done").glob("*.grid")]
-    slid = next(kind for kind in kinds if kind in said["met"])
-    said["met"] = {
-        "loop-it-was-of-another-class": said["met"].pop(slid),
-        "stalled-known": 4,
-        **said["met"],
-    }
-    said["known"] = {"stalled-known": 4}
+    groups = [Failure.read(path).group for path in (folder / "done").glob("*.grid")]
+    natural = next(group for group in groups if group in said["met"])
+    said["met"] = {"crash-deleted": said["met"].pop(natural), "crash-known": 4, **said["met"]}
+    said["known"] = {"crash-known": 4}
     summary.write_text(json.dumps(said))
     return folder
 
@@ -65,30 +62,31 @@ def reopened(page, *held):
     page.reload()
 
 
-def test_the_line_the_table_and_the_wall_name_the_same_number_of_classes(page):
+def test_the_line_the_table_and_the_wall_name_the_same_number_of_causes(page):
     reopened(page)
-    page.locator("#wall-count", has_text="one of each class").wait_for()
-    pictures = int(page.locator("#wall-count").inner_text().split()[0])
+    page.locator("#wall-count", has_text=re.compile("cause")).wait_for()
+    count = page.locator("#wall-count").inner_text()
+    pictures, shown = map(int, re.fullmatch(r"(\d+) failures of (\d+) causes?", count).groups())
     line = page.locator("#progress-line").inner_text()
-    classes, known, lost = map(
-        int, re.search(r"(\d+) classes: (\d+) known, (\d+) not kept", line).groups()
+    causes, known, lost = map(
+        int, re.search(r"(\d+) causes: (\d+) known, (\d+) not kept", line).groups()
     )
     rows = page.locator(".tables tbody").first.locator("tr")
-    assert (classes, known, lost) == (rows.count(), 1, 1)
-    assert pictures == classes - known - lost == page.locator(".card").count()
+    assert (causes, known, lost) == (rows.count(), 1, 1)
+    assert shown == causes - known - lost and pictures == page.locator(".card").count()
     met = rows.locator("td:nth-child(2)").all_inner_texts()
     assert (
-        "by shrinking" in met
+        "not by the search" in met
         and f"{sum(int(text) for text in met if text.isdigit())} failures met" in line
     )
 
 
-def test_while_the_folder_is_being_read_no_class_is_said_to_wait_for_anything(page):
+def test_while_the_folder_is_being_read_no_cause_is_said_to_wait_for_anything(page):
     reopened(page, "failures")
     page.locator("#campaign-state", has_text="Done").wait_for()
     sizes = page.locator(".tables tbody").first.locator("td:nth-child(3)")
     assert set(sizes.all_inner_texts()) == {"…", "known"}
-    assert "class" not in page.locator("#progress-line").inner_text()
+    assert "cause" not in page.locator("#progress-line").inner_text()
     let_go(page)
     page.locator(".card").first.wait_for()
     assert {"not kept", "known"} < set(sizes.all_inner_texts())
@@ -98,13 +96,13 @@ def test_another_folder_s_failures_are_in_no_number_of_a_campaign(page):
     reopened(page)
     page.locator("#campaign-folder").select_option("collected")
     page.locator("#name", has_text="collected").wait_for()
-    page.locator("#wall-count", has_text=re.compile(r"^\d+ failures$")).wait_for()
+    page.locator("#wall-count", has_text=re.compile(r"^\d+ failures of \d+ causes?$")).wait_for()
     page.evaluate("window.heldKinds.push('failures')")
     page.locator("#campaign-folder").select_option("done")
     page.locator("#campaign-state", has_text="Done").wait_for()
     page.locator(".wall .empty", has_text="Looking through done …").wait_for()
     assert (
-        page.locator(".tables", has_text="by shrinking").count() == 0
+        page.locator(".tables", has_text="not by the search").count() == 0
         and page.locator(".card").count() == 0
     )
 
@@ -143,7 +141,7 @@ def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, f
     ) as page:
         page.keyboard.press("3")
         page.locator("#campaign-folder").select_option("collected")
-        page.locator(".card", has_text="loop").first.click()
+        page.locator(".card[data-verdict=loop]").first.click()
         page.get_by_role("button", name="Copy test").click()
         page.get_by_role("button", name="Copied").wait_for()
         (tmp_path / "test_pasted.py").write_text(page.evaluate("navigator.clipboard.readText()"))

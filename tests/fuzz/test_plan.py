@@ -27,7 +27,7 @@ def test_strategies_of_which_nothing_is_known_share_alike():
 def test_a_strategy_that_finds_more_for_the_same_cost_gets_more():
     poor, rich = (
         StrategyYield(units=5, worlds=2000),
-        StrategyYield(units=5, worlds=2000, failures=40, classes=6),
+        StrategyYield(units=5, worlds=2000, failures=40, variants=6),
     )
     low, high = shares(poor, rich)
     assert high > 2 * low
@@ -42,7 +42,7 @@ def test_a_strategy_that_finds_the_same_for_less_gets_more():
 def test_no_strategy_starves():
     nothing, much = (
         StrategyYield(worlds=10**9),
-        StrategyYield(worlds=1, failures=10**6, classes=100),
+        StrategyYield(worlds=1, failures=10**6, variants=100),
     )
     assert shares(nothing, much)[0] == pytest.approx(0.15)
 
@@ -56,7 +56,7 @@ def test_units_are_dealt_out_as_the_shares_say():
     memory = SearchState(
         {
             "trap": StrategyYield(worlds=4000),
-            "maze": StrategyYield(worlds=400, failures=400, classes=9),
+            "maze": StrategyYield(worlds=400, failures=400, variants=9),
         }
     )
     config = CampaignConfig(Scenario("turn-right"), families=TWO)

@@ -7,6 +7,7 @@ import asyncio
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 from dataclasses import replace
@@ -17,14 +18,19 @@ from fuzz.campaign import store
 from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import MEMORY
+from fuzz.campaign.summary import met_by_group
+from fuzz.cause import Cause
 from fuzz.failure import Failure
+from fuzz.overview.building import Conclusion, build_overview
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
 from fuzz.studio.campaigns.state import campaign_state
 from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.requests.messages import message_of
+from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.unit.options import CampaignOptions
+from tests.helpers.campaign_folder import CORPUS, LOOP
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of
@@ -66,8 +72,10 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     for _ in campaign.run():
         pass
     found = {path.stem: path.read_bytes() for path in (folder / "done").glob("*.grid")}
-    assert found == {kind: found.dumps() for kind, found in campaign.state.best.items()} and found
-    assert (done["worlds"], done["met"]) == (campaign.state.worlds, dict(campaign.state.met))
+    overview = build_overview(config, campaign.state, Conclusion())
+    assert found == {stem: failure.dumps() for stem, failure in overview.files.items()} and found
+    assert done["worlds"] == campaign.state.worlds
+    assert done["met"] == dict(met_by_group(campaign.state))
 
 
 MORE = {
@@ -140,6 +148,21 @@ def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, 
     seen = page.ask("look", name=first["name"])["answer"]
     assert seen["run"]["steps"] > 0 and seen["words"].startswith(first["verdict"])
     assert seen["replay"] == f"worldgen replay {folder / first['name']}"
+    # The cause has its circumstance, as in the report.
+    diagnosis = diagnosis_of(Failure.read(folder / first["name"]))
+    assert (seen["sentence"], seen["advice"]) == (diagnosis.sentence(), diagnosis.advice)
+    assert seen["sentence"] != diagnosis.cause.sentence
+
+
+def test_a_failure_without_a_recorded_cause_is_looked_at_with_that_of_its_run(tmp_path):
+    shutil.copy(CORPUS / LOOP, tmp_path)
+    seen = Answers(Folder(tmp_path), ()).look({"name": LOOP}, None)
+    assert seen["sentence"] == Cause.RETURNS_TO_A_WALL.sentence
+    gone = read_world(CORPUS / LOOP)
+    gone = replace(gone, failure=replace(gone.failure, controller="./gone.py:Robot"))
+    write_world(gone, tmp_path / "gone.grid")
+    seen = Answers(Folder(tmp_path), ()).look({"name": "gone.grid"}, None)
+    assert (seen["sentence"], seen["words"]) == ("", "") and seen["error"] is not None
 
 
 def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path, monkeypatch):
@@ -167,13 +190,13 @@ def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
 
 @pytest.mark.nightly
 def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(done, page, folder):
-    first = next(one for one in failures(page, "done") if one["class"] in done["met"])
+    first = next(one for one in failures(page, "done") if one["group"] in done["met"])
     page.ask("know", name=first["name"], known=True)
-    assert [one["class"] for one in failures(page, "done") if one["known"]] == [first["class"]]
+    assert {one["group"] for one in failures(page, "done") if one["known"]} == {first["group"]}
     begin(page, "again", units=2, known=True)
     state = watch(page, "again")
     assert (
-        first["class"] in state["known"] and not (folder / f"again/{first['class']}.grid").exists()
+        first["group"] in state["known"] and not (folder / f"again/{first['group']}.grid").exists()
     )
     page.ask("know", name=first["name"], known=False)
     assert not any(one["known"] for one in failures(page, "done"))
@@ -429,7 +452,7 @@ def give_up(out):
 
 
 def write_summary(folder, status, units):
-    summary = {"version": 2, "status": status, "controller": "turn-right", "motion": "swept"}
+    summary = {"version": 3, "status": status, "controller": "turn-right", "motion": "swept"}
     summary |= {"seed": 1, "units": units, "worlds": 3, "steps": 4, "seconds": 0.5}
     (folder / MEMORY / "summary.json").write_text(json.dumps(summary))
 

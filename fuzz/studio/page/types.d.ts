@@ -87,7 +87,6 @@ interface Offered {
   oracles: string[];
   cores: number;
   /** By name, what the robot does wrong, and where to look in the controller. */
-  causes: Record<string, { sentence: string; advice: string }>;
   /** Name of the folder of known failures. */
   known: string;
   /** Help text and default of each option of `worldgen fuzz`. */
@@ -289,8 +288,6 @@ interface WallFailure {
   name: string;
   /** The name under which it is filed: its cause or, for an error of the controller, the reason. */
   group: string;
-  /** Name of its cause; empty if its file names none. */
-  cause: string;
   verdict: string;
   controller: string;
   motion: string;

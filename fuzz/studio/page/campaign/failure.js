@@ -66,17 +66,14 @@ function show(panel, failure) {
     if (panel.failure !== failure) return;
     panel.look = look;
     words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
-    const cause = campaignCauses(panel)[look.cause ?? failure.cause];
     const who = look.others?.length ? "The fleet" : "It";
     const more = [look.repeats && `It ${look.repeats}.`, look.why && `${who} ${look.why}.`].filter(Boolean);
-    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${[cause.advice, ...more].join(" ")}`] : []));
+    why.replaceChildren(...(look.sentence ? [el("b", {}, look.sentence), ` ${[look.advice, ...more].join(" ")}`] : []));
     legend.replaceChildren(look.error ? "" : legendOfCells(look));
     changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });
 }
-
-const campaignCauses = ({ campaign }) => campaign.studio.offered?.causes ?? {};
 
 function actions(panel) {
   const { campaign, failure } = panel;

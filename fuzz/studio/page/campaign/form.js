@@ -222,7 +222,7 @@ function goalPart(form) {
 
 function knownPart({ parts, campaign }, checked) {
   parts.known = el("input", { type: "checkbox", checked });
-  return el("label", { class: "check" }, parts.known, `Count classes in ${campaign.studio.offered.known}/, but keep only new ones`);
+  return el("label", { class: "check" }, parts.known, `Count causes in ${campaign.studio.offered.known}/, but keep only new ones`);
 }
 
 function messageFor({ campaign, state, parts, more }) {
