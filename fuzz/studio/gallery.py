@@ -22,7 +22,7 @@ from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.requests.messages import Request, SendPart
 from fuzz.studio.requests.messages import field as part_of
 from fuzz.studio.requests.running import check_record, check_registered, from_anywhere
-from fuzz.triage.diagnosis import cause_of_run, diagnosis_of
+from fuzz.triage.diagnosis import diagnosis_of, diagnosis_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
@@ -188,7 +188,7 @@ class WallAnswers(Opened):
         # The record describes the run that was found.
         diagnosis = recorded
         if diagnosis is None or not is_same:
-            diagnosis = Diagnosis(cause_of_run(world, judged, OtherWorlds(who, options)))
+            diagnosis = diagnosis_of_run(world, judged, OtherWorlds(who, options))
         return {
             **drawn_robots(
                 shown, world.cell_size, judged, motion=options.motion_model(), controller=controller

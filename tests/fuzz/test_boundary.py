@@ -215,9 +215,11 @@ def test_a_unit_is_the_same_again_with_the_same_memory(found):
     }
 
 
-def test_what_is_known_to_fail_is_where_boundaries_are_looked_for(found):
-    memory = SearchState().after(found[0]).after(found[1])
+def test_what_is_known_to_fail_is_where_boundaries_are_looked_for():
     on_a_map = replace(CONFIG, fixed_map=gap_world())
+    met = run_unit(replace(on_a_map, families=("map",)), 0, SearchState())
+    assert met.failures
+    memory = SearchState().after(met)
     assert (
         run_unit(on_a_map, 2, memory).worlds > 0
         and run_unit(on_a_map, 2, SearchState()).worlds == 0

@@ -22,7 +22,7 @@ from tests.helpers.turned_worlds import turned
 from worldgen import read_world, write_world
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
-LOOP, STALLED = FAULTS / "thesis-1-loop-104.grid", FAULTS / "thesis-1-confined.grid"
+LOOP, TUNNEL = FAULTS / "thesis-1-loop-104.grid", FAULTS / "thesis-1-back-off.grid"
 GOLDEN = Path(__file__).parent / "golden"
 HOSTILE = "\x1b[2J\0\ufffe]]><b>|`@you` {0} [x](http://evil) ##\r\n\udcff"
 
@@ -34,7 +34,7 @@ def project(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / ".git").mkdir()
     (tmp_path / "failures").mkdir()
-    for path in (LOOP, STALLED):
+    for path in (LOOP, TUNNEL):
         shutil.copy(path, tmp_path / "failures")
     return tmp_path
 
@@ -48,12 +48,12 @@ def report(*findings, command="fuzz"):
     return Report(command, findings, {"controller": "thesis-1", "motion": "stepped", "seed": "1"})
 
 
-TWO = report(finding(LOOP), finding(STALLED, FindingState.KNOWN))
+TWO = report(finding(LOOP), finding(TUNNEL, FindingState.KNOWN))
 
 
 def test_junit_fails_what_is_new_and_skips_what_is_known():
     new, known = read_junit(junit(TWO)).findall("testcase")
-    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: It bounces")
+    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: It drives")
     assert "\nloop forever" in new.find("failure").text
     assert (
         "\nS start  G target" in new.find("failure").text
@@ -124,7 +124,7 @@ def test_a_fingerprint_is_the_cause_and_not_the_world(project):
     there = CiFinding.of(
         replace(loop, world=turned(loop.world)), project / "elsewhere.grid", FindingState.NEW
     )
-    here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))[
+    here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(TUNNEL)), project))[
         "results"
     ]
     assert (
@@ -216,13 +216,13 @@ def test_a_summary_has_a_row_and_a_picture_for_each_failure():
     rows, folds = read_markdown(markdown(TWO))
     assert [row[0] for row in rows] == ["new", "known"]
     assert rows[0][1] == "It drives from wall to wall on a path that repeats."
-    assert rows[0][5] == read_world(LOOP).failure.details["class"]
+    assert rows[0][5] == "returns-to-a-wall"
     assert "S start  G target" in folds[0] and "1 new failure, 1 known" in markdown(TWO)
 
 
 def test_the_title_of_what_has_no_explanation_ends_its_sentence():
     text = markdown(report(finding(LOOP, FindingState.NOT_CONFIRMED, what="not found")))
-    assert "<summary>not found. loop" in text
+    assert "<summary>not found. returns" in text
 
 
 def test_a_summary_that_grows_too_long_says_what_it_leaves_out():

@@ -7,7 +7,6 @@ import asyncio
 import json
 import os
 import shlex
-import shutil
 import signal
 import subprocess
 from dataclasses import replace
@@ -19,7 +18,6 @@ from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import MEMORY
 from fuzz.campaign.summary import met_by_group
-from fuzz.cause import Cause
 from fuzz.failure import Failure
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.shrink.snippet import snippet
@@ -155,9 +153,10 @@ def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, 
 
 
 def test_a_failure_without_a_recorded_cause_is_looked_at_with_that_of_its_run(tmp_path):
-    shutil.copy(CORPUS / LOOP, tmp_path)
+    failure = Failure.read(CORPUS / LOOP).without("cause", "circumstance")
+    failure.write(tmp_path / LOOP)
     seen = Answers(Folder(tmp_path), ()).look({"name": LOOP}, None)
-    assert seen["sentence"] == Cause.RETURNS_TO_A_WALL.sentence
+    assert seen["sentence"] == diagnosis_of(failure).sentence()
     gone = read_world(CORPUS / LOOP)
     gone = replace(gone, failure=replace(gone.failure, controller="./gone.py:Robot"))
     write_world(gone, tmp_path / "gone.grid")
