@@ -157,7 +157,7 @@ def test_a_failure_without_a_recorded_cause_is_looked_at_with_that_of_its_run(tm
     failure.write(tmp_path / LOOP)
     seen = Answers(Folder(tmp_path), ()).look({"name": LOOP}, None)
     assert seen["sentence"] == diagnosis_of(failure).sentence()
-    gone = read_world(CORPUS / LOOP)
+    gone = read_world(tmp_path / LOOP)
     gone = replace(gone, failure=replace(gone.failure, controller="./gone.py:Robot"))
     write_world(gone, tmp_path / "gone.grid")
     seen = Answers(Folder(tmp_path), ()).look({"name": "gone.grid"}, None)
