@@ -23,7 +23,7 @@ from fuzz.unit.result import SearchState
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it.
-TINY = ("--seconds", "0.1", "--controller", "bug2")
+TINY = ("--seconds", "0.1", "--controller", "wall-left")
 
 CASES = (
     ("turn-right", "swept"), ("turn-right", "stepped"), ("turn-left", "endpoint"), ("wall-left", "swept"),
