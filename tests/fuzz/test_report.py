@@ -165,7 +165,10 @@ def test_a_title_is_text_whatever_it_holds(page, tmp_path):
 
 def test_a_hostile_name_stays_inside_the_data(tmp_path):
     name = "</script><script>alert(1)</script>\u2028"
-    write_world(with_details(read_world(CORPUS / LOOP), **{"class": name}, cause="unknown"), tmp_path / "a.grid")
+    write_world(
+        with_details(read_world(CORPUS / LOOP), **{"class": name}, cause="unknown"),
+        tmp_path / "a.grid",
+    )
     write_report([tmp_path / "a.grid"], tmp_path / "r.html")
     assert data_of(tmp_path / "r.html")["failures"][0]["group"] == name
 
