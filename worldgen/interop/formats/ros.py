@@ -98,7 +98,8 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     cells = occupancy(image, metadata)
     solid, unsure = solid_cells(cells, metadata)
     notes: list[str] = []
-    clear = 0 if image.opaque is None or metadata.mode == "raw" else np.count_nonzero(~image.opaque)
+    opaque = None if metadata.mode == "raw" else image.opaque
+    clear = 0 if opaque is None else np.count_nonzero(~opaque)
     if clear:
         notes.append(
             Note(
@@ -113,7 +114,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
             )
         )
     # The note above covers the transparent cells.
-    others = np.count_nonzero(unsure & image.opaque if clear else unsure)
+    others = np.count_nonzero(unsure if opaque is None else unsure & opaque)
     if others:
         notes.append(
             f"{others:,} of {unsure.size:,} cells are neither occupied nor free; they count as "
