@@ -37,7 +37,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
 @click.command(
     epilog="\b\n  worldgen shrink big.grid --out small.grid\n"
-    "  worldgen shrink big.grid --keep class --budget 10s\n"
+    "  worldgen shrink big.grid --budget 10s\n"
     "  worldgen shrink big.grid --snippet > test_small.py"
 )
 @click.argument("path", type=PATH)

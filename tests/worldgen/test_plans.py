@@ -72,7 +72,7 @@ def test_the_walls_of_a_geojson_file_have_the_walls_area_at_the_origin(drawn):
 
 def test_an_empty_open_world_has_its_border_and_a_closed_one_none():
     free = replace(TINY, walls=np.zeros((2, 4), np.bool_))
-    border = features(free)[0]
+    border = features(free)[1]
     assert border["properties"]["kind"] == "border"
     assert border["geometry"]["coordinates"] == [
         [
