@@ -1,4 +1,4 @@
-"""JUnit XML: a test case for each class of failures, or for each file that was replayed."""
+"""JUnit XML: a test case for each failure, or for each file that was replayed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fuzz.ci.finding import CiFinding, FindingState, Report
 from worldgen.support.plain_text import shown
 
 _SKIPPED = {
-    FindingState.KNOWN: "known: the baseline has this class",
+    FindingState.KNOWN: "known: the baseline has this cause",
     FindingState.HAZARD: "hazard: none of the controller's senses detects what burned the robot",
 }
 

@@ -1,4 +1,4 @@
-"""A summary in Markdown: a table of classes, and foldable pictures of the smallest worlds."""
+"""A summary in Markdown: a table of failures, and foldable pictures of the smallest worlds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def markdown(report: Report) -> str:
         ]
     if report.findings:
         lines += [
-            "| | what goes wrong | what happens | controller | world | class | file |",
+            "| | what goes wrong | what happens | controller | world | cause | file |",
             "| --- | --- | --- | --- | --- | --- | --- |",
         ]
         lines += [_row(finding) for finding in report.findings]

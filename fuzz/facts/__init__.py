@@ -1,1 +1,1 @@
-"""Single facts about a run: its certificate, class, contacts, hazards, and runs in other worlds."""
+"""Single facts about a run: its certificate, signature, contacts, hazards, and runs in other worlds."""

@@ -118,7 +118,7 @@ def explain_failure(
 
 
 def _unclassified(failure: Failure) -> Failure:
-    """Return a failure without the recorded cause and class."""
+    """Return a failure without the recorded cause and signature."""
     return failure.without(CAUSE, CIRCUMSTANCE, GAP, "class")
 
 

@@ -48,7 +48,7 @@ _MOST_AGAIN = 10_000
 _EXAMPLE_WORDS = 128
 
 Visit = Callable[[World, Scenario], str]
-"""Runs one scenario and returns the failure's class, or an empty string if it arrives."""
+"""Runs one scenario and returns the failure's signature, or an empty string if it arrives."""
 
 _SETTINGS = settings(
     database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck)

@@ -36,10 +36,10 @@ _DRAWN = (
 # Strategies with several robots: any layout, and the families that are made for them.
 _FLEETS = ("features", "doorway", "alley", "junction", "crossing", "warehouse")
 _PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
-"""First estimate of the new classes that a strategy finds per unit of cost; 1 if not listed."""
+"""First estimate of the new signatures that a strategy finds per unit of cost; 1 if not listed."""
 
 _FLOOR = 0.3  # share of the budget that is split evenly
-_FAILURE = 0.01  # weight of a failure, relative to a new class
+_FAILURE = 0.01  # weight of a failure, relative to a new signature
 _WORLD_COST = {
     NATIVE: 0.02,
     ARCHIVE: 0.03,
@@ -128,7 +128,7 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
 
 
 def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
-    """Return new classes and failures per unit of cost, starting from the first estimate."""
+    """Return new signatures and failures per unit of cost, starting from the first estimate."""
     found = brought.variants + _FAILURE * brought.failures
     worlds = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof

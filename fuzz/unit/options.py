@@ -17,7 +17,7 @@ MOST_ROBOTS = 100
 """Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
 
 BASELINE_HELP = (
-    "Known failures. Their classes are counted, but not shrunk or written, and do not affect the "
+    "Known failures. Their causes are counted, but not shrunk or written, and do not affect the "
     "exit code. May be repeated."
 )
 
