@@ -235,7 +235,7 @@ FAULTS = (
     ),
     Fault(
         "old-names",
-        "a baseline's failures are run again, so that no old name hides a new class",
+        "a baseline's failures are run again, so that no old name hides a new cause",
         "fuzz/corpus/baseline.py",
         "now, reason = _failure_now(failure)",
         'now, reason = failure, ""',
