@@ -271,9 +271,9 @@ def _with_worlds(
     smallest = min(own, key=lambda one: one.failure.order, default=None)
     if smallest is None:
         return cause
-    # An error of the controller shows in its message, not in the picture.
+    # An error of the controller and a broken rule show in their message, not in the picture.
     chosen = smallest
-    if cause.cause.severity != Severity.CONTROLLER_ERROR:
+    if cause.cause.severity not in (Severity.CONTROLLER_ERROR, Severity.QUESTIONABLE):
         with stopping_when(is_over or (lambda: False)):
             best = clearest(one.failure for one in own)
         chosen = next((one for one in own if one.failure is best), smallest)

@@ -62,10 +62,10 @@ def burning_failure():
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = campaign_folder(tmp_path_factory.mktemp("page") / "failures")
-    hostile = with_details(read_world(CORPUS / TUNNEL), **{"class": HOSTILE})
+    hostile = with_details(read_world(CORPUS / TUNNEL), **{"class": HOSTILE}, cause="unknown")
     write_world(hostile, folder / "<b onclick=x>'\".grid")
     gone = read_world(CORPUS / "thesis-3-slide.grid")
-    gone = with_details(gone, **{"class": "of-a-controller-elsewhere"})
+    gone = with_details(gone, **{"class": "of-a-controller-elsewhere"}, cause="unknown")
     write_world(
         replace(gone, failure=replace(gone.failure, controller="./gone.py:<i>")),
         folder / "gone.grid",

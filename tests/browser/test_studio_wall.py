@@ -64,6 +64,6 @@ def test_the_explained_failure_has_its_cells_marked(page, folder):
     check_in_place(panel.locator("canvas"), read_world(folder / "found" / LOOP), (2, 1))
     # Nothing is known about the others.
     page.locator(f".card[data-failure='found/{TUNNEL}']").click()
-    page.locator("#failure-cause", has_text="It goes through").wait_for()
+    page.locator("#failure-cause", has_text="It slides").wait_for()
     assert panel.get_by_text("cell named in the text").count() == 0
     assert page.complaints == []

@@ -144,7 +144,9 @@ def test_a_unit_with_crashes_finds_the_same_bytes_again(library):
         {kind: failure.dumps() for kind, failure in run_unit(config, 0).failures.items()}
         for _ in range(2)
     ]
-    assert found[0] == found[1] and any(kind.startswith("crash-SIGSEGV") for kind in found[0])
+    assert found[0] == found[1] and any(
+        signature.startswith("crash-SIGSEGV") for _, signature in found[0]
+    )
 
 
 def test_an_edit_after_which_the_controller_crashes_is_found(library):

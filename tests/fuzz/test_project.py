@@ -179,7 +179,7 @@ def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_
     assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
     assert all(Failure.read(path).shrinking == "done" for path in Path(KNOWN).glob("*.grid"))
     again = worldgen("fuzz", "--out", "found", "--workers", 1)
-    assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, (
+    assert again.code == 0 and "no new failure" in again.out and "known: 1 cause" in again.out, (
         again.err
     )
 
@@ -205,7 +205,7 @@ def test_the_project_is_complete_before_its_failures_are_shrunk(tmp_path, monkey
     assert Failure.read(known).shrinking == "none" and (tmp_path / "pyproject.toml").exists()
 
 
-def interrupted_at_once(failure, kept):
+def interrupted_at_once(failure):
     raise KeyboardInterrupt
 
 

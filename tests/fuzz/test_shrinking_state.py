@@ -128,8 +128,10 @@ def test_a_failure_whose_shrinking_ran_out_of_time_says_cut_short(tmp_path, monk
     out = tmp_path / "f"
     result = worldgen("fuzz", "--controller", "turn-right", *few, "--out", out)
     failures = json.loads(result.out)["failures"]
-    assert {one["shrinking"] for one in failures} == {"cut short"}
-    assert {Failure.read(Path(one["file"])).shrinking for one in failures} == {"cut short"}
+    # A clearer world of the cause, which was not to be shrunk, may come first.
+    states = {one["file"]: one["shrinking"] for one in failures}
+    assert "cut short" in states.values() and set(states.values()) <= {"cut short", "none"}
+    assert {file: Failure.read(Path(file)).shrinking for file in states} == states
     # No second file shows the same world in another state.
     assert len({Failure.read(path).without("shrinking").id for path in out.glob("*.grid")}) == len(
         list(out.glob("*.grid"))

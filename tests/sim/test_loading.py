@@ -85,7 +85,11 @@ def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):
 @pytest.mark.gate
 @pytest.mark.parametrize(
     "command",
-    ["run w.grid", "fuzz --units 1 --out f --workers 1", "fuzz --units 1 --out f --workers 2"],
+    [
+        "run w.grid",
+        "fuzz --units 1 --seed 1 --out f --workers 1",
+        "fuzz --units 1 --seed 1 --out f --workers 2",
+    ],
 )
 @pytest.mark.parametrize("waits", ["pass", "__import__('time').sleep(1)"])
 def test_ctrl_c_ends_a_file_that_is_never_done_loading(command, waits, tmp_path):

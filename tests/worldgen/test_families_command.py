@@ -223,7 +223,8 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
     ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
 )
 def test_bad_options_are_one_clear_line_and_exit_2(options, message):
-    result = run("maze", *options)
+    seed = () if "--seed" in options else ("--seed", 1)
+    result = run("maze", *options, *seed)
     assert result.code == 2 and message in result.err and result.out == ""
     assert "Traceback" not in result.err
 
