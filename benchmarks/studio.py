@@ -76,7 +76,7 @@ def _measure(page: Any, steps: int) -> None:
     page.locator(".result").wait_for()
     page.locator("#play").get_by_label("Motion model").select_option("swept")
     page.locator("#play").get_by_label("random-walk").check()
-    page.locator("input[type=checkbox][value=thesis-2]").uncheck()
+    page.locator("input[type=checkbox][value=thesis-2]").first.uncheck()
     page.locator("#play").get_by_label("Steps", exact=True).fill(str(steps))
     page.keyboard.press("Control+Enter")
     page.locator(".result[data-controller=random-walk]").wait_for()

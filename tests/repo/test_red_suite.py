@@ -50,7 +50,8 @@ def hall(rng, *, size: int = 12) -> World:
         size: Cells per side.
     """
     check_between("size", size, 12, 12)
-    start = Pose(0.2 + rng.below(1000) / 10_000, 0.2)
+    x, y = (0.2 + rng.below(1000) / 10_000 for _ in range(2))
+    start = Pose(x, y)
     return World(np.zeros((12, 12), bool), start, Target(1.0, 1.0, 0.05))
 ''',
     "test_property.py": """

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -86,6 +87,8 @@ class WorkerPool(ProcessPoolExecutor):
     def __init__(
         self, workers: int, initializer: Callable[..., None] | None = None, *args: Any
     ) -> None:
+        # pdb takes the specification away from the main module, and a new process reads it.
+        vars(sys.modules["__main__"]).setdefault("__spec__", None)
         with current_folder_hidden():
             super().__init__(
                 workers,
