@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import shlex
+from collections.abc import Container
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -300,6 +301,21 @@ class Failure:
         return replace(
             self, record=replace(self.record, details={**self.record.details, **details})
         )
+
+
+def stem_of(name: str, number: int, names: Container[str]) -> str:
+    """Return the stem of a failure's file: ``CAUSE``, ``CAUSE-2`` and so on.
+
+    Args:
+        name: The name of its group.
+        number: Its place in the group, from 1.
+        names: The names of all groups in the folder. The reason of an error may end in a number,
+            too, and then has that stem itself.
+    """
+    if number == 1:
+        return name
+    stem = f"{name}-{number}"
+    return f"{stem}-more" if stem in names else stem
 
 
 def regardless_of_walls(options: RunOptions) -> RunOptions:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import re
 import shlex
+from collections.abc import Container
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from fuzz.failure import Failure
+from fuzz.failure import Failure, stem_of
 from fuzz.simplicity import FailureOrder
 from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
@@ -157,14 +158,19 @@ class CorpusEntry:
         return row
 
 
-def name_of(facts: Facts, number: int = 1) -> str:
+def name_of(facts: Facts, number: int = 1, names: Container[str] = ()) -> str:
     """Return a failure's file name, such as ``turn-right/swept/returns-to-a-wall``.
 
     It is a path without suffix, valid on every file system, and different for different causes.
     Further failures of the same cause get ``-2`` and so on appended.
+
+    Args:
+        facts: The failure.
+        number: Its place among those of its cause, from 1.
+        names: The names of the first failures of all causes, as this function returns them.
     """
     controller, motion, group = (_plain(word) for word in facts.key)
-    return f"{controller}/{motion}/{group}" + (f"-{number}" if number > 1 else "")
+    return stem_of(f"{controller}/{motion}/{group}", number, names)
 
 
 def _plain(text: str) -> str:

@@ -83,9 +83,10 @@ def _archive(entries: Sequence[CorpusEntry], out: Path) -> bytes:
 
 def _named(entries: Sequence[CorpusEntry]) -> Iterator[tuple[str, CorpusEntry]]:
     met: Counter[tuple[str, str, str]] = Counter()
+    names = {name_of(entry.facts) for entry in entries}
     for entry in entries:
         met[entry.facts.key] += 1
-        yield name_of(entry.facts, met[entry.facts.key]), entry
+        yield name_of(entry.facts, met[entry.facts.key], names), entry
 
 
 def _bare_table(entries: Sequence[CorpusEntry], _out: Path) -> bytes:

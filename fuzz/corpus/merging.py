@@ -65,9 +65,11 @@ def merge(
         FormatError: If a file can no longer be read.
     """
     entries = list(entries)
+    kept = shortlist(entries)
+    names = {name_of(own[0].facts) for own in kept.values()}
     chosen = {
-        out / f"{name_of(entry.facts, number)}.grid": entry
-        for own in shortlist(entries).values()
+        out / f"{name_of(entry.facts, number, names)}.grid": entry
+        for own in kept.values()
         for number, entry in enumerate(own, 1)
     }
     texts = {path: Failure.read(entry.path).dumps() for path, entry in chosen.items()}

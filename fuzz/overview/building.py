@@ -12,7 +12,7 @@ from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.cause import Cause, Severity
 from fuzz.corpus import Baseline
-from fuzz.failure import MOST_SHOWN, SHRINKING, Failure, ShrinkState
+from fuzz.failure import MOST_SHOWN, SHRINKING, Failure, ShrinkState, stem_of
 from fuzz.overview.causes import CauseTotals, causes_of, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
@@ -353,14 +353,11 @@ def files_of(best: Iterable[Failure], clearest: Iterable[Failure] = ()) -> dict[
     groups: dict[str, dict[str, Failure]] = {}
     for failure in (*clearest, *sorted(best, key=lambda one: one.order)):
         groups.setdefault(failure.group, {}).setdefault(failure.signature, failure)
-    files: dict[str, Failure] = {}
-    for group, own in groups.items():
-        files[group], *others = list(own.values())[:MOST_SHOWN]
-        # The reason of an error may end in a number, too.
-        for number, failure in enumerate(others, 2):
-            stem = f"{group}-{number}"
-            files[f"{stem}-more" if stem in groups else stem] = failure
-    return files
+    return {
+        stem_of(group, number, groups): failure
+        for group, own in groups.items()
+        for number, failure in enumerate(list(own.values())[:MOST_SHOWN], 1)
+    }
 
 
 def group_of_file(name: str) -> str:

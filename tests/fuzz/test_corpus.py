@@ -261,6 +261,17 @@ def test_diff_says_what_became_of_a_cause(old, new, change, tmp_path):
     assert [difference.change for difference in differences(before, now)] == [change]
 
 
+def test_merging_loses_no_failure_whose_reason_ends_in_a_number(tmp_path):
+    failure(tmp_path / "in", "one", kind="crash-act")
+    failure(tmp_path / "in", "two", kind="crash-act-2", solid=1)
+    # A second failure of the first reason, with another signature, would be crash-act-2, too.
+    first, _ = sorted(read(tmp_path / "in"), key=lambda entry: entry.facts.group)
+    other = replace(first, facts=replace(first.facts, signature="other", digest="f" * 64))
+    merged = merge([*read(tmp_path / "in"), other], tmp_path / "out")
+    assert len(merged) == 3
+    assert {path.stem for path in merged} == {"crash-act", "crash-act-2", "crash-act-2-more"}
+
+
 def test_diff_ends_with_1_for_a_new_cause_and_with_0_for_one_that_is_gone(tmp_path):
     failure(tmp_path / "one", "x")
     failure(tmp_path / "two", "x")
