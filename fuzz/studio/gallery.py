@@ -276,7 +276,7 @@ def _recorded_cause(failure: Failure) -> str:
 
 
 def _texts(diagnosis: Diagnosis | None, world: World) -> dict[str, str]:
-    """Return the sentence and the advice of a diagnosis; empty if there is none."""
+    """Return the sentence and the advice of a diagnosis; without one, both are empty."""
     if diagnosis is None:
         return {"sentence": "", "advice": ""}
     return {"sentence": diagnosis.sentence(world), "advice": diagnosis.advice}

@@ -74,7 +74,7 @@ class Triage:
         The oracles that the user chose judge it too.
 
         Returns:
-            The signature of a failure; empty if there is none.
+            The signature of the failure; empty if the run is not one.
 
         Raises:
             OutOfTime: If the unit's time is over. The run has then been counted and, if it failed,
@@ -103,7 +103,7 @@ class Triage:
             cause: Cause of the verdict, if the core knows it.
 
         Returns:
-            The signature of a failure; empty if there is none.
+            The signature of the failure; empty if the run is not one.
 
         Raises:
             OutOfTime: If the unit's time is over.

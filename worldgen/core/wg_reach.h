@@ -471,7 +471,7 @@ WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made);
 WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most);
 
 // Continues to plan it, for about ``most`` ticks and spans. WG_FOUND if it has a path. After
-// WG_EXHAUSTED (there is none) and WG_GAVE_UP, the order is as it was without it.
+// WG_EXHAUSTED (it has no path) and WG_GAVE_UP, the order is as it was before the robot was added.
 WgStatus wg_joint_order_advance(WgJointOrder *order, int64_t most, WgProgress *progress);
 
 // Makes the plan of an order with a path for each robot.

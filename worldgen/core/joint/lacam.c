@@ -160,8 +160,8 @@ static int32_t sorted_moves(const Lacam *search, int64_t robot, int32_t moves[WG
     return count;
 }
 
-// Begins to find a move for a robot; returns false if no push is left. Each push that goes on has
-// assigned a robot, so the stack is never deeper than the number of robots.
+// Starts to look for a move of a robot; returns false if it may not push any more. Each unfinished
+// push has assigned a robot, so the stack is never deeper than the number of robots.
 static bool begin_push(Lacam *search, int64_t robot)
 {
     // In a crowd, one rearrangement can take more pushes than anyone can wait for.
@@ -185,7 +185,7 @@ static void take_back(Lacam *search, Push *top)
     top->to = -1;
 }
 
-// Assigns the next move that fits; returns false if there is none.
+// Assigns the next move that fits; returns false if none does.
 static bool assign_next(Lacam *search, Push *top)
 {
     while (top->tried < top->count) {
@@ -200,7 +200,7 @@ static bool assign_next(Lacam *search, Push *top)
     return false;
 }
 
-// Returns the next robot that is in the way of a push; -1 if there is none.
+// Returns the next robot in the way of a push, or -1.
 static int64_t next_in_the_way(const Lacam *search, Push *top)
 {
     int64_t robot = top->robot;

@@ -419,7 +419,7 @@ struct WgJointOrder {
     WgReservations reserved;
     Period *periods;
     int64_t period_count;
-    RobotSearch search;  // for the robot that is being added; all zeros if there is none
+    RobotSearch search;  // for the robot being added; all zeros between two robots
 };
 
 WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made)

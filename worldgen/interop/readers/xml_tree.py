@@ -25,8 +25,8 @@ class XmlElement:
         name: Its name, with the prefix used in the file.
         line: Line where it begins.
         attributes: Values by name.
-        inside: The elements in it, for the parser; readers use the methods.
-        words: Its own text, without that of its children, for the parser.
+        inside: Its child elements. Only the parser uses this; readers call the methods.
+        words: Its own text, without its children's. Only the parser uses this.
     """
 
     name: str
