@@ -144,11 +144,15 @@ class Failure:
         It is the cause, or, for errors of a controller and broken rules, the reason. Files from
         before causes were recorded are filed by what they look like.
         """
+        cause = self.recorded_cause
+        return self.signature if cause is None or cause.has_reasons else cause.value
+
+    @property
+    def recorded_cause(self) -> Cause | None:
+        """The cause that the record names; ``None`` if it names none of this version's."""
         recorded = self.record.details.get(CAUSE)
         is_named = isinstance(recorded, str) and recorded in set(Cause)
-        if not is_named or Cause(str(recorded)).has_reasons:
-            return self.signature
-        return str(recorded)
+        return Cause(str(recorded)) if is_named else None
 
     @property
     def key(self) -> tuple[str, str]:

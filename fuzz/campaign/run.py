@@ -75,6 +75,8 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         # about them, depends only on complete units; otherwise an interrupted campaign would
         # diverge from an uninterrupted one.
         self._memory = SearchState()
+        # Groups of which a known failure was met.
+        self._known_groups: set[str] = set()
         # Failures of whole units, by group and whether they are known.
         self._met_whole: Counter[tuple[str, bool]] = Counter()
         # Search states by epoch.
@@ -304,7 +306,6 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         kept: dict[FailureKey, Failure] = {}
         # The smallest of each group come first, since only a few are shrunk.
         ordered = sorted(result.failures.values(), key=lambda one: (one.group, one.order))
-        counted: set[tuple[str, bool]] = set()
         for failure in ordered:
             group = failure.group
             is_known = self._is_known(failure)
@@ -317,14 +318,14 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             if few_whole or self._memory.is_interesting(failure):
                 kept[failure.key] = failure
             self._met_whole[group, is_known] += not result.cut
-            if is_known and (group, is_known) not in counted:
-                state.known[group] += sum(
-                    count for (name, _), count in result.met.items() if name == group
-                )
-            counted.add((group, is_known))
+            if is_known:
+                self._known_groups.add(group)
             job = self._queue.job_for(failure, is_known=is_known, is_interesting=is_interesting)
             if job is not None:
                 jobs.append(job)
+        # A restored unit has only the failures that were worth keeping, so its totals count.
+        met = state.met_by_group
+        state.known = Counter({group: met[group] for group in self._known_groups})
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
@@ -348,9 +349,11 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             if not result.complete and shrunk.shrinking == ShrinkState.NONE:
                 self._cut_short.add(job.failure.id)
                 continue
-            if self._is_known(shrunk):
-                continue
-            before = self.state.best.get(shrunk.key)
-            if before is None or shrunk.order < before.order:
-                self.state.best[shrunk.key] = shrunk
-                yield Discovery(shrunk, before is not None)
+            # The smaller world may be another case: that of a hazard, or a known one.
+            is_same = shrunk.group == job.failure.group and not self._is_known(shrunk)
+            for failure in (shrunk,) if is_same else (shrunk, job.failure):
+                before = self.state.best.get(failure.key)
+                is_first = before is None or failure.order < before.order
+                if is_first and not self._is_known(failure):
+                    self.state.best[failure.key] = failure
+                    yield Discovery(failure, before is not None)

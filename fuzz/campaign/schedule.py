@@ -18,7 +18,7 @@ _SEARCH_ON = 0.9
 _PROVE = 0.5
 # Share of the time for the search if there is no shrinking.
 _UNSHRUNK = 0.97
-# Share of the work during the search that goes to the first failure of each class.
+# Share of the work during the search that goes to the first failure of each group.
 _SHRINKING = 0.25
 # Share of the time for shrinking one failure while the search continues.
 _ONE_OF = 0.1

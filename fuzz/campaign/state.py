@@ -82,7 +82,7 @@ class CampaignState:
         judged: Runs that did not arrive in screening and were judged.
         met: Number of examined failures, by group and verdict.
         known: The same by group, for groups in the baseline.
-        best: By key, the smallest shrunk failure.
+        best: By key, the smallest failure; of a group of which none is shrunk, as it was found.
         memory: The search state: the strategies' yields, and the knowledge of later units.
         finds: First finds, in the order of units.
     """
@@ -103,3 +103,11 @@ class CampaignState:
     best: dict[FailureKey, Failure] = field(default_factory=dict)
     memory: SearchState = field(default_factory=SearchState)
     finds: list[DiscoveryTotals] = field(default_factory=list)
+
+    @property
+    def met_by_group(self) -> Counter[str]:
+        """Number of examined failures of each group."""
+        met: Counter[str] = Counter()
+        for (group, _), count in self.met.items():
+            met[group] += count
+        return met

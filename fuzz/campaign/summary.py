@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 from msgspec import UNSET
 
 from fuzz.campaign.state import CampaignState
@@ -69,7 +67,7 @@ def summary_of(
         answer_reason=reason,
         answer_numbers=numbers or UNSET,
         verdicts=dict(state.verdicts),
-        met=dict(met_by_group(state)),
+        met=dict(state.met_by_group),
         known=dict(state.known),
         strategies=strategies,
         found=found,
@@ -80,14 +78,6 @@ def summary_of(
         controller_share=UNSET if share is None else round(share, 3),
         survives_reset=sorted(state.effort.survivors) or UNSET,
     )
-
-
-def met_by_group(state: CampaignState) -> Counter[str]:
-    """Return the number of examined failures of each group."""
-    met: Counter[str] = Counter()
-    for (group, _), count in state.met.items():
-        met[group] += count
-    return met
 
 
 def _archive_of(state: CampaignState) -> Archive | None:

@@ -17,7 +17,7 @@ _SKIPPED = {
 def junit(report: Report) -> bytes:
     """Return a report as JUnit XML; equal reports give equal bytes.
 
-    A finding that makes the command exit with code 1 is a failure. Known classes and hazards are
+    A finding that makes the command exit with code 1 is a failure. Known failures and hazards are
     skipped, and confirmed files pass. A campaign that finds nothing new gets one additional test
     case that passes, because a report without any would look as if nothing had run. If it has no
     answer, that test case is an error; it is skipped if the user accepts that.
@@ -62,7 +62,7 @@ def _case(suite: Element, command: str, finding: CiFinding) -> None:
         suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place
     )
     about = {
-        "class": finding.group,
+        "group": finding.group,
         "cause": finding.cause,
         "why": finding.why,
         "shrinking": finding.shrinking,

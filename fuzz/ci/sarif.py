@@ -1,6 +1,6 @@
-"""SARIF 2.1.0 for GitHub's code scanning: a rule for each class, a result for each failure.
+"""SARIF 2.1.0 for GitHub's code scanning: a rule for each cause, a result for each failure.
 
-The title of a rule says what goes wrong; its id is the class.
+The title of a rule says what goes wrong; its id is the cause.
 
 Source: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", 2020.
 """
@@ -41,8 +41,8 @@ def sarif(report: Report, root: Path) -> bytes:
 
     A finding that makes the command exit with code 1 is an ``error``; known ones are a ``note``. A
     result is located at the source of the controller, or at the failure's file if the source is
-    not in the repository. Its fingerprint consists of controller, motion model and class, so it
-    stays the same if another world of the class is found.
+    not in the repository. Its fingerprint consists of controller, motion model and cause, so it
+    stays the same if another world of the cause is found.
 
     Args:
         report: The report.
@@ -141,7 +141,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         ],
         "partialFingerprints": {
             "primaryLocationLineHash": f"{cause_digest[:16]}:1",
-            "worldgenClass/v1": cause_digest,
+            "worldgenCause/v1": cause_digest,
         },
         "properties": {
             "state": finding.state,

@@ -21,20 +21,13 @@ from fuzz.campaign.summary import (
     describe_strategies,
     describe_time,
     describe_units,
-    met_by_group,
     summary_of,
 )
 from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview import Overview, cause_of
-from fuzz.overview.building import (
-    Conclusion,
-    answer_numbers,
-    build_overview,
-    files_of,
-    group_of_file,
-)
+from fuzz.overview.building import Conclusion, answer_numbers, build_overview, files_of
 from fuzz.overview.counterfactual import Counterfactuals
 from fuzz.overview.describe import describe
 from fuzz.overview.overview import write_overview
@@ -320,9 +313,15 @@ class CampaignSession:
         # With a time limit, a later run may still have to take up earlier findings.
         if self._campaign.units is None:
             now = {one.group for one in self._files().values()}
-            earlier = self._store.written().keys()
-            shown_now |= {name for name in earlier if group_of_file(name) not in now}
+            shown_now |= {name for name in self._store.written() if self._group_in(name) not in now}
         self._store.remove_failures_but(shown_now)
+
+    def _group_in(self, name: str) -> str | None:
+        """Return the group of the failure in a file; ``None`` if it cannot be read."""
+        try:
+            return Failure.read(self._out / name).group
+        except WorldgenError:
+            return None
 
     def _build(self, seconds: float | None, *, natural: bool) -> Overview:
         conclusion = replace(self._conclusion, seconds=seconds)
@@ -505,7 +504,7 @@ class CampaignSession:
         """Print each failure with its picture, and the yield of each strategy."""
         state = self._campaign.state
         hazards = self._hazards()
-        met = met_by_group(state)
+        met = state.met_by_group
         for stem, failure in sorted(self._failing().items()):
             say(describe(failure, self._path(stem), met=met))
         if hazards:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzz.cause import CAUSE
-from fuzz.corpus.entry import CorpusEntry, Facts
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of, oracle_of
@@ -84,18 +84,17 @@ class Baseline:
                     fixed.append(failure)
                 say(f"{entry.path}: {reason}, so its cause {entry.facts.group} is not known")
                 continue
-            facts = Facts.of(now, str(entry.path))
             # A file from before causes were recorded has none to compare.
-            is_same = facts.group == entry.facts.group or CAUSE not in failure.record.details
+            is_same = now.group == entry.facts.group or CAUSE not in failure.record.details
             known = is_same or _is_known(now)
             if not is_same:
                 unknown = "" if known else ", which is not known"
                 say(
                     f"{entry.path}: stored as {entry.facts.group}, its cause is now "
-                    f"{facts.group}{unknown}"
+                    f"{now.group}{unknown}"
                 )
             if known:
-                failures.setdefault(_key(facts), (entry.path, now))
+                failures.setdefault(_key(now), (entry.path, now))
                 signatures.add(now.key)
         # A baseline for another controller is probably a mistake, such as a wrong path.
         if others and not is_any_ours:
@@ -116,7 +115,7 @@ class Baseline:
 
     def has(self, failure: Failure) -> bool:
         """Return True if a failure is known."""
-        is_known = _key(Facts.of(failure, "the failure")) in self.failures
+        is_known = _key(failure) in self.failures
         return is_known and (not self.strict or failure.key in self.signatures)
 
     def is_new_variant(self, failure: Failure) -> bool:
@@ -129,8 +128,8 @@ def _who(controller: str, motion: str) -> tuple[str, str]:
     return in_plain_place(controller, resolve=True), motion
 
 
-def _key(facts: Facts) -> _Key:
-    return (*_who(facts.controller, facts.motion), facts.group)
+def _key(failure: Failure) -> _Key:
+    return (*_who(failure.label, failure.record.motion), failure.group)
 
 
 def _is_known(now: Failure) -> bool:

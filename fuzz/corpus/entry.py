@@ -17,6 +17,9 @@ from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
 
+HIDDEN = ("size", "signature")
+"""Facts that no table shows."""
+
 _MOST = 80  # characters of a name that come from the text itself
 _DIGITS = 8  # hex digits of the digest that follows a shortened name
 
@@ -150,8 +153,8 @@ class CorpusEntry:
     def as_dict(self) -> dict[str, Any]:
         """Return one row of a table: column names and values."""
         facts = asdict(self.facts)
-        del facts["size"]  # the other columns describe the world well enough
-        del facts["signature"]
+        for name in HIDDEN:
+            del facts[name]
         row = {"file": str(self.path)}
         row |= {("cause" if name == "group" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen

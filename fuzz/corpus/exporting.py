@@ -10,7 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from fuzz.corpus.entry import CorpusEntry, Facts, name_of
+from fuzz.corpus.entry import HIDDEN, CorpusEntry, Facts, name_of
 from fuzz.corpus.merging import distinct
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
@@ -21,8 +21,7 @@ from worldgen.plugins.installation import pip_install
 
 TABLE = "corpus.csv"  # name of the table in an archive
 # The table's columns stay as they are, because scripts read them; the files say the rest.
-_HIDDEN = ("size", "shrinking", "signature")
-_FACTS = [field.name for field in fields(Facts) if field.name not in _HIDDEN]
+_FACTS = [field.name for field in fields(Facts) if field.name not in (*HIDDEN, "shrinking")]
 _COLUMNS = ("file", *("cause" if name == "group" else name for name in _FACTS))
 
 

@@ -1,7 +1,7 @@
 """The answer to a campaign: does it work, how bad is it, why, and what to do.
 
 Contents:
-    causes_of: Groups the buckets of a campaign into causes.
+    causes_of: Groups the failures of a campaign by cause.
     CauseTotals: A cause, and its occurrences.
     Cause: The causes.
     Severity: How bad a cause is.

@@ -135,7 +135,7 @@ def build_overview(
     shown = with_worlds(
         causes,
         lambda cause: (
-            _in_search(cause, state)
+            _in_search(cause, state, conclusion.known)
             or _in_natural_world(
                 cause,
                 examples,
@@ -153,7 +153,7 @@ def build_overview(
         [one.failure for one in shown if one.failure and not conclusion.known.has(one.failure)],
     )
     shown = [_with_files(one, files, conclusion.known) for one in shown]
-    comparison = _compared(state, conclusion, runs)
+    comparison = _compared(files, conclusion, runs)
     if comparison is not None:
         shown = with_states(shown, comparison)
     return Overview(tuple(shown), runs, comparison, files)
@@ -288,14 +288,15 @@ def _with_worlds(
     )
 
 
-def _in_search(cause: Cause, state: CampaignState) -> list[WorldFile]:
-    """Return the failures of a campaign's search that have a cause."""
+def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
+    """Return the failures of a campaign's search that have a cause: new ones, or else known ones."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
     # A failure that waits to be shrunk is in both, but only the first says how far that got.
     distinct: dict[str, Failure] = {}
     for one in found:
         distinct.setdefault(one.without(SHRINKING).id, one)
-    return [WorldFile(one) for one in distinct.values() if cause_of(one) == cause]
+    own = [one for one in distinct.values() if cause_of(one) == cause]
+    return [WorldFile(one) for one in [one for one in own if not known.has(one)] or own]
 
 
 def _in_natural_world(
@@ -323,6 +324,9 @@ def _in_natural_world(
     smaller = shrunk(failure)
     if smaller.world is failure.world:
         return [WorldFile(smaller)]
+    # Whether the robot is to blame is decided again for the smaller world.
+    if cause_of(smaller) != cause:
+        return [WorldFile(failure)]
     return [WorldFile(smaller, original=failure), WorldFile(failure)]
 
 
@@ -360,13 +364,6 @@ def files_of(best: Iterable[Failure], clearest: Iterable[Failure] = ()) -> dict[
     }
 
 
-def group_of_file(name: str) -> str:
-    """Return the group of a failure by the name of its file in a campaign's folder."""
-    stem = name.removesuffix(".grid")
-    group, _, number = stem.rpartition("-")
-    return group if number in map(str, range(2, MOST_SHOWN + 1)) else stem
-
-
 def _with_files(cause: CauseTotals, files: Mapping[str, Failure], known: Baseline) -> CauseTotals:
     """Return a cause with the names of its files in the campaign's folder.
 
@@ -380,10 +377,10 @@ def _with_files(cause: CauseTotals, files: Mapping[str, Failure], known: Baselin
         file = f"{MEMORY}/failures/{shown.id}.grid"
         # A failure that only a natural world shows was never stored.
         return replace(cause, file=file if cause.met else "", smallest=file if cause.met else "")
-    names = {one.id: f"{stem}.grid" for stem, one in own.items()}
+    names = {one.key: f"{stem}.grid" for stem, one in own.items()}
     smallest = min(own.values(), key=lambda one: one.order)
     return replace(
-        cause, file=names[shown.id], smallest=names[smallest.id], files=tuple(names.values())
+        cause, file=names[shown.key], smallest=names[smallest.key], files=tuple(names.values())
     )
 
 
@@ -435,7 +432,7 @@ def explained(
 
 
 def _compared(
-    state: CampaignState, conclusion: Conclusion, natural: NaturalRuns | None
+    files: Mapping[str, Failure], conclusion: Conclusion, natural: NaturalRuns | None
 ) -> RegressionView | None:
     if conclusion.known.is_empty and conclusion.last.is_empty:
         return None
@@ -446,13 +443,8 @@ def _compared(
     )
     return compare(
         against,
-        now={one.group for one in state.best.values()},
+        now={one.group for one in files.values()},
         still={one.group for one in before.failing()},
         fixed={one.group for one in before.fixed},
         fall=describe_fall(natural, conclusion.before),
     )
-
-
-def causes_in(failures: Iterable[Failure]) -> list[CauseTotals]:
-    """Return the causes of failures that belong to no campaign."""
-    return causes_of(failures)

@@ -1,6 +1,6 @@
 """Choose the failure of a cause that a person understands at a glance.
 
-The smallest world of a bucket is often a room of three cells in which the robot covers its target.
+The smallest world of a cause is often a room of three cells in which the robot covers its target.
 It is kept because small worlds make good tests, but the one to look at first is the clearest.
 """
 

@@ -75,10 +75,7 @@ def compare(
 
 
 def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> list[CauseTotals]:
-    """Return causes, each marked as new or known; not those that only natural worlds show.
-
-    An earlier campaign had other failures in its folder, not the natural worlds that it ran.
-    """
+    """Return causes, each marked as new or known if it has failures to compare."""
 
     def state(one: CauseTotals) -> str:
         if set(one.groups) & set(comparison.new):

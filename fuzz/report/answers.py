@@ -13,7 +13,8 @@ from fuzz.cause import Severity
 from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, causes_in, with_worlds
+from fuzz.overview.building import WorldFile, with_worlds
+from fuzz.overview.causes import causes_of
 from fuzz.overview.natural import whole_percent
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
@@ -144,7 +145,7 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
         if entry.path.is_file()
     ]
     causes = with_worlds(
-        causes_in([one.failure for one in files]),
+        causes_of([one.failure for one in files]),
         lambda cause: [one for one in files if cause_of(one.failure) == cause],
         with_code=False,
     )

@@ -69,7 +69,7 @@ class Failed(Exception):
 
 @cache
 def exception_of(kind: str) -> type[Failed]:
-    """Return a separate exception type for each class of failures.
+    """Return a separate exception type for each signature.
 
     Hypothesis distinguishes failures by type and line.
     """

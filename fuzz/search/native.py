@@ -37,7 +37,7 @@ Seen = Callable[[Screening], None]
 _SCENES = 80  # limit on a unit's scenes, per example
 _WORK = 20_000  # steps of a unit, per example: 0.8 s if a step takes 0.1 us
 _DEATH = 40_000  # steps that take as long as starting another process
-# Number of runs of each key that are proved. Equal keys need not be of the same class, hence more
+# Number of runs of each key that are proved. Equal keys need not have the same signature, hence more
 # than one.
 _OF_EACH_KEY = 2
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # words of 8 bytes

@@ -67,19 +67,7 @@ _BY_VERDICT: dict[str, Cause] = {
     Verdict.CRASH: Cause.CRASHES,
     Verdict.HANG: Cause.GIVES_NO_ANSWER,
     Verdict.INVALID_COMMAND: Cause.INVALID_COMMAND,
-    Verdict.TIMEOUT: Cause.WANDERS,
 }
-
-REPEATED = (
-    Cause.STANDS_STILL,
-    Cause.PUSHES_A_WALL,
-    Cause.TURNS_ON_THE_SPOT,
-    Cause.GOES_BACK_AND_FORTH,
-    Cause.CIRCLES_AN_OBSTACLE,
-    Cause.RETURNS_TO_A_WALL,
-    Cause.DRIVES_IN_CIRCLES,
-)
-"""The causes that name a motion which a single robot repeats."""
 
 CAUSE_OF_HAZARD = {Hazard.UNSENSED: Cause.HARMED_UNSENSED, Hazard.DISTURBED: Cause.PUSHED_TOO_HARD}
 """The causes of failures that are not the controller's fault."""
@@ -99,21 +87,17 @@ def cause_of(failure: Failure) -> Cause:
     Returns:
         The cause; :attr:`Cause.UNKNOWN` if its controller cannot be run here, or not in time.
     """
-    recorded = failure.record.details.get(CAUSE)
-    if isinstance(recorded, str) and recorded in set(Cause):
-        return Cause(recorded)
     return diagnosis_of(failure).cause
 
 
 def diagnosis_of(failure: Failure) -> Diagnosis:
     """Return a failure's cause and its circumstance: the recorded ones, or else the run's."""
     details = failure.record.details
-    recorded = details.get(CAUSE)
-    if isinstance(recorded, str) and recorded in set(Cause):
+    if failure.recorded_cause is not None:
         circumstance = details.get(CIRCUMSTANCE)
         gap = details.get(GAP, 0.0)
         return Diagnosis(
-            Cause(recorded),
+            failure.recorded_cause,
             Circumstance(circumstance)
             if isinstance(circumstance, str) and circumstance in set(Circumstance)
             else None,
@@ -153,22 +137,28 @@ def cause_of_run(world: World, episode: Episode, others: OtherWorlds | None = No
     """
     if isinstance(episode, FleetEpisode):
         return _of_fleet(world, episode, others).cause
+    return _of_robot(world, episode)[0]
+
+
+def _of_robot(world: World, episode: Episode) -> tuple[Cause, RepeatedPart | None]:
+    """Return the cause of a single robot's run and, if it names a motion, the part that repeats."""
     evidence = episode.evidence
+    known = _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
     if episode.trace is None:
-        return _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
+        return Cause.WANDERS if episode.verdict == Verdict.TIMEOUT else known, None
     if isinstance(evidence, BurnedEvidence):
         entered = is_entered(world, episode.trace, evidence)
-        return Cause.DRIVES_INTO_A_HAZARD if entered else Cause.CAUGHT_BY_A_CHANGE
+        return Cause.DRIVES_INTO_A_HAZARD if entered else Cause.CAUGHT_BY_A_CHANGE, None
     if isinstance(evidence, WallEvidence):
-        return Cause.GOES_THROUGH_A_WALL
-    seen = behaviour_of(world, episode)
+        return Cause.GOES_THROUGH_A_WALL, None
     is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
-    if seen is None or not is_stuck:
-        return _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
+    seen = behaviour_of(world, episode) if is_stuck else None
+    if seen is None:
+        return known, None
     # A robot that only now and then reaches a new place may still end up repeating itself.
     if episode.verdict == Verdict.TIMEOUT and not seen.recurs:
-        return Cause.WANDERS
-    return _of_behaviour(seen)
+        return Cause.WANDERS, None
+    return _of_behaviour(seen), seen
 
 
 def diagnosis_of_run(
@@ -184,17 +174,16 @@ def diagnosis_of_run(
     """
     if isinstance(episode, FleetEpisode):
         return _of_fleet(world, episode, others)
-    cause = cause_of_run(world, episode)
+    cause, seen = _of_robot(world, episode)
     if isinstance(episode.evidence, WallEvidence):
         return Diagnosis(cause, _how_through(episode.evidence))
-    seen = behaviour_of(world, episode)
-    if seen is None or cause not in REPEATED:
-        return Diagnosis(cause)
-    return _with_circumstance(world, cause, seen, others)
+    return Diagnosis(cause) if seen is None else _with_circumstance(world, cause, seen, others)
 
 
 def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -> Diagnosis:
     """Return the cause that keeps several robots from arriving, or the fault of one of them."""
+    if episode.verdict == Verdict.TIMEOUT:
+        return Diagnosis(Cause.WANDERS)
     if (cause := _BY_VERDICT.get(episode.verdict)) is not None:
         return Diagnosis(cause)
     evidence = episode.evidence

@@ -72,7 +72,7 @@ class StrategyYield:
         worlds: Scenarios simulated.
         steps: Steps simulated.
         failures: Failures proved and classified.
-        variants: Signatures that it was the first to find.
+        variants: Keys of failures that it was the first to find.
     """
 
     units: int = 0

@@ -1,6 +1,6 @@
 """Known failures: counted, not kept.
 
-Their class and whether they still fail are determined again.
+Their cause and whether they still fail are determined again.
 """
 
 import json
@@ -9,9 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.store import Budget, FolderStore
+from fuzz.campaign.store.fingerprint import fingerprint_of
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of
+from fuzz.unit.config import CampaignConfig
 from sim.controllers import CONTROLLERS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -177,6 +181,25 @@ def test_a_file_is_the_same_controller_however_its_path_is_written(
     baseline = baseline_of(known, [], scenario)
     met = failure_of(generate("trap", 4, size=20), scenario)
     assert baseline.has(met)
+
+
+@pytest.mark.gate
+def test_a_resumed_campaign_counts_known_failures_as_often(tmp_path):
+    """Few failures of a unit are stored, but all of them were met."""
+    config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=3)
+
+    def known_after(units, store):
+        campaign = Campaign(config, units=units, store=store, is_known=lambda _: True)
+        list(campaign.run())
+        return campaign.state.known
+
+    whole = known_after(19, None)
+    for units in (18, 19):
+        store = FolderStore(tmp_path)
+        store.begin(fingerprint_of(config), Budget(units=units))
+        again = known_after(units, store)
+        store.close()
+    assert again == whole and whole.total() > 0
 
 
 CLASS = """

@@ -8,7 +8,8 @@ import pytest
 import fuzz.shrink.run
 from fuzz.corpus import distinct, read_corpus, smallest
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, causes_in, with_worlds
+from fuzz.overview.building import WorldFile, with_worlds
+from fuzz.overview.causes import causes_of
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import Shrunk, shrink_class
 from fuzz.shrink.queue import ShrinkQueue
@@ -104,6 +105,6 @@ def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(e
 
 def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(equal):
     files = [WorldFile(failure, f"{9 - number}.grid") for number, failure in enumerate(equal)]
-    causes = with_worlds(causes_in(equal), lambda _: files, end=0.0)
+    causes = with_worlds(causes_of(equal), lambda _: files, end=0.0)
     assert [(one.file, one.smallest) for one in causes] == [("9.grid", "9.grid")]
     assert clearest(reversed(equal)) is equal[0]

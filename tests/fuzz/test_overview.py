@@ -13,6 +13,7 @@ from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
 from fuzz.cause import Severity
 from fuzz.corpus import Baseline, read_corpus
+from fuzz.corpus.baseline import _key
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, building, causes_of, read_overview
@@ -24,13 +25,15 @@ from fuzz.overview.natural import NaturalRuns, describe_fall, natural_families, 
 from fuzz.overview.overview import Overview, write_overview
 from fuzz.overview.table import NaturalTally
 from fuzz.overview.terminal import Headline, overview_lines
+from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of
+from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import CampaignOptions
 from fuzz.unit.result import SearchState
 from sim.clock.stopping import is_out_of_time, stopping_when
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
-from tests.helpers.faulty_robots import HERE, found_by, hall
+from tests.helpers.faulty_robots import HERE, certified_hall, found_by, hall
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
@@ -177,6 +180,33 @@ def test_the_clearest_world_of_a_cause_comes_first_and_the_smallest_after_it():
     # A world that looks the same as a clearer one is not shown.
     same = overview_of(wide.noting(**{"class": "b"}), usual)
     assert same.files == {"stands-still": usual} and same.causes[0].smallest == "stands-still.grid"
+
+
+def test_a_known_failure_does_not_hide_a_new_one_of_its_cause(tmp_path):
+    known = found_by("Still").noting(**{"class": "crash-a"}, cause="crashes")
+    # The new one is in a larger world, so it comes later in order.
+    new = found_by("Still", certified(hall(40))).noting(**{"class": "crash-b"}, cause="crashes")
+    baseline = Baseline({_key(known): (tmp_path / "a.grid", known)})
+    assert known.order < new.order and baseline.has(known) and not baseline.has(new)
+    (cause,) = overview_of(new, known, baseline).causes
+    assert (cause.failure, cause.file, cause.files) == (new, "crash-b.grid", ("crash-b.grid",))
+    assert cause.state == "new"
+
+
+def test_a_world_whose_cause_changes_while_it_is_shrunk_is_shown_as_found(monkeypatch):
+    scenario = Scenario(f"{HERE}:Still")
+    case = Case(certified_hall(), scenario)
+    other = found_by("Still", certified(hall(20))).noting(cause="pushed-too-hard")
+
+    def files(smaller):
+        return building._in_natural_world(
+            Cause.STANDS_STILL, {Cause.STANDS_STILL: case}, Baseline(), smaller, Constraint()
+        )
+
+    (as_found,) = files(lambda _: other)
+    assert as_found.failure.world.walls.shape == case.world.walls.shape
+    small, _ = files(lambda _: other.noting(cause="stands-still"))
+    assert small.failure.world is other.world and small.original == as_found.failure
 
 
 def test_at_most_three_failures_of_a_cause_have_files():

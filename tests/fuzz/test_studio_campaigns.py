@@ -17,7 +17,6 @@ from fuzz.campaign import store
 from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import MEMORY
-from fuzz.campaign.summary import met_by_group
 from fuzz.failure import Failure
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.shrink.snippet import snippet
@@ -73,7 +72,7 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     overview = build_overview(config, campaign.state, Conclusion())
     assert found == {stem: failure.dumps() for stem, failure in overview.files.items()} and found
     assert done["worlds"] == campaign.state.worlds
-    assert done["met"] == dict(met_by_group(campaign.state))
+    assert done["met"] == dict(campaign.state.met_by_group)
 
 
 MORE = {

@@ -7,7 +7,7 @@ import pytest
 from fuzz.cause import CAUSE
 from fuzz.facts.signature import failure_class
 from fuzz.failure import MOST_SHOWN, Failure
-from fuzz.overview.building import files_of, group_of_file
+from fuzz.overview.building import files_of
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
@@ -50,8 +50,8 @@ def test_nothing_can_be_removed_without_losing_verdict_or_cause(group):
 def test_a_folder_is_filed_as_a_campaign_files_its_failures(group):
     failures = failures_of(group)
     by_cause = {}
-    for name, failure in failures.items():
-        by_cause.setdefault(group_of_file(name), []).append(failure)
+    for failure in failures.values():
+        by_cause.setdefault(failure.group, []).append(failure)
     assert all(len(own) <= MOST_SHOWN for own in by_cause.values())
     filed = files_of(failures.values(), map(clearest, by_cause.values()))
     assert {name: one.id for name, one in filed.items()} == {
