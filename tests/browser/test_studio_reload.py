@@ -24,11 +24,14 @@ LATE = """(() => {
     if (name !== "message") return listen.call(this, name, act);
     return listen.call(this, name, (event) => {
       const kind = numbers.get(JSON.parse(event.data).id);
-      if (window.isLate && kinds.includes(kind)) late.push(() => act(event));
-      else act(event);
+      if (!kinds.includes(kind)) return act(event);
+      if (window.isLate) return late.push(() => act(event));
+      act(event);
+      window.answered += 1;
     });
   };
   window.isLate = false;
+  window.answered = 0;
   window.lateCount = () => late.length;
   window.letAnswer = () => ((window.isLate = false), late.splice(0).forEach((go) => go()));
 })()"""
@@ -40,6 +43,13 @@ def hold_answers(page, *kinds):
     page.wait_for_selector("#proof.good, #proof.bad")
 
 
+def wait_for_its_run(page):
+    # Until the world of a link arrives, the page may run the one that it showed before.
+    page.wait_for_function("() => window.answered > 0")
+    page.locator("#play .result .digest").first.wait_for()
+    page.wait_for_function("() => !document.querySelector('#play .stage').matches('.stale')")
+
+
 def digest_and_address(page):
     page.locator("#play .result .digest").first.wait_for()
     page.wait_for_function("() => document.getElementById('stop-run').hidden")
@@ -49,9 +59,10 @@ def digest_and_address(page):
 @pytest.mark.gate
 def test_a_reload_brings_back_the_generated_world_the_settings_and_the_result(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        hold_answers(page, "generate")
         base = page.url.partition("#")[0]
         page.goto(f"{base}#play?family=trap&world_seed=3&robots=turn-left&motion=swept&seed=5")
-        page.locator("#play .result").first.wait_for()
+        wait_for_its_run(page)
         page.get_by_label("Steps", exact=True).fill("321")
         page.keyboard.press("Tab")
         page.locator("#run").click()
@@ -71,6 +82,7 @@ def test_a_world_that_arrives_during_a_run_never_wears_the_other_world_s_verdict
         hold_answers(page, "generate")
         base = page.url.partition("#")[0]
         page.goto(f"{base}#play?family=trap&world_seed=3&robots=turn-left&motion=swept")
+        wait_for_its_run(page)
         first = digest_and_address(page)
         # The next world is asked for on Draw, and arrives while Play shows the first one.
         page.evaluate("window.isLate = true")
