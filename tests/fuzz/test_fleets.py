@@ -231,6 +231,7 @@ class CountingStraight(Straight):
 HELD_UP = Diagnosis(Cause.HELD_UP_BY_ROBOTS)
 
 
+@pytest.mark.gate
 def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> None:
     world = alley()
     episode = simulate(world, CountingStraight, record=True)
@@ -307,6 +308,7 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     )
 
 
+@pytest.mark.gate
 def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
     shrunk = shrink(deadlock(third=True))
     world = shrunk.failure.world
@@ -331,6 +333,7 @@ def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) ->
     assert all(replay(failure).confirmed for failure in failures)
 
 
+@pytest.mark.gate
 def test_a_campaign_keeps_only_the_two_robots_that_block_each_other(tmp_path) -> None:
     out = tmp_path / "f"
     result = worldgen(
@@ -356,6 +359,7 @@ def test_shrinking_drops_a_robot_that_only_waits_behind_the_two_that_are_needed(
     assert len(shrunk.world.robots) == 2
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("family", "robots"),
     [
@@ -435,6 +439,7 @@ def test_fewer_robots_than_the_map_has_are_refused(robots, tmp_path) -> None:
     assert result.code == 2 and "has 3 robots, not 1; omit --robots" in result.err
 
 
+@pytest.mark.gate
 def test_a_map_without_space_for_the_robots_asks_for_fewer(tmp_path) -> None:
     command = ["fuzz", "--world", fleet_map(tmp_path), "--controller", "naive", "--robots", "90"]
     command += ["--units", "1", "--examples", "2", "--seed", "1"]

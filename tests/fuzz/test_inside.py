@@ -334,6 +334,7 @@ def run(kind):
     assert counts["return 1"] == 0
 
 
+@pytest.mark.gate
 def test_commands_show_lines_and_state_and_a_report_can_leave_them_out(robot, tmp_path):
     file = tmp_path / "failures" / "failure.grid"
     file.parent.mkdir()

@@ -248,6 +248,7 @@ def test_a_robot_s_second_name_is_told():
     assert (also["thesis-1"], also["turn-right"], also["bug1"]) == ("turn-right", "thesis-1", "")
 
 
+@pytest.mark.gate
 def test_a_world_saved_as_it_was_opened_is_the_same_file(page, folder):
     opened = page.ask("open", name="fire.grid")["answer"]["world"]
     page.ask("save", name="same.grid", world=opened, overwrite=True)
@@ -306,6 +307,7 @@ def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, fol
     assert len(said["parts"]) == 3
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     "name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3]
 )

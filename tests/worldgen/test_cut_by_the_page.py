@@ -79,6 +79,7 @@ def random_world(seed):
     return World(walls, Pose(*place[:2]), Target(*place[2:], reach), robot_radius=radius)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("first", range(0, 90, 30))
 def test_both_checkers_agree_on_the_cuts_of_arbitrary_worlds_and_on_damaged_ones(first):
     lengths = []

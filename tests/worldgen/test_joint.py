@@ -352,6 +352,7 @@ def test_crowded_robots_are_planned_to_arrive_as_early_as_possible(number):
     _check_arrivals(CROWDED[number])
 
 
+@pytest.mark.gate
 @settings(max_examples=150, deadline=None)
 @given(changing_fleets())
 def test_robots_are_planned_to_arrive_as_early_as_those_before_them_permit(world):
