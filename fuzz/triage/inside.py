@@ -112,7 +112,7 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
         OutOfTime: If there is no more time.
     """
     part = last_part(episode)
-    if part is None or failure.world.others:
+    if part is None or failure.world.is_fleet:
         return None
     found = watched_part(
         failure.world, failure.record.controller, failure.options, episode, part.first

@@ -51,7 +51,7 @@ class Copies(Ahead):
         larger = replace(world, robot_radius=world.robot_radius * 1.1)
         assert larger != world and copy.deepcopy(world) == copy.copy(world) == world
         assert isinstance(larger, World) and isinstance(world.timeline, Timeline)
-        self.world = larger.with_robots(larger.robots)
+        self.world = replace(larger, robots=larger.robots)
         self.gap = bottleneck(world, world.walls)
         return ()
 class Looks(Ahead):

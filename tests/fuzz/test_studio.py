@@ -448,10 +448,10 @@ def test_a_world_of_several_robots_keeps_them_whatever_is_drawn():
     assert restored(message) == world
     # After an edit, the first robot is the drawn one, and the others stay.
     edited = restored({**message, "robot_speed": 1.0})
-    assert edited.robot_speed == 1.0 and edited.others == world.others
+    assert edited.robot_speed == 1.0 and edited.robots[1:] == world.robots[1:]
     assert edited.certificate is None
     # A robot drawn onto another one is an error, not a loss.
-    x, y = world.others[0].start.x, world.others[0].start.y
+    x, y = world.robots[1].start.x, world.robots[1].start.y
     with raises(InvalidWorld, "robots-overlap"):
         restored({**message, "start": [x, y, 0.0]})
     with raises(InvalidWorld, "other-robots", robots=3):

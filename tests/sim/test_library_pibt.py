@@ -28,16 +28,7 @@ def hall(robots, *, width=12, height=8, walls=()):
         Robot(Pose(*start, 0.0), Target(*target, 0.02), radius=0.04, speed=2.0)
         for start, target in robots
     ]
-    first = placed[0]
-    return World(
-        walls=solid,
-        cell_size=0.1,
-        start=first.start,
-        target=first.target,
-        robot_radius=first.radius,
-        robot_speed=first.speed,
-        others=tuple(placed[1:]),
-    )
+    return World(walls=solid, robots=placed)
 
 
 def open_map(width, height, walls=()):
@@ -167,15 +158,7 @@ def test_the_robots_numbers_have_no_effect():
     world = generate("crossing", 4, robots=5)
     robots = world.robots
     turned = (*robots[2:], *robots[:2])
-    first = turned[0]
-    other = replace(
-        world,
-        start=first.start,
-        target=first.target,
-        others=turned[1:],
-        certificate=None,
-        provenance=None,
-    )
+    other = replace(world, robots=turned, certificate=None, provenance=None)
     one = simulate(world, "pibt")
     two = simulate(other, "pibt")
     assert one.verdict == two.verdict and one.steps == two.steps
