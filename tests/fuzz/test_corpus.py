@@ -137,7 +137,7 @@ def test_a_record_with_unknown_options_is_one_line(tmp_path):
 def test_the_index_spares_parsing(tmp_path, monkeypatch):
     failure(tmp_path, "a")
     before = read(tmp_path)
-    monkeypatch.setattr("fuzz.corpus.reading.unpack_world", lambda *_: pytest.fail("parsed again"))
+    monkeypatch.setattr("fuzz.corpus.reading.unpack", lambda *_: pytest.fail("parsed again"))
     assert read(tmp_path) == before
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.format import ROBOT_FACTS
@@ -22,7 +22,6 @@ from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target,
 
 # Raise this whenever some file becomes a different world than before.
 VERSION = 3
-_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
         InvalidParameter: If there are too few or too many, or one isn't a number.
     """
     words = [word.strip() for word in text.split(",")]
-    if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
+    if not 2 <= len(words) <= 3 or not all(DECIMAL.fullmatch(word) for word in words):
         raise InvalidParameter(
             "wrong-form",
             "{name}={text!r} is not X,Y or X,Y,{third}",
