@@ -202,7 +202,6 @@ def runs_of(folder):
         ],
         "audit": [[one, name] for name in foreign[:3]] + [[NAME, NAME]],
         "train": [[one, "--controller", TEXT, "--out", "x.q"], [NAME, "--out", "x.q"]],
-        "census": [[whole, "--seed", 1, "--radius", 0.05]],
         "check-family": [["./family.py:mine"], [f"./{NAME}.py:mine"], [TEXT]],
         "./family.py:mine": [["--seed", 1], ["--help"], ["--size", TEXT]],
         "import": [[name, "--out", f"i{k}.grid"] for k, name in enumerate([*foreign, *each, NAME])],

@@ -70,11 +70,6 @@ def oracle(trial):
     """Object to nothing."""
     noise("oracle")
 
-
-def maps(seed):
-    noise("maps")
-    for number in range(2):
-        yield f"m{number}", np.zeros((8, 8), bool)
 '''
 LIBRARY = """
 #include <stdio.h>
@@ -109,7 +104,6 @@ COMMANDS = {
     "audit": None,
     "behaviours": None,
     "boundary": ("w.grid", *MINE, "--axis", "heading"),
-    "census": ("./noisy.py:maps", "--count", "2", "--seed", "1"),
     "check-family": ("./noisy.py:noisy",),
     "compare": ("w.grid", "--controller", "./noisy.py:Noisy,turn-left"),
     "controllers": ("./noisy.py:Noisy",),
