@@ -6,34 +6,17 @@ The words are keys of a table, a picture's text, or properties.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from worldgen.domain import DECIMAL
 from worldgen.errors import InvalidParameter
 from worldgen.interop.format import Destination, decimal
+from worldgen.interop.format.foreign_map import ForeignRobot
 from worldgen.lattice import exact
 from worldgen.world import World
 
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
 """Names of the facts, and the number of values of each."""
-
-
-@dataclass(frozen=True)
-class Places:
-    """The facts in a file's words.
-
-    Args:
-        start: x, y, m from the grid's lower-left corner, and heading, rad.
-        target: x, y and radius, m.
-        robot_radius: Radius, m.
-        robot_speed: Top speed, m/s.
-    """
-
-    start: tuple[float, ...] | None = None
-    target: tuple[float, ...] | None = None
-    robot_radius: float | None = None
-    robot_speed: float | None = None
 
 
 def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
@@ -51,7 +34,7 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
     }
 
 
-def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
+def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> ForeignRobot:
     """Parse the output of :func:`place_words`; a world's numbers are restored bit for bit.
 
     Args:
@@ -90,7 +73,7 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
             )
     radius = found.get("robot_radius", (None,))
     speed = found.get("robot_speed", (None,))
-    return Places(found.get("start"), found.get("target"), radius[0], speed[0])
+    return ForeignRobot(found.get("start"), found.get("target"), radius[0], speed[0])
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
