@@ -71,7 +71,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
-            parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
+            parts += robot_at(*frame.points(trail.points[-1:])[0].tolist(), radius, unit)
     else:
         if len(approach) > 1:
             parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
@@ -153,9 +153,8 @@ def _footprint_places(loop: Floats, radius: float) -> Floats:
     return along(loop, np.arange(count) * total / count)
 
 
-def _footprint(centre: Floats, radius: float, unit: float) -> list[Primitive]:
-    x = float(centre[0])
-    y = float(centre[1])
+def robot_at(x: float, y: float, radius: float, unit: float) -> list[Primitive]:
+    """Return the robot's disc at the end of a run, with its centre."""
     shown = max(radius, 4.0 * unit)
     return [
         DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
@@ -209,7 +208,7 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
     for place in trail.places("end"):
-        parts += _footprint(frame.points(place[None])[0], radius, unit)
+        parts += robot_at(*frame.points(place[None])[0].tolist(), radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
         parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
         parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
