@@ -385,10 +385,9 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)
     timeline = found.world.timeline if found.world else Timeline()
-    others = _other_robots(robot, found, radius, speed)
-    return World(
-        found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
-    ), placement
+    robots = (Robot(start, target, radius, speed), *_other_robots(robot, found, radius, speed))
+    world = World(found.walls, cell_size=found.cell_size, timeline=timeline, robots=robots)
+    return world, placement
 
 
 def _other_robots(
@@ -398,7 +397,7 @@ def _other_robots(
     if robot.seed is not None:
         return ()
     if found.world is not None:
-        return found.world.others
+        return found.world.robots[1:]
     robots = []
     for other in found.others:
         at = (other.start[0], other.start[1])

@@ -68,7 +68,6 @@ def loads(data: bytes, source: str | None = None) -> World:
     if fault is not None:
         raise FormatError.of(fault, **header.at("cell_size"))
     # Read the robots, whose places the cells may mark.
-    robots: list[Robot] = []
     radius = speed = 0.0
     if file.is_fleet:
         robots = read_robots(header)
@@ -86,11 +85,10 @@ def loads(data: bytes, source: str | None = None) -> World:
     # Read the rest, and let the world check itself.
     timeline = _timeline(blocks, cells.walls.shape)
     certificate = _certificate(header, blocks, len(robots))
-    first = robots[0]
     try:
         return World(
-            cells.walls, first.start, first.target, cell_size, first.radius, first.speed,
-            timeline, certificate, provenance, failure, tuple(robots[1:]),
+            cells.walls, cell_size=cell_size, timeline=timeline, certificate=certificate,
+            provenance=provenance, failure=failure, robots=robots,
         )  # fmt: skip
     # An impossible number, or robots that overlap.
     except InvalidWorld as error:
