@@ -38,8 +38,10 @@ from worldgen.render.trail_parts import (
     arrow,
     arrow_head,
     cross,
+    heading_tick,
     ring_and_cross,
     robot_at,
+    robot_disc,
     stays_put,
 )
 from worldgen.world import Cut, JointWitness, Witness, World
@@ -328,11 +330,10 @@ def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
-    tick = np.array(((x + 3.0 * unit, y), (x + 7.0 * unit, y)))
+    tick = Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)
     return [
-        DrawnCircle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
-        DrawnCircle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
-        DrawnLine(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)),
+        *robot_disc(x, y, 7.0 * unit, unit, colour=START, tint=0.45, width=2.0),
+        heading_tick(x, y, 7.0 * unit, 0.0, tick),
     ]
 
 

@@ -22,6 +22,7 @@ from worldgen.render.palette import (
     PIERCED,
     SWEPT,
     TUNNEL,
+    mix,
 )
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
@@ -258,6 +259,23 @@ def ring_and_cross(
         for dx, dy in ((reach, 0.0), (0.0, reach)):
             parts.append(DrawnLine(np.array(((x - dx, y - dy), (x + dx, y + dy))), stroke))
     return parts
+
+
+def robot_disc(
+    x: float, y: float, radius: float, unit: float, *, colour: str, tint: float, width: float
+) -> list[Primitive]:
+    """Return the mark of a start: the robot's disc in its colour, visible on walls and floor."""
+    return [
+        DrawnCircle(x, y, radius + 1.5 * unit, Paint(fill=PAPER)),
+        DrawnCircle(x, y, radius, Paint(fill=mix(PAPER, colour, tint))),
+        DrawnCircle(x, y, radius, Paint(stroke=colour, width=width * unit)),
+    ]
+
+
+def heading_tick(x: float, y: float, radius: float, heading: float, paint: Paint) -> DrawnLine:
+    """Return a tick on the rim of a robot's disc, in the direction of its heading, rad."""
+    ahead = np.array((math.cos(heading), -math.sin(heading)))
+    return DrawnLine(np.array((x, y)) + np.outer((0.45 * radius, radius), ahead), paint)
 
 
 def arrow(
