@@ -276,7 +276,7 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif any(known):
-        is_fleet = cause.failure is not None and bool(cause.failure.world.others)
+        is_fleet = cause.failure is not None and cause.failure.world.is_fleet
         who = "the fleet" if is_fleet else "it"
         lines.append(f"   In this world {who} {shown('. It '.join(filter(None, known)))}.")
     elif has_file and cause.cause.severity in _EXPLAINED:

@@ -234,7 +234,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
 
 def _json_robots(world: World) -> dict[str, int]:
     """Return the number of robots; rows of worlds with one robot omit it."""
-    return {"robots": len(world.robots)} if world.others else {}
+    return {"robots": len(world.robots)} if world.is_fleet else {}
 
 
 def _json_cell(cell: ComparisonCell) -> dict[str, Any]:

@@ -228,6 +228,7 @@ def kinds(tmp_path):
     return tmp_path
 
 
+@pytest.mark.gate
 def test_the_json_of_a_run_is_readable_whatever_its_controllers_print(kinds):
     program = f"cmd:{sys.executable} program.py"
     names = ["./noisy.py:Noisy", "lib:./noisy.so:noisy", program]
@@ -251,6 +252,7 @@ def test_a_reader_that_has_enough_ends_the_command_without_a_fault(tmp_path):
     assert (done.returncode, done.stdout) == (0, "%worldgen-grid 1\n")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 def test_a_closed_stream_changes_no_exit_code(closed, tmp_path):
     line = f"{sys.executable} -m worldgen trap --size 20 --seed 4 {closed}"

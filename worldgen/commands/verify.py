@@ -75,7 +75,7 @@ def verify(
             for path, world in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
                 result = {"path": str(path), **verify_world(world, radius, deadline)}
-                if widest and world.others:
+                if widest and world.is_fleet:
                     raise InvalidParameter(
                         "several-robots",
                         "{path} has {count} robots, but the widest disc is computed only for "
