@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzz.failure import Failure
+from fuzz.overview.counterfactual import named_cells
 from fuzz.overview.describe import run_to_draw
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.clock.stopping import OutOfTime
@@ -21,7 +22,7 @@ from worldgen.render.overlay import naming
 from worldgen.support.plain_text import counted, shown, shown_lines
 
 if TYPE_CHECKING:
-    from fuzz.overview.counterfactual import Counterfactuals
+    from fuzz.overview.result import CauseResult
 
 
 class FindingState(StrEnum):
@@ -94,7 +95,7 @@ class CiFinding:
         state: FindingState,
         reason: str = "",
         controller: str | None = None,
-        why: Counterfactuals | None = None,
+        cause: CauseResult | None = None,
     ) -> CiFinding:
         """Describe a failure; this runs its controller to draw the path.
 
@@ -104,7 +105,8 @@ class CiFinding:
             state: See the class.
             reason: Why it is not confirmed.
             controller: A controller to use instead of the recorded one.
-            why: After which single changes the robot arrives; the picture marks their cells.
+            cause: The cause that shows this failure; the picture marks the cells on which it
+                depends.
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
@@ -114,7 +116,7 @@ class CiFinding:
         # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
         try:
             episode, words = run_to_draw(failure)
-            trail = naming(trails_of(episode, world), why.cells if why else ())
+            trail = naming(trails_of(episode, world), named_cells(cause.changes) if cause else ())
             frames: str = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"
@@ -126,7 +128,6 @@ class CiFinding:
             frames = describe_frames(failure.evidence)
         # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
         diagnosis = diagnosis_of(failure)
-        cause = diagnosis.cause
         what = reason if state == FindingState.NOT_CONFIRMED else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
@@ -147,9 +148,9 @@ class CiFinding:
             world_id=world_digest(failure.stored),
             seed=record.seed,
             replay=replay,
-            cause=cause.value,
-            sentence="" if cause.is_vague else diagnosis.sentence(world),
-            why=why.describe() if why else "",
+            cause=diagnosis.cause.value,
+            sentence="" if diagnosis.cause.is_vague else diagnosis.sentence(world),
+            why=cause.why if cause else "",
             shrinking=failure.shrinking.value,
         )
 

@@ -11,6 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from msgspec import structs
+
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
@@ -26,12 +28,11 @@ from fuzz.campaign.summary import (
 from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.facts.hazards import hazard_words, is_hazard
 from fuzz.failure import Failure, ShrinkState
-from fuzz.overview import Overview, cause_of
-from fuzz.overview.building import Conclusion, answer_numbers, build_overview, files_of
-from fuzz.overview.counterfactual import Counterfactuals
+from fuzz.overview import cause_of
+from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.describe import describe
-from fuzz.overview.overview import write_overview
-from fuzz.overview.terminal import Headline, describe_coverage, overview_lines
+from fuzz.overview.result import CampaignResult, CauseResult, write_overview
+from fuzz.overview.terminal import describe_coverage, overview_lines
 from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
@@ -120,7 +121,7 @@ class CampaignSession:
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
         )
         self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
-        self._overview = Overview(())
+        self._overview = Overview(CampaignResult(causes=[]), {}, {})
         # Ids of the failures in the folder's files, by stem.
         self._saved: dict[str, str] = {}
         self._status = Status.RUNNING
@@ -202,7 +203,7 @@ class CampaignSession:
         return answer_numbers(
             self._config,
             self._campaign.state,
-            self._overview,
+            self._overview.result,
             {one.group for one in self._failing().values()},
         )
 
@@ -290,7 +291,7 @@ class CampaignSession:
         self._write_examples()
         if not stopped:
             self._remove_outdated()
-        write_overview(self._overview, self._out)
+        write_overview(self._overview.result, self._out)
         return stopped
 
     def _time_left(self) -> float | None:
@@ -302,9 +303,8 @@ class CampaignSession:
 
     def _write_examples(self) -> None:
         """Write the failures that the overview shows, and the originals of those it has shrunk."""
-        for cause in self._overview.causes:
-            if cause.original is not None:
-                self._store.save_original(cause.original)
+        for failure in self._overview.originals:
+            self._store.save_original(failure)
         self._write_files()
 
     def _remove_outdated(self) -> None:
@@ -445,29 +445,22 @@ class CampaignSession:
         # Scripts get one object.
         state = self._campaign.state
         hazards = self._hazards()
+        summary = self._summary()
+        result = self._overview.result
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
-            emit_json(SUMMARY.table(self._summary()) | plain(self._overview.table()) | lists)
+            emit_json(SUMMARY.table(summary) | plain(result) | lists)
             return
         if is_verbose():
             self._report_in_detail()
-        scenario = self._config.scenario
-        numbers = self._numbers()
-        answer, reason = answer_of(numbers)
-        headline = Headline(
-            f"{scenario.label()} under {scenario.run.motion}",
-            self._out,
-            state.worlds,
-            is_failing=bool(self._failing()),
-            is_known=bool(state.known),
-            lasts=self._lasts,
-            unjudged=numbers.searched_unjudged,
-            no_answer=reason if answer == Answer.NONE else "",
+        overview = self._overview._replace(result=structs.replace(result, summary=summary))
+        color = wants_color(results())
+        for line in overview_lines(
+            overview,
+            self._out if self._lasts else None,
             remedy=self._with_more,
             robots=self._config.robots,
-        )
-        color = wants_color(results())
-        for line in overview_lines(self._overview, headline):
+        ):
             say(line, color=color)
         if state.known:
             times = counted(state.known.total(), "time")
@@ -488,7 +481,9 @@ class CampaignSession:
         if (share := describe_share(self._config, state)) is not None:
             note(share)
         if state.effort.survivors:
-            note(str(state_survives_reset(scenario.controller, state.effort.survivors)))
+            note(
+                str(state_survives_reset(self._config.scenario.controller, state.effort.survivors))
+            )
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(
@@ -518,8 +513,9 @@ class CampaignSession:
         say(
             f"{describe_time(state)}; quick runs: {verdicts or 'none'}; {state.met.total()} examined"
         )
-        if self._overview.natural is not None and self._overview.natural.worlds:
-            say(describe_coverage(self._overview.natural))
+        natural = self._overview.result.natural
+        if natural is not None and natural.worlds:
+            say(describe_coverage(natural))
         say(describe_strategies(state))
         if state.known:
             often = ", ".join(
@@ -561,9 +557,9 @@ class CampaignSession:
                 one,
                 self._path(stem),
                 FindingState.NEW if stem in failing else FindingState.HAZARD,
-                why=why,
+                cause=cause,
             )
-            for stem, one, why in self._in_order()
+            for stem, one, cause in self._in_order()
         ]
         stored = sorted(
             self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])
@@ -582,18 +578,18 @@ class CampaignSession:
             is_accepted=self._accepts_no_answer,
         )
 
-    def _in_order(self) -> list[tuple[str, Failure, Counterfactuals | None]]:
+    def _in_order(self) -> list[tuple[str, Failure, CauseResult | None]]:
         """Return the shown failures by stem, the worst cause first and of each the clearest first.
 
-        The clearest comes with what it depends on, if that was tried.
+        The clearest comes with its cause, which tells what it depends on.
         """
         rest = dict(self._files())
         ordered = []
-        for cause in self._overview.causes:
+        for cause in self._overview.result.causes:
             for file in cause.files:
                 stem = file.removesuffix(".grid")
-                why = cause.why if file == cause.file else None
-                ordered.append((stem, rest.pop(stem), why))
+                example = cause if file == cause.file else None
+                ordered.append((stem, rest.pop(stem), example))
         return ordered + [(stem, one, None) for stem, one in sorted(rest.items())]
 
     def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
