@@ -5,7 +5,7 @@ from __future__ import annotations
 from msgspec import UNSET
 
 from fuzz.campaign.state import CampaignState
-from fuzz.campaign.store import MEMORY, Archive, FindTotals, Status, StrategyTotals, Summary
+from fuzz.campaign.store import Archive, Status, Summary
 from fuzz.search.archive import archive_table
 from fuzz.unit.answer import AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
@@ -29,30 +29,6 @@ def summary_of(
         numbers: The numbers that decide its answer; ``None`` while it runs.
     """
     answer, reason = (UNSET, UNSET) if numbers is None else answer_of(numbers)
-    strategies = [
-        StrategyTotals(
-            name,
-            strategy.units,
-            strategy.worlds,
-            strategy.steps,
-            strategy.failures,
-            strategy.variants,
-        )
-        for name, strategy in state.memory.strategies.items()
-    ]
-    found = [
-        FindTotals(
-            unit=find.unit,
-            strategy=find.strategy,
-            cause=find.failure.group,
-            solid_cells=find.failure.world.solid_cells,
-            worlds=find.worlds,
-            steps=find.steps,
-            seconds=round(find.seconds, 3),
-            file=f"{MEMORY}/failures/{find.failure.id}.grid",
-        )
-        for find in state.finds
-    ]
     share = controller_share(config, state)
     return Summary(
         controller=config.scenario.label(),
@@ -69,8 +45,8 @@ def summary_of(
         verdicts=dict(state.verdicts),
         met=dict(state.met_by_group),
         known=dict(state.known),
-        strategies=strategies,
-        found=found,
+        strategies=list(state.memory.strategies.values()),
+        found=[find for find, _ in state.finds],
         archive=_archive_of(state),
         units_cut=state.cut - state.too_early,
         units_too_early=state.too_early,

@@ -466,9 +466,9 @@ class CampaignSession:
             times = counted(state.known.total(), "time")
             variants = len(
                 {
-                    find.failure.key
-                    for find in state.finds
-                    if self._conclusion.known.is_new_variant(find.failure)
+                    failure.key
+                    for _, failure in state.finds
+                    if self._conclusion.known.is_new_variant(failure)
                 }
             )
             more = f"; {counted(variants, 'new variant')} of known causes" if variants else ""

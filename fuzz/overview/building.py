@@ -303,7 +303,7 @@ def _example(
 
 def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[Failure]:
     """Return the failures of a campaign's search that have a cause: new ones, or else known ones."""
-    found = (*state.best.values(), *(find.failure for find in state.finds))
+    found = (*state.best.values(), *(failure for _, failure in state.finds))
     # A failure that waits to be shrunk is in both, but only the first says how far that got.
     distinct: dict[str, Failure] = {}
     for one in found:

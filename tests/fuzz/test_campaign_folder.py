@@ -411,6 +411,7 @@ def test_a_unit_whose_entry_is_not_whole_is_done_again(spoil, copied, whole):
 
 def without_seconds(text):
     entry = json.loads(text)
+    entry["first_met"] = [(worlds, steps) for worlds, steps, _ in entry["first_met"]]
     return {name: entry[name] for name in entry if name not in ("seconds", "digest")}
 
 

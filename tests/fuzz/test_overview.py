@@ -10,8 +10,8 @@ from msgspec import structs
 
 from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.state import CampaignState, DiscoveryTotals
-from fuzz.campaign.store import FolderStore
+from fuzz.campaign.state import CampaignState
+from fuzz.campaign.store import Find, FolderStore
 from fuzz.cause import Severity
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.corpus.baseline import _key
@@ -166,8 +166,10 @@ def overview_of(best, found, known=None):
     Its file has ``best``, if any; the search met ``found``.
     """
     config = configure(CampaignOptions(controller=f"{HERE}:Still"), seed=1)
-    find = DiscoveryTotals(0, "drawn", found, 1, 1, 1.0)
-    state = CampaignState(best={} if best is None else {best.key: best}, finds=[find])
+    find = Find(
+        unit=0, strategy="drawn", cause=found.group, solid_cells=1, worlds=1, steps=1, seconds=1.0
+    )
+    state = CampaignState(best={} if best is None else {best.key: best}, finds=[(find, found)])
     state.memory = SearchState(failures={found.key: found})
     state.met[found.group, found.verdict] += 1
     return build_overview(config, state, Conclusion(known or Baseline()), natural=False)

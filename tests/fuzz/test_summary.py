@@ -96,3 +96,22 @@ def test_a_summary_is_read_as_it_was_written(of_a_class, tmp_path):
     campaign_run.store.save_summary(written)
     campaign_run.store.close()
     assert read_summary(tmp_path) == written
+
+
+def test_a_find_has_the_time_at_which_it_was_found_also_after_a_restart(tmp_path):
+    config = CampaignConfig(
+        Scenario("turn-right"), seed=1, examples=20, families=("features",), shrink=False
+    )
+    campaign_run = begin(config, tmp_path, Budget(units=1))
+    first, again = (Campaign(config, units=2, store=campaign_run.store) for _ in range(2))
+    for campaign in (first, again):
+        for _ in campaign.run():
+            pass
+    campaign_run.store.close()
+    finds = [find for find, _ in first.state.finds]
+    assert finds == [find for find, _ in again.state.finds]
+    # Each unit has twenty worlds.
+    assert {find.unit for find in finds} == {0, 1}
+    assert [find.worlds for find in finds] == sorted(find.worlds for find in finds)
+    assert 0 < finds[0].worlds < 20 and 0 < finds[0].steps < first.state.steps
+    assert 0.0 < finds[0].seconds < finds[-1].seconds <= first.state.seconds
