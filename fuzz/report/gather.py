@@ -10,7 +10,7 @@ from fuzz.campaign.store import MEMORY, Summary, controller_change, read_summary
 from fuzz.corpus import Corpus, distinct, read_corpus
 from fuzz.failure import Failure
 from fuzz.overview.describe import run_to_draw
-from fuzz.triage.judging import Replay, replay
+from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.archives import Member, archive_in, members
