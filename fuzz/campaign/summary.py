@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from msgspec import UNSET
+from msgspec import UNSET, structs
 
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Archive, Status, Summary
@@ -61,42 +61,6 @@ def _archive_of(state: CampaignState) -> Archive | None:
     return None if table is None else converted(table, Archive)
 
 
-def describe_strategies(state: CampaignState) -> str:
-    """Return a table of the strategies, with their shares and yields."""
-    rows = [["strategy", "units", "worlds", "steps", "failures", "new variants"]]
-    for name, strategy in sorted(state.memory.strategies.items()):
-        rows.append(
-            [
-                name,
-                *map(
-                    str,
-                    (
-                        strategy.units,
-                        strategy.worlds,
-                        strategy.steps,
-                        strategy.failures,
-                        strategy.variants,
-                    ),
-                ),
-            ]
-        )
-    return aligned(rows, right=range(1, 6))
-
-
-def describe_units(state: CampaignState) -> str:
-    """Describe the units by result.
-
-    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
-    """
-    cut = state.cut - state.too_early
-    words = counted(state.units, "whole unit" if cut else "unit")
-    if cut:
-        words += f" and {cut} cut short"
-    if state.too_early:
-        words += f" and {state.too_early} that learned too little from them"
-    return words
-
-
 def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
     """Return the share of this run's work spent in the controller's own code.
 
@@ -111,26 +75,48 @@ def controller_share(config: CampaignConfig, state: CampaignState) -> float | No
     return state.effort.share
 
 
-def describe_time(state: CampaignState) -> str:
+def describe_strategies(summary: Summary) -> str:
+    """Return a table of the strategies, with their shares and yields."""
+    rows = [["strategy", "units", "worlds", "steps", "failures", "new variants"]]
+    for one in sorted(summary.strategies, key=lambda one: one.strategy):
+        rows.append(list(map(str, structs.astuple(one))))
+    return aligned(rows, right=range(1, 6))
+
+
+def describe_units(summary: Summary) -> str:
+    """Describe the units by result.
+
+    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
+    """
+    cut = summary.units_cut
+    words = counted(summary.units, "whole unit" if cut else "unit")
+    if cut:
+        words += f" and {cut} cut short"
+    if summary.units_too_early:
+        words += f" and {summary.units_too_early} that learned too little from them"
+    return words
+
+
+def describe_time(summary: Summary) -> str:
     """Describe how long this run took: ``30.0 s: start-up 2.0 s, search 21.9 s, shrinking 6.1 s``.
 
     A run without work reports the total time of earlier runs, whose parts are unknown.
     """
-    whole = sum(state.times.values())
+    whole = sum(summary.times.values())
     if not whole:
-        return f"{state.seconds:.1f} s"
-    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in state.times.items())
+        return f"{summary.seconds:.1f} s"
+    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary.times.items())
     return f"{whole:.1f} s: {parts}"
 
 
-def describe_share(config: CampaignConfig, state: CampaignState) -> str | None:
+def describe_share(summary: Summary, controller: str) -> str | None:
     """Describe the controller's share: ``40 % of the work was your controller's own code``.
 
     ``None`` if unknown.
     """
-    share = controller_share(config, state)
-    if share is None:
+    share = summary.controller_share
+    if share is UNSET:
         return None
-    is_program = isinstance(CONTROLLERS.get(config.scenario.controller), ProcessController)
+    is_program = isinstance(CONTROLLERS.get(controller), ProcessController)
     what = "waiting for your program" if is_program else "your controller's own code"
     return f"{100 * share:.0f} % of the work was {what}"
