@@ -64,7 +64,7 @@ class Explanation:
         if self.why is None and not self.words and not self.facts.text():
             return []
         failure = self.failure
-        who = "The fleet" if failure.world.others else "It"
+        who = "The fleet" if failure.world.is_fleet else "It"
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
         if self.diagnosis is not None:
             lines.append(f"{self.diagnosis.cause}: {self.goes_wrong}")

@@ -264,7 +264,7 @@ def _in_full(cause: CauseResult, overview: Overview, folder: Path | None) -> lis
         lines.append(f"   {shown(cause.fault)}")
     elif known:
         example = overview.examples.get(cause.cause)
-        who = "the fleet" if example is not None and example.world.others else "it"
+        who = "the fleet" if example is not None and example.world.is_fleet else "it"
         lines.append(f"   In this world {who} {shown('. It '.join(known))}.")
     elif path and cause.cause.severity in _EXPLAINED:
         lines.append(f"   what the failure depends on: worldgen explain {path}")

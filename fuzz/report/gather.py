@@ -13,9 +13,7 @@ from fuzz.overview.describe import run_to_draw
 from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.files.archives import Member, archive_in, members
-from worldgen.files.grid.disk import expansion_limit, unpack_world
-from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.grid.disk import read_packed, unpack
 from worldgen.files.worlds import Skip
 
 # More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
@@ -134,9 +132,8 @@ def _original(failure: Failure, folder: Path) -> ReplayedFailure | None:
 
 
 def _seen(path: Path) -> ReplayedFailure:
-    data = _bytes_of(path)
-    packed = Member(path.name, len(data), lambda limit: data if len(data) <= limit else None)
-    failure = Failure.found_in(unpack_world(packed, str(path)))
+    data = read_packed(path)
+    failure = Failure.found_in(unpack(data, str(path)))
     if failure is None:
         raise FormatError(
             "file-changed",
@@ -150,21 +147,3 @@ def _seen(path: Path) -> ReplayedFailure:
     except WorldgenError:
         return ReplayedFailure(path, data, failure, found, None, "")
     return ReplayedFailure(path, data, failure, found, shown, words if found.confirmed else "")
-
-
-def _bytes_of(path: Path) -> bytes:
-    """Return a file's bytes, even if it is in an archive."""
-    place = None if path.is_file() else archive_in(path)
-    if place is None:
-        with path.open("rb") as stream:
-            return stream.read(MAX_FILE_BYTES + 1)
-    for member in members(place[0]):
-        data = member.read(expansion_limit(member.packed)) if member.name == place[1] else None
-        if data is not None:
-            return data
-    raise FormatError(
-        "file-changed",
-        "no longer exists",
-        "do not change the archive while the report is written",
-        source=str(path),
-    )

@@ -181,7 +181,7 @@ def _add_reactions(reported: ReplayedFailure, to: Reactions) -> None:
     """Add a failure's runs, also as it was found, where the robot has more around it."""
     for seen in filter(None, (reported, reported.original)):
         world = seen.failure.world
-        if seen.shown is not None and seen.shown.trace is not None and not world.others:
+        if seen.shown is not None and seen.shown.trace is not None and not world.is_fleet:
             to.add(world, seen.shown.trace)
 
 

@@ -57,7 +57,7 @@ def run_facts(failure: Failure, episode: Episode, *, with_code: bool = True) -> 
     """
     # A run that arrives, and that of several robots, has no part that goes wrong in this sense.
     facts = RunFacts()
-    if failure.is_breach or failure.oracle is not None or failure.world.others:
+    if failure.is_breach or failure.oracle is not None or failure.world.is_fleet:
         return facts
     with contextlib.suppress(OutOfTime):
         facts = replace(facts, repeats=describe_period(failure.world, episode))

@@ -426,7 +426,7 @@ class _Column:
 
     def _try_unnamed(self, world: World, options: RunOptions) -> _TriedRun:
         """Run without recording; simulate in full only runs that need a proof or an explanation."""
-        if world.others:
+        if world.is_fleet:
             fleet = simulate_fleet(world, self.controller, options)
             return _TriedRun(_compared(options, fleet), fleet.evidence, fleet.random_draws)
         outcome = prepare(world, self.controller, options).run(

@@ -311,7 +311,7 @@ def as_json(comparison: Comparison, agreed: Agreement | None = None) -> dict[str
 
 def _json_robots(world: World) -> dict[str, int]:
     """Return the number of robots; rows of worlds with one robot omit it."""
-    return {"robots": len(world.robots)} if world.others else {}
+    return {"robots": len(world.robots)} if world.is_fleet else {}
 
 
 def _json_cell(cell: ComparisonCell, figures: Sequence[PublishedRow]) -> dict[str, Any]:

@@ -188,6 +188,7 @@ def test_reports_without_an_answer_are_valid():
     read_sarif(sarif(report, Path.cwd()))
 
 
+@pytest.mark.gate
 def test_a_campaign_too_slow_for_one_world_has_no_answer(tmp_path):
     (tmp_path / "slow.py").write_text(
         "import time\n\nfrom sim import Command\n\n\nclass Slow:\n    def reset(self):\n"

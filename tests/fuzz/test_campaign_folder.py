@@ -86,6 +86,7 @@ def copied(whole, tmp_path):
     return tmp_path / "copy"
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", some(range(4)))
 def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(
     seed, whole, tmp_path, monkeypatch

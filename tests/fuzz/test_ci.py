@@ -268,6 +268,7 @@ def test_a_controller_that_is_not_here_is_reported_without_its_way(project):
     )
 
 
+@pytest.mark.gate
 def test_a_campaign_reports_the_worst_cause_first_and_its_example_with_what_it_depends_on(project):
     options = ("--units", 1, "--examples", 40, "--seed", 1, "--no-shrink", "--out", "out")
     found = worldgen("fuzz", "--controller", "vfh", *options, "--junit", "j.xml", "--json")
@@ -301,6 +302,7 @@ def test_two_reports_in_one_file_are_refused_before_the_work(one, other, project
     assert result.error_code == "same-output-twice"
 
 
+@pytest.mark.gate
 def test_fuzz_writes_what_it_found_also_into_the_folder_that_it_makes(project):
     options = (
         "--motion",

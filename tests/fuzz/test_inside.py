@@ -334,6 +334,7 @@ def run(kind):
     assert counts["return 1"] == 0
 
 
+@pytest.mark.gate
 def test_commands_show_lines_and_state_and_a_report_can_leave_them_out(robot, tmp_path):
     file = tmp_path / "failures" / "failure.grid"
     file.parent.mkdir()
@@ -364,6 +365,30 @@ def test_an_overview_has_what_the_run_of_each_cause_shows(robot):
     ((row,), _) = with_worlds(causes_of([failure]), lambda _: [failure])
     assert [0, None, "..."] in row.inside["lines"] and row.inside["unused"] == ["never_called"]
     assert row.repeats and row.reactions[0][0] == "touching a wall ahead"
+
+
+# Keeps a long list of counters; only its last number decides how the robot turns.
+LONG_MEMORY = """
+from sim import Command
+
+
+class Robot:
+    def reset(self):
+        return (0.0,) * 31
+
+    def act(self, observation, memory):
+        decisive = memory[27] + observation.bump
+        turn = decisive % 2 * 3.0
+        counters = tuple(number + 1 for number in memory)
+        memory = (*counters[:27], decisive, *counters[28:])
+        return Command(observation.top_speed, turn / observation.time_step), memory
+"""
+
+
+def test_state_that_the_lines_read_comes_first_however_much_there_is(robot):
+    state = seen(robot(LONG_MEMORY)).state
+    assert state[0][0] == "memory[27]"
+    assert ("and", "21 more that change") in state
 
 
 def test_values_that_differ_each_time_or_run_code_when_looked_at_are_not_state(robot):

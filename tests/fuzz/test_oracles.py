@@ -283,6 +283,7 @@ def test_a_controller_that_knows_of_walls_which_it_cannot_sense_is_seen(spy):
     assert said["kind"] == "then-loop" and said["walls"] > 10
 
 
+@pytest.mark.gate
 def test_an_objection_to_walls_that_nobody_senses_is_replayed_and_shrunk(spy):
     small = shrink(failing("wall", spy, WIDE)).failure
     assert small.record.details["class"] == "wall-then-loop" and small.record.details["one_minimal"]

@@ -287,6 +287,7 @@ class Far:
 """
 
 
+@pytest.mark.gate
 def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
     (tmp_path / "far.py").write_text(FAR)
     out = tmp_path / "out"
@@ -313,6 +314,7 @@ def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path)
     assert all((tmp_path / "again" / name).is_file() for name in named if name)
 
 
+@pytest.mark.gate
 def test_a_replay_of_stored_units_that_is_interrupted_leaves_the_folder_as_it_is(
     tmp_path, monkeypatch
 ):
@@ -433,6 +435,7 @@ def test_the_table_of_natural_worlds_names_what_was_never_tried():
     assert table.share is None and table.clearances["less than 1.1"] == NaturalTally(0, 0)
 
 
+@pytest.mark.gate
 def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--motion", "endpoint", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
@@ -531,6 +534,7 @@ def test_each_failure_has_its_page_only_if_asked_for(tmp_path):
     assert "returns-to-a-wall" in verbose
 
 
+@pytest.mark.gate
 def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip

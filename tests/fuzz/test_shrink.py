@@ -110,6 +110,7 @@ def test_out_of_time_the_best_so_far_comes_back():
     assert not result.complete and replay(result.failure).confirmed
 
 
+@pytest.mark.gate
 def test_shrinking_keeps_the_thesis_robots_noise_and_sensor():
     made = failure("turn-right", "stepped", thesis=ThesisOptions(noise=True, sensor_range=50))
     result = shrink(made, seconds=5.0).failure.record

@@ -174,6 +174,7 @@ def test_a_name_too_long_for_the_disk_is_refused_in_a_sentence(folder):
         Folder(folder).place("x" * 300)
 
 
+@pytest.mark.gate
 def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
     (folder.parent / "secret.pgm").write_text("mine")
     (folder / "map.pgm").symlink_to(folder.parent / "secret.pgm")

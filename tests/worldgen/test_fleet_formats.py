@@ -110,13 +110,14 @@ def test_a_pogema_map_comes_back_with_all_its_agents(fleet, tmp_path):
     assert cells(found.world) == cells(fleet)
     assert check_certificate(found.world).valid
     alone = import_world(path)
-    assert not alone.world.others and "agents=all" in alone.notes[0]
+    assert not alone.world.is_fleet and "agents=all" in alone.notes[0]
 
 
 def test_agents_that_share_a_cell_are_refused(fleet):
-    other = replace(fleet.others[0], target=replace(fleet.target, radius=1.0))
+    first, second, *_ = fleet.robots
+    second = replace(second, target=replace(fleet.target, radius=1.0))
     with raises(InvalidWorld, "cells-taken", number=2):
-        export_world(replace(fleet, others=(other,), certificate=None), "pogema")
+        export_world(replace(fleet, robots=(first, second), certificate=None), "pogema")
 
 
 def test_an_agent_without_a_target_is_refused(tmp_path):

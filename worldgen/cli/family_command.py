@@ -189,7 +189,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "
-        + (f"{len(world.robots)} robots, joint " if world.others else "")
+        + (f"{len(world.robots)} robots, joint " if world.is_fleet else "")
         + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
     if to.as_json:

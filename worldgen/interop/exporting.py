@@ -105,7 +105,7 @@ def export_world(
     files = dict(written.files)
     companion = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if companion is not None:
-        others = still.others if known.robots else ()
+        others = still.robots[1:] if known.robots else ()
         files[companion] = sidecar_text(still, destination, [*missing, *written.altered], others)
     # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
@@ -119,7 +119,7 @@ def export_world(
 
 def _check_robots(world: World, known: Format) -> None:
     """Refuse several robots if a file holds one; any world can become a map without robots."""
-    if not world.others or known.robots or "start" not in known.holds:
+    if not world.is_fleet or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
     raise InvalidWorld(
@@ -176,7 +176,7 @@ def _notes(
             f"the world's {len(world.timeline)} changes are not stored; the file has the cells "
             f"at {at:g} s"
         )
-    if world.others and "start" not in known.holds:
+    if world.is_fleet and "start" not in known.holds:
         yield (
             f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
         )

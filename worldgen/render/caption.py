@@ -197,7 +197,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     world = content.world
     trail = content.trail
     changes = content.changes
-    if world.others:
+    if world.is_fleet:
         return _robot_keys(content)
     # Start, target, signal and proof.
     keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]

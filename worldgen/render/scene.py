@@ -87,7 +87,7 @@ def compose(
     named = named_cells(each_trail(trail))
     frame = Frame.of(world, pixels, is_numbered=bool(named))
     # The floor cannot show the signals of several targets.
-    shown = signal and not world.others
+    shown = signal and not world.is_fleet
     one = trail if isinstance(trail, Trail) else None
     several = () if trail is None or isinstance(trail, Trail) else tuple(trail)
     content = Content(world, one, shown, witness, title, frame, Changes.of(world), several, named)
@@ -122,7 +122,7 @@ def moment_parts(
         DrawnCells(solid, WALL),
         DrawnCells(burning, FIRE),
     ]
-    if world.others:
+    if world.is_fleet:
         return [*parts, *robot_parts(world, (), frame)]
     return [
         *parts,
@@ -143,7 +143,7 @@ def _map(content: Content) -> list[Primitive]:
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
-    if world.others:
+    if world.is_fleet:
         return [*parts, *robot_parts(world, content.trails, frame)]
     trail = content.trail
     radius = world.robot_radius

@@ -15,6 +15,7 @@ from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, WorldgenError
+from worldgen.files.whole import read_bytes
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
 from worldgen.support.plain_text import quote
@@ -163,25 +164,13 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
             bytes.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise FormatError(
-                "not-a-regular-file", "is not a regular file", "use the map file itself"
-            )
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-    except FormatError:
-        raise
+        is_regular = stat.S_ISREG(path.stat().st_mode)
     # ValueError means that the name contains a NUL.
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FormatError(
-            "unreadable", "cannot be read: {reason}", "check the name", reason=reason
-        ) from error
-    if len(data) > limit:
-        raise FormatError(
-            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit
-        )
-    return data
+        raise FormatError.unreadable(path, error) from error
+    if not is_regular:
+        raise FormatError("not-a-regular-file", "is not a regular file", "use the map file itself")
+    return read_bytes(path, limit, "cut a smaller map out of it")
 
 
 def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) -> Path:

@@ -5,11 +5,11 @@ The words are keys of a table, a picture's text, or properties.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import InvalidParameter
 from worldgen.interop.format import Destination, decimal
 from worldgen.lattice import exact
@@ -17,11 +17,6 @@ from worldgen.world import World
 
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
 """Names of the facts, and the number of values of each."""
-
-# More digits than the sum of any two float64 of a world.
-_NUMBER = re.compile(
-    r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?"
-)
 
 
 @dataclass(frozen=True)
@@ -106,7 +101,7 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
     Raises:
         InvalidParameter: If it isn't a finite number.
     """
-    if _NUMBER.fullmatch(word):
+    if DECIMAL.fullmatch(word):
         try:
             return float(Fraction(word) - exact(shift))
         except OverflowError:
