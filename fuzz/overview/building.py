@@ -26,7 +26,7 @@ from fuzz.overview.natural import (
     natural_result,
     natural_runs,
 )
-from fuzz.overview.result import CampaignResult, CauseResult, Comparison, NaturalResult
+from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
@@ -443,7 +443,7 @@ def explained(
 
 def _compared(
     files: Mapping[str, Failure], conclusion: Conclusion, natural: NaturalResult | None
-) -> Comparison | None:
+) -> CampaignComparison | None:
     if conclusion.known.is_empty and conclusion.last.is_empty:
         return None
     against, before = (

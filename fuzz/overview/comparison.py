@@ -6,13 +6,13 @@ from collections.abc import Iterable, Set
 
 from msgspec import structs
 
-from fuzz.overview.result import CauseResult, Comparison
+from fuzz.overview.result import CampaignComparison, CauseResult
 from worldgen.support.plain_text import counted
 
 
 def compare(
     against: str, now: Set[str], still: Set[str], fixed: Set[str], fall: str = ""
-) -> Comparison:
+) -> CampaignComparison:
     """Return what changed.
 
     Its sentence is like ``against the baseline, new: 1 cause (crashes); fixed: none``.
@@ -33,14 +33,14 @@ def compare(
         parts.append(f"{words}: {counted(len(groups), 'cause')}{names}")
     if fall:
         parts.append(fall)
-    return Comparison(
+    return CampaignComparison(
         against=against,
         causes={"new": new, "still": there, "fixed": gone},
         sentence=f"against the {against}, {'; '.join(parts)}",
     )
 
 
-def with_states(causes: Iterable[CauseResult], comparison: Comparison) -> list[CauseResult]:
+def with_states(causes: Iterable[CauseResult], comparison: CampaignComparison) -> list[CauseResult]:
     """Return causes, each marked as new or known if it has failures to compare."""
 
     def state(one: CauseResult) -> str:

@@ -167,7 +167,7 @@ class NaturalResult(msgspec.Struct, frozen=True, kw_only=True):
         return min(share, 99 + (self.arrived == self.worlds))
 
 
-class Comparison(msgspec.Struct, frozen=True, kw_only=True):
+class CampaignComparison(msgspec.Struct, frozen=True, kw_only=True):
     """What changed since an earlier campaign or a baseline.
 
     Failures are compared by group: by cause, or by the reason of an error.
@@ -196,7 +196,7 @@ class CampaignResult(msgspec.Struct, frozen=True, kw_only=True):
 
     causes: list[CauseResult]
     natural: NaturalResult | None = None
-    comparison: Comparison | None = None
+    comparison: CampaignComparison | None = None
     summary: Summary | msgspec.UnsetType = msgspec.UNSET
 
 
