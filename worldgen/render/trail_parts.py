@@ -73,7 +73,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
             x, y = frame.points(trail.points[-1:])[0].tolist()
-                parts += robot_at(x, y, radius, unit)
+            parts += robot_at(x, y, radius, unit)
     else:
         if len(approach) > 1:
             parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
