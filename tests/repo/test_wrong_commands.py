@@ -51,6 +51,7 @@ PARSED = {
     "init . turn-right": "init . --controller turn-right",
     "demo turn-right": "demo --controller turn-right",
     "families maze": "families",
+    "census fails": "verify fails",
     # Options and arguments that are missing, or have no value.
     "fuzz": "fuzz --controller turn-right --out failures/",
     "fuzz --controller turn-left": "fuzz --controller turn-left --out failures/",
