@@ -333,7 +333,7 @@ def stuck(monkeypatch):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
     monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
-    monkeypatch.setattr("fuzz.campaign.unit_search.LISTEN", 0.0)
+    monkeypatch.setattr("fuzz.campaign.scheduler.LISTEN", 0.0)
     return StuckInTheFirst(at)
 
 

@@ -106,8 +106,8 @@ def export_world(
     files = dict(written.files)
     companion = f"{destination.name}{SIDECAR}" if sidecar and (missing or written.altered) else None
     if companion is not None:
-        others = still.robots[1:] if known.robots else ()
-        files[companion] = sidecar_text(still, destination, [*missing, *written.altered], others)
+        robots = still.robots if known.robots else still.robots[:1]
+        files[companion] = sidecar_text(still, destination, [*missing, *written.altered], robots)
     # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (

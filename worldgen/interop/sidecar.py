@@ -75,7 +75,7 @@ class Sidecar:
 
 
 def sidecar_text(
-    world: World, destination: Destination, kept: Collection[str], others: Sequence[Robot]
+    world: World, destination: Destination, kept: Collection[str], robots: Sequence[Robot]
 ) -> bytes:
     """Return the sidecar's contents.
 
@@ -83,7 +83,7 @@ def sidecar_text(
         world: The world that was exported.
         destination: Its destination.
         kept: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
-        others: The robots after the first that the file has.
+        robots: The robots that the file has; the first if it has none.
     """
     params: dict[str, Value] = {
         "file": destination.name,
@@ -92,7 +92,7 @@ def sidecar_text(
     }
     made = Provenance(EXPORTED, _VERSION, 0, params)
     return dumps(
-        replace(world, others=tuple(others), certificate=None, provenance=made, failure=None)
+        replace(world, robots=tuple(robots), certificate=None, provenance=made, failure=None)
     )
 
 
