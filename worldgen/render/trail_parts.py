@@ -72,7 +72,8 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
-            parts += robot_at(*frame.points(trail.points[-1:])[0].tolist(), radius, unit)
+            x, y = frame.points(trail.points[-1:])[0].tolist()
+            parts += robot_at(x, y, radius, unit)
     else:
         if len(approach) > 1:
             parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
@@ -208,8 +209,9 @@ def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primi
 def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
-    for place in trail.places("end"):
-        parts += robot_at(*frame.points(place[None])[0].tolist(), radius, unit)
+    ends = trail.places("end")
+    for x, y in frame.points(ends).tolist() if len(ends) else ():
+        parts += robot_at(x, y, radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
         parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
         parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
