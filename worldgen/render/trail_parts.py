@@ -209,8 +209,8 @@ def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primi
 def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
-    ends = trail.places("end")
-    for x, y in frame.points(ends).tolist() if len(ends) else ():
+    for place in trail.places("end"):
+        x, y = frame.points(place[None])[0].tolist()
         parts += robot_at(x, y, radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
         parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
