@@ -207,6 +207,7 @@ NAMED = {
     "compare w.grid --controller turn-left bug2":
         "compare w.grid --controller turn-left --controller bug2",
     "verify *.gird": "verify w.grid",
+    "audit fails fails/loop.grid": "audit fails/loop.grid fails/loop.grid",
     "maze --seed 1 --size 1": "maze --seed 1 --size 10",
     "maze --seed 1 --out w.grid": "maze --seed 1 --out w-2.grid",
     "export w.grid --to rso --out x.yaml": "export w.grid --to ros --out x.yaml",
