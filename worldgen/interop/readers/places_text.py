@@ -41,6 +41,10 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
         words: Any number of the words.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
 
+    Returns:
+        Arguments of :class:`~worldgen.interop.format.foreign_map.ForeignMap`: points from the
+        grid's lower-left corner.
+
     Raises:
         InvalidParameter: If there are too few or too many numbers, one isn't a number, or a length
             isn't above 0.
