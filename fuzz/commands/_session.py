@@ -22,7 +22,7 @@ from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.result import CampaignResult, write_overview
-from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
+from fuzz.unit.answer import Answer, AnswerNumbers
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
 from sim.clock.stopping import stopping_when
@@ -118,36 +118,8 @@ class CampaignSession:
         try:
             with shown_in(self._out / MEMORY, self._live), contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
-        except WorkersLost as error:
-            if not self._lasts:
-                raise OutputError(
-                    "broken-off", "{reason}", "nothing was kept: start again", reason=str(error)
-                ) from error
-            raise OutputError(
-                "broken-off",
-                "{reason}",
-                "the findings so far are in {out}, and {way_on}",
-                at_terminal=True,
-                reason=str(error),
-                out=self._out,
-                way_on=self._way_on,
-            ) from error
-        except OutputError as error:
-            if not self._lasts:
-                raise OutputError(
-                    "broken-off",
-                    "{reason}",
-                    "nothing was kept: free some space, and start again",
-                    reason=str(error),
-                ) from error
-            raise OutputError(
-                "broken-off",
-                "{reason}",
-                "the stored results are intact: free some space, and {way_on}",
-                at_terminal=True,
-                reason=str(error),
-                way_on=self._way_on,
-            ) from error
+        except (WorkersLost, OutputError) as error:
+            raise self._broken_off(error) from error
         # A run of a slow controller may take longer than the budget.
         end = time.monotonic() + _TO_DRAW
         # Report in the terminal and in files.
@@ -176,16 +148,32 @@ class CampaignSession:
             raise unfit
         if self._failing():
             return 1
-        is_open = self._answer[0] == Answer.NONE and not self._accepts_no_answer
+        is_open = ending.summary.answer == Answer.NONE and not self._accepts_no_answer
         return NO_ANSWER if is_open else 0
+
+    def _broken_off(self, error: WorkersLost | OutputError) -> OutputError:
+        """Return the error of a search that could not go on, with what was kept and what to do."""
+        is_full = isinstance(error, OutputError)
+        first = "free some space, and " if is_full else ""
+        if not self._lasts:
+            remedy = f"nothing was kept: {first}start again"
+        elif is_full:
+            remedy = f"the stored results are intact: {first}{{way_on}}"
+        else:
+            remedy = "the findings so far are in {out}, and {way_on}"
+        return OutputError(
+            "broken-off",
+            "{reason}",
+            remedy,
+            at_terminal=self._lasts,
+            reason=str(error),
+            out=self._out,
+            way_on=self._way_on,
+        )
 
     @property
     def _way_on(self) -> str:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} continues it"
-
-    @property
-    def _answer(self) -> tuple[Answer, str]:
-        return answer_of(self._numbers())
 
     def _numbers(self) -> AnswerNumbers:
         return answer_numbers(

@@ -278,7 +278,7 @@ def with_worlds(
             "fault": _fault_of(example),
         }
         if number < most:
-            known |= _shown(example, is_over, with_code=with_code).table()
+            known |= vars(_shown(example, is_over, with_code=with_code))
             why = explained(example, is_over)
             if why is not None:
                 known |= {"why": why.describe(), "changes": list(why.changes)}

@@ -9,13 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from fuzz.campaign.store import MEMORY, OVERVIEW_FILE, Summary
 from fuzz.cause import Cause, Severity
 from fuzz.overview.counterfactual import Change
+from fuzz.triage.inside import Inside
+from fuzz.triage.reactions import Reaction
 from worldgen.files.json_file import JsonFile
 from worldgen.support.intervals import interval_95
 
@@ -70,8 +72,8 @@ class CauseResult(msgspec.Struct, frozen=True, kw_only=True):
     smallest: _File
     fault: str = ""  # earlier versions did not write it
     repeats: str = ""  # the same
-    inside: dict[str, Any] | None = None
-    reactions: list[list[Any]] = []
+    inside: Inside | None = None
+    reactions: list[Reaction] = []
     why: str
     changes: list[Change] = []
 

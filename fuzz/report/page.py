@@ -98,7 +98,7 @@ def write_report(
             answer.table()
             | {
                 "campaign": index[answer.campaign],
-                "reactions": reactions[answer.controller, answer.motion].table(),
+                "reactions": reactions[answer.controller, answer.motion].rows(),
             }
             for answer in answers
         ],
@@ -166,7 +166,7 @@ def _failure(
         "advice": diagnosis.advice,
         "example": example is not None,
         "why": "" if example is None else example.why,
-        **_shown(seen, with_code=with_code).table(),
+        **plain(_shown(seen, with_code=with_code)),
         "shrinking": failure.shrinking.value,
         "changed": campaign.change if campaign is not None and is_same_robot else "",
         "test": snippet(failure),

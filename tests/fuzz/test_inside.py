@@ -363,8 +363,8 @@ def test_counts_do_not_depend_on_the_runs_before(robot):
 def test_an_overview_has_what_the_run_of_each_cause_shows(robot):
     failure = failing(robot(BOUNCES)).noting(cause="wanders")
     ((row,), _) = with_worlds(causes_of([failure]), lambda _: [failure])
-    assert [0, None, "..."] in row.inside["lines"] and row.inside["unused"] == ["never_called"]
-    assert row.repeats and row.reactions[0][0] == "touching a wall ahead"
+    assert (0, None, "...") in row.inside.lines and row.inside.unused == ["never_called"]
+    assert row.repeats and row.reactions[0].situation == "touching a wall ahead"
 
 
 # Keeps a long list of counters; only its last number decides how the robot turns.
