@@ -10,7 +10,7 @@ from typing import Any
 
 from fuzz.boundary import describe_boundaries
 from fuzz.cause import Diagnosis
-from fuzz.corpus import places
+from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.failure import Failure, regardless_of_walls
@@ -51,15 +51,12 @@ _MOST_STEPS = 200_000  # longest run drawn in a picture; the Play page shows lon
 
 _EVERY = 500  # files between progress reports
 
-# A failure of the folder, with the cause that its record names; empty if it names none.
-_Entry = tuple[CorpusEntry, str]
-
 
 @answer.register
 def _failures(request: Failures, opened: Opened, part: SendPart[Progress]) -> FailureList:
     folder = opened.folder
     known = (
-        {entry.facts.key for entry, _ in _entries(opened, KNOWN, [], part)}
+        {entry.facts.key for entry in _entries(opened, KNOWN, [], part)}
         if folder.place(KNOWN).is_dir()
         else set()
     )
@@ -69,8 +66,8 @@ def _failures(request: Failures, opened: Opened, part: SendPart[Progress]) -> Fa
         found = _packed(opened, place, faults, part)
     else:
         found = _entries(opened, request.folder, faults, part)
-    place_of = places(entry for entry, _ in found)
-    rank_of = ranks((cause for _, cause in found), {entry.path.parent for entry, _ in found})
+    place_of = places(entry for entry in found)
+    rank_of = ranks((entry.facts.cause for entry in found), {entry.path.parent for entry in found})
     failures = [
         WallFailure(
             name=entry.path.relative_to(folder.root).as_posix(),
@@ -84,12 +81,12 @@ def _failures(request: Failures, opened: Opened, part: SendPart[Progress]) -> Fa
             solid=entry.facts.solid,
             events=entry.facts.events,
             place=place_of[entry.facts.order],
-            rank=rank_of[cause],
+            rank=rank_of[entry.facts.cause],
             seen=entry.seen or 0,
             digest=entry.facts.digest,
             known=entry.facts.key in known,
         )
-        for entry, cause in found
+        for entry in found
     ]
     return FailureList(failures, faults)
 
@@ -141,7 +138,7 @@ def _know(request: Know, opened: Opened, part: object) -> None:
         opened.folder.check_replaceable(copy)
         write_bytes(copy, failure.dumps(), force=True)
     else:
-        for entry, _ in _entries(opened, KNOWN, []):
+        for entry in _entries(opened, KNOWN, []):
             if entry.facts.key == facts.key:
                 entry.path.unlink()
 
@@ -180,7 +177,7 @@ def _seen(failure: Failure, recorded: Diagnosis | None, opened: Opened) -> dict[
 
 def _entries(
     opened: Opened, below: str, faults: list[Refusal], part: SendPart[Progress] | None = None
-) -> list[_Entry]:
+) -> list[CorpusEntry]:
     """Return the failures in a folder's files, each read only once; links are ignored."""
     files = [file for file in opened.folder.files(below=below, most=MOST_FAILURES) if file.world]
     if len(files) == MOST_FAILURES:
@@ -192,7 +189,7 @@ def _entries(
         path = opened.folder.root / file.name
         try:
             facts = path.stat()
-            entry = _read(path, facts.st_mtime_ns, facts.st_size)
+            entry = _entry(path, facts.st_mtime_ns, facts.st_size)
         except FileNotFoundError:  # deleted a moment ago
             continue
         except WorldgenError as error:
@@ -204,28 +201,20 @@ def _entries(
 
 
 @functools.lru_cache(2 * MOST_FAILURES)
-def _read(path: Path, mtime_ns: int, size: int) -> _Entry | None:
-    return _entry(path, read_world(path), mtime_ns // 1_000_000_000)
-
-
-def _entry(place: Path, world: World, seen: int | None = None) -> _Entry | None:
-    """Return the entry of a world's failure; ``None`` if it has none."""
-    failure = Failure.found_in(world)
-    if failure is None:
-        return None
-    cause = failure.recorded_cause
-    return CorpusEntry(place, Facts.of(failure, str(place)), seen), "" if cause is None else cause
+def _entry(path: Path, mtime_ns: int, size: int) -> CorpusEntry | None:
+    """Return a file's failure; ``mtime_ns`` and ``size`` say of which contents."""
+    return next(iter(read_corpus([path]).entries), None)
 
 
 def _packed(
     opened: Opened, archive: Path, faults: list[Refusal], part: SendPart[Progress]
-) -> list[_Entry]:
+) -> list[CorpusEntry]:
     """Return the failures in an archive, under its name followed by their own.
 
     Invalid names are reported.
     """
     # Only world files count, except hidden ones.
-    found: list[_Entry] = []
+    found: list[CorpusEntry] = []
     there = archive.relative_to(opened.folder.root).as_posix()
     packed = (
         one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name)
@@ -242,12 +231,12 @@ def _packed(
                 # The name may be any text, and may even begin with a slash.
                 name = PurePosixPath(member.name).as_posix()
                 place = opened.folder.place(f"{there}/{name}")
-                entry = _entry(place, unpack_world(member, str(place)))
+                facts = Facts.in_world(unpack_world(member, str(place)), str(place))
             except WorldgenError as error:
                 faults.append(opened.folder.refusal(error))
                 continue
-            if entry is not None:
-                found.append(entry)
+            if facts is not None:
+                found.append(CorpusEntry(place, facts))
     # the archive is damaged, but the entries read so far are sound
     except FormatError as error:
         faults.append(opened.folder.refusal(error))

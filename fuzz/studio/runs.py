@@ -67,7 +67,7 @@ def _run(request: Run, opened: Opened, part: SendPart[RunBegins | RanRobot | Rob
 @answer.register
 def _drive(request: Drive, opened: Opened, part: object) -> DrivenRobot:
     world = restored(request.world)
-    if world.others:
+    if world.is_fleet:
         raise InvalidParameter(
             "world-of-several-robots",
             "you can drive only in worlds with one robot; this one has {robots}",

@@ -105,7 +105,7 @@ def _decided(request: Decide, opened: Opened, part: object) -> ProofMessage:
     proved = replace(world, certificate=proof)
     is_witness = isinstance(proof, Witness | JointWitness)
     # With several robots, the reason names the one that the ring stops.
-    is_ring = isinstance(proof, Cut) and not world.others and len(proof.cells) > 1
+    is_ring = isinstance(proof, Cut) and not world.is_fleet and len(proof.cells) > 1
     return ProofMessage(
         result=decision.result,
         reason=decision.reason,
@@ -122,7 +122,7 @@ def _decision(world: World) -> Decision:
     """Decide a world, unless it has several robots and its file has a valid proof."""
     proof = world.certificate
     # Deciding for many robots takes long; checking their paths does not.
-    if not world.others or proof is None:
+    if not world.is_fleet or proof is None:
         return decide(world)
     report = check_certificate(world)
     if not report.valid:

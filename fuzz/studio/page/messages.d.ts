@@ -1,12 +1,18 @@
 // Written by `python -m build_tools.page_types` from fuzz/studio/requests/protocol.py; not edited.
 
-/** Totals of one strategy. */
-interface StrategyTotals {
+/** The yield of a strategy so far. */
+interface StrategyYield {
+  /** Its name. */
   strategy: string;
+  /** Units it was given. */
   units: number;
+  /** Scenarios simulated. */
   worlds: number;
+  /** Steps simulated. */
   steps: number;
+  /** Failures proved and classified. */
   failures: number;
+  /** Keys of failures that it was the first to find. */
   variants: number;
 }
 
@@ -423,7 +429,7 @@ interface CampaignState {
   verdicts: Record<string, number>;
   met: Record<string, number>;
   known: Record<string, number>;
-  strategies: StrategyTotals[];
+  strategies: StrategyYield[];
   archive: ArchiveMessage | null;
   /** Why it gave up. */
   error: Refusal | null;

@@ -71,7 +71,7 @@ def message_of(world: World) -> WorldMessage:
         target,
         Events(*columns) if world.is_dynamic else None,
         # Without the file's text, the other robots are lost.
-        [RobotEnds(*_ends(robot), robot.radius) for robot in world.others] if is_kept else [],
+        [RobotEnds(*_ends(robot), robot.radius) for robot in world.robots[1:]] if is_kept else [],
         text.decode("utf-8") if is_kept else None,
     )
 
@@ -156,9 +156,9 @@ def restored(message: WorldMessage) -> World:
     if message.source is None:
         return world
     opened = loads(message.source.encode("utf-8"))
-    if dataclasses.replace(opened, certificate=None, others=()).bare == world.bare:
+    if opened.alone(1) == world:
         return opened
-    if not opened.others:
+    if not opened.is_fleet:
         return world
     # Their positions in a resized world are undefined.
     if (opened.walls.shape, opened.cell_size) != (world.walls.shape, world.cell_size):
@@ -169,4 +169,4 @@ def restored(message: WorldMessage) -> World:
             "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
         )
-    return dataclasses.replace(world, others=opened.others)
+    return dataclasses.replace(world, robots=(*world.robots, *opened.robots[1:]))

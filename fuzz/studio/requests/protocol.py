@@ -17,8 +17,9 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, Union
 import msgspec
 from msgspec import Meta, Struct
 
-from fuzz.campaign.store import Budget, StrategyTotals
+from fuzz.campaign.store import Budget
 from fuzz.studio.requests import limits
+from fuzz.unit.result import StrategyYield
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.support.plain_text import quote
@@ -914,7 +915,7 @@ class CampaignState(Struct, kw_only=True):
     verdicts: dict[str, int] = {}
     met: dict[str, int] = {}
     known: dict[str, int] = {}
-    strategies: list[StrategyTotals] = []
+    strategies: list[StrategyYield] = []
     archive: ArchiveMessage | None = None
     error: Refusal | None = None
 
