@@ -17,6 +17,7 @@ from sim.evidence import evidence_table
 from sim.verdict import ARRIVALS
 from worldgen import render
 from worldgen.errors import WorldgenError
+from worldgen.files.json_file import plain
 from worldgen.render.overlay import naming
 from worldgen.support.plain_text import shown
 
@@ -56,7 +57,7 @@ class Explanation:
             "cause": "" if self.diagnosis is None else self.diagnosis.cause.value,
             "goes_wrong": self.goes_wrong,
             **(untried if self.why is None else self.why.table()),
-            **self.facts.table(),
+            **plain(self.facts),
         }
 
     def text(self) -> list[str]:

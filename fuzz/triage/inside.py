@@ -70,14 +70,6 @@ class Inside:
     reads: list[str] = field(default_factory=list)
     state: list[tuple[str, str]] = field(default_factory=list)
 
-    def table(self) -> dict[str, object]:
-        """Return the form of this record in JSON."""
-        return {
-            **vars(self),
-            "lines": list(map(list, self.lines)),
-            "state": list(map(list, self.state)),
-        }
-
     def text(self) -> list[str]:
         """Return the lines for the terminal."""
         found = []

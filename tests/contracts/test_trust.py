@@ -20,9 +20,10 @@ import pytest
 from fuzz.campaign.configure import configure
 from fuzz.ci.place import place_of
 from fuzz.failure import Failure
-from fuzz.replay.regression import fixed
+from fuzz.regression.regression import fixed
 from fuzz.studio.campaigns.answers import fuzz_command
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.options import CampaignOptions
 from sim.episode import simulate
 from sim.scenario import Scenario

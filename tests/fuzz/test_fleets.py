@@ -24,7 +24,8 @@ from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.diagnosis import cause_of_run, diagnosis_of, diagnosis_of_run
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.options import CampaignOptions
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation

@@ -15,7 +15,8 @@ from fuzz.failure import Failure
 from fuzz.overview.natural import _run
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.timeline_reads import noting_reads, world_to_read

@@ -9,7 +9,7 @@ import pytest
 
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, with_worlds
+from fuzz.overview.building import with_worlds
 from fuzz.overview.causes import causes_of
 from fuzz.triage.inside import inside
 from sim.controllers import CONTROLLERS
@@ -362,11 +362,9 @@ def test_counts_do_not_depend_on_the_runs_before(robot):
 
 def test_an_overview_has_what_the_run_of_each_cause_shows(robot):
     failure = failing(robot(BOUNCES)).noting(cause="wanders")
-    file = WorldFile(failure, "a.grid")
-    (cause,) = with_worlds(causes_of([failure]), lambda _: [file])
-    row = cause.table()
-    assert [0, None, "..."] in row.inside["lines"] and row.inside["unused"] == ["never_called"]
-    assert row.repeats and row.reactions[0][0] == "touching a wall ahead"
+    ((row,), _) = with_worlds(causes_of([failure]), lambda _: [failure])
+    assert (0, None, "...") in row.inside.lines and row.inside.unused == ["never_called"]
+    assert row.repeats and row.reactions[0].situation == "touching a wall ahead"
 
 
 # Keeps a long list of counters; only its last number decides how the robot turns.

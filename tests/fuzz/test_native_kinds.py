@@ -15,7 +15,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search.native import scenes as drawn
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim import Command, Commands
 from sim.controllers import CONTROLLERS

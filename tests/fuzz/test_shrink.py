@@ -15,7 +15,8 @@ from fuzz.shrink.edits import drop_lines, free_cells
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim.options.run import RunOptions
 from sim.options.thesis import ThesisOptions

@@ -6,7 +6,7 @@ import pytest
 
 from fuzz.facts.proofs import certified
 from fuzz.oracles import Trial
-from fuzz.replay.answer import State, answer
+from fuzz.regression.answer import State, answer
 from fuzz.triage.judging import failure_of
 from sim import simulate
 from sim.clock import controller_time

@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.scenario import Scenario
 from worldgen.generation import generate
 

@@ -10,7 +10,7 @@ from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.format import ROBOT_FACTS
-from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
+from worldgen.interop.format.foreign_map import IMPORTED, ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
@@ -173,7 +173,7 @@ def _with_robot(
         params["unread"] = list(found.unread)
         params |= {"ignore_unread": True} if robot.ignore_unread else {}
         warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
-    world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
+    world = replace(world, provenance=Provenance(IMPORTED, VERSION, robot.seed or 0, params))
     decision = decide(world)
     world = replace(world, certificate=decision.certificate)
     return Imported(

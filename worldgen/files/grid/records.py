@@ -40,19 +40,19 @@ class Table(NamedTuple):
         values: The table's contents.
         keys: Its declared keys.
         name: Its name; empty for the top.
-        index: Its number among the ``[[name]]`` tables, from 0.
+        row: Its number among the ``[[name]]`` tables, from 0.
     """
 
     header: Header
     values: Mapping[str, object]
     keys: Mapping[str, Key]
     name: str = ""
-    index: int | None = None
+    row: int | None = None
 
     def at(self, *path: str) -> dict[str, Any]:
         """Return the place of a key, or of the table, as :class:`FormatError` takes it."""
-        if self.index is not None:
-            return self.header.at(*path, table=self.name, index=self.index)
+        if self.row is not None:
+            return self.header.at(*path, table=self.name, index=self.row)
         if self.name:
             path = (self.name, *path)
         return self.header.at(*path) if path else self.header.at_the_end()
@@ -60,8 +60,8 @@ class Table(NamedTuple):
     def place(self, key: str) -> Place:
         """Return the place of a key's value."""
         what = key
-        if self.index is not None:
-            what = f"{self.name} {self.index + 1} {key}"
+        if self.row is not None:
+            what = f"{self.name} {self.row + 1} {key}"
         elif self.name:
             what = f"{self.name}.{key}"
         declared = self.keys[key]
@@ -83,7 +83,7 @@ class Table(NamedTuple):
     def missing(self, key: str) -> FormatError:
         """Return the error for a key that must be there."""
         declared = self.keys[key]
-        where = f"[[{self.name}]] number {self.index + 1}" if self.index is not None else ""
+        where = f"[[{self.name}]] number {self.row + 1}" if self.row is not None else ""
         return FormatError(
             "missing-key",
             "{place} has no {key}",

@@ -126,7 +126,7 @@ def _text(value: object, place: Place) -> str:
 
 def _integer(value: Any, place: Place) -> int:
     is_integer = isinstance(value, int) and not isinstance(value, bool)
-    if not is_integer or value.bit_length() > MAX_INTEGER_BITS:
+    if not (isinstance(value, int) and is_integer) or value.bit_length() > MAX_INTEGER_BITS:
         raise FormatError(
             "wrong-type",
             "{what} is {kind}",

@@ -28,6 +28,9 @@ _Contents = TypeVar("_Contents")
 MAX_CELLS = 64_000_000
 # A plain PGM takes up to 4 bytes per cell.
 MAX_FILE_BYTES = 256 << 20
+# Families of the provenance of an imported map, and of the sidecar of an exported one.
+IMPORTED = "import"
+EXPORTED = "export"
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,8 @@ class ForeignMap:
 def origin_of(world: World) -> tuple[float, float]:
     """Return x and y, m, of the grid's lower-left corner in the imported map's frame, or 0."""
     made = world.provenance
-    origin = made.params.get("origin") if made is not None and made.family == "import" else None
+    is_foreign = made is not None and made.family in (IMPORTED, EXPORTED)
+    origin = made.params.get("origin") if made is not None and is_foreign else None
     if (
         isinstance(origin, list)
         and len(origin) == 2
