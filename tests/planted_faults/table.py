@@ -156,7 +156,7 @@ FAULTS = (
         "secret-memory",
         "a controller with memory that it doesn't declare proves no loop",
         "sim/runners/python_loop.py",
-        "self.complete = begun is not None and hidden_state(self._controller) == begun",
+        "self.complete = begun is not None and hidden_state(self._host.controller) == begun",
         "self.complete = True",
         ("tests/sim/test_episode.py",),
     ),

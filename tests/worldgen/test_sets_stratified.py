@@ -105,9 +105,10 @@ def test_a_stratum_that_the_family_cannot_fill_leaves_its_worlds_to_its_neighbou
     assert strata[-1].worlds == 0 and any(stratum.worlds > stratum.share for stratum in strata)
 
 
-def test_the_command_says_which_strata_are_short_of_worlds(tmp_path):
+def test_the_command_says_which_strata_are_short_of_worlds(tmp_path, monkeypatch):
+    monkeypatch.setattr("worldgen.sets.searched.TRIES", 20)
     done = worldgen(
-        "maze", "--size", 12, "--difficulty", "0.7..1", "--seed", 1, "--count", 3, "--tries", 20, "--no-metrics",
+        "maze", "--size", 12, "--difficulty", "0.7..1", "--seed", 1, "--count", 3, "--no-metrics",
         "--out", tmp_path / "set",
     )  # fmt: skip
     assert done.code == 0 and "difficulty 0.9 to 1: 0  1 fewer than its share" in done.err
@@ -160,9 +161,12 @@ def test_the_narrowest_range_has_strata_that_differ():
     assert len(set(strata_edges(0.3, 0.301, 10))) == 11
 
 
-def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_json(tmp_path):
+def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_json(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr("worldgen.sets.searched.TRIES", 2)
     done = worldgen(
-        "maze", "--size", 12, "--difficulty", "0.99..1", "--seed", 1, "--count", 2, "--tries", 2, "--no-metrics",
+        "maze", "--size", 12, "--difficulty", "0.99..1", "--seed", 1, "--count", 2, "--no-metrics",
         "--out", tmp_path / "set", "-q", "--json",
     )  # fmt: skip
     assert done.code == 1 and "none of 2 worlds fits" in done.err

@@ -50,7 +50,7 @@ COMMANDS = {
     "view": "show", "draw": "show", "plot": "show", "render": "show", "cat": "show",
     "convert": "export", "ls": "list", "rm": "prune", "minimize": "shrink", "minimise": "shrink",
     "rerun": "replay", "list": "families", "benchmark": "compare", "bench": "compare",
-    "compose": "", "chance": "compare",
+    "compose": "", "chance": "compare", "census": "verify",
 }  # fmt: skip
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
 

@@ -134,7 +134,7 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
     if not (isinstance(came, str) and isinstance(meant, str) and came and meant) or ":" in came:
         return _polished(group, words)
     # Only whole names are replaced, not parts of longer ones.
-    pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w-])")
+    pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w/-])")
     return [pattern.sub(lambda _: meant, word) for word in words]
 
 

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from worldgen.family import Family
     from worldgen.world import Value
 
-_TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
 
 
@@ -64,11 +63,6 @@ CONSTRAINT_OPTIONS = (
         help="Search for a world of this difficulty, 0 to 1; with a range and --count, spread a "
         "set over the range.",
     ),
-    click.option(
-        "--tries",
-        type=click.IntRange(1, 1_000_000),
-        help=f"Maximum number of worlds to try per world found.  [default: {_TRIES}]",
-    ),
 )
 
 
@@ -86,12 +80,10 @@ class WorldQuery:
     Args:
         where: A constraint on their metrics.
         difficulty: Their difficulty, or the two ends of its range.
-        tries: Worlds to try per world found.
     """
 
     where: str | None
     difficulty: tuple[float, ...] | None
-    tries: int | None
 
 
 def make_wanted(
@@ -107,14 +99,13 @@ def make_wanted(
     Raises:
         Exit: With code 1 if no fitting world was found; those found before are kept.
     """
-    from worldgen.difficulty.search import Search, constraint_for
+    from worldgen.difficulty.search import TRIES, Search, constraint_for
     from worldgen.sets import plan_wanted_set
 
     # A range of difficulty requests worlds that are spread over it, or one world anywhere in it.
     low, *more = query.difficulty or (None,)
     difficulty = (low, more[0]) if low is not None and more else low
     constraint = constraint_for(query.where, difficulty)
-    tries = query.tries or _TRIES
     search: Search | None = None
     results: list[dict[str, Any]] = []
     # Search for a set, or for one world.
@@ -134,15 +125,14 @@ def make_wanted(
                     params,
                     where=query.where,
                     difficulty=difficulty,
-                    tries=tries,
                     metrics=to.metrics is not False,
                     tell=progress,
                 )
-                make_many(plan, seed, to.path, workers=1, force=to.force, as_json=to.as_json)
+                make_many(plan, seed, to.path, force=to.force, as_json=to.as_json)
                 _note_strata(to.path)
                 return
             search = Search(made_by, constraint, draw_seed(seed), params)
-            for one in search.found(1, tries, progress):
+            for one in search.found(1, TRIES, progress):
                 again = _command(made_by, name, one.seed, {**params, **one.params})
                 results.append(_write(one, again, to))
     # Report the nearest world if none fits.

@@ -74,7 +74,7 @@ def plan_wanted_set(
     *,
     where: str | None = None,
     difficulty: float | tuple[float, float] | None = None,
-    tries: int = TRIES,
+    tries: int | None = None,
     metrics: bool = True,
     tell: Callable[[Search], None] | None = None,
 ) -> WantedPlan:
@@ -88,7 +88,7 @@ def plan_wanted_set(
         where: A constraint, such as ``"detour > 3"``.
         difficulty: The difficulty to aim for, 0 to 1; or a range, over which the worlds are spread
             evenly.
-        tries: Limit on the worlds made per world found.
+        tries: Limit on the worlds made per world found; 500 if omitted.
         metrics: True to measure every metric of each world. The difficulty of worlds that are
             spread over a range is measured in any case.
         tell: Called after each try.
@@ -104,7 +104,7 @@ def plan_wanted_set(
     header = msgspec.structs.replace(
         header_of(made_by, given, seed, count, metrics=metrics), constraint=constraint, strata=edges
     )
-    return WantedPlan(family=made_by, header=header, tries=tries, tell=tell)
+    return WantedPlan(family=made_by, header=header, tries=tries or TRIES, tell=tell)
 
 
 @dataclass(frozen=True)
