@@ -13,7 +13,7 @@ from fuzz.failure import Failure
 from fuzz.oracles import ORACLES, NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
-from fuzz.regression.regression import CONFIRMED, check
+from fuzz.regression.checks import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.judging import failure_of
