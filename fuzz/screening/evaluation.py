@@ -363,7 +363,7 @@ class _Packed:
     def batch(self, layouts: Bytes, seeds: Words, kinds: Ints, budgets: Ints) -> Batch:
         """Return the runs of one call."""
         for run in self.runs:
-            run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+            run.settings.find_loop = run.search
             run.settings.digest = 0
         patience = _PATIENT if self.host.in_core else _BRISK
         settings = [run.settings for run in self.runs]

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.evidence import BudgetEvidence
 from sim.options.robot import SIGNALS
-from sim.options.run import RunOptions, check_step_length
+from sim.options.run import RunOptions, check_recordable, check_step_length
 from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
@@ -254,6 +254,7 @@ class ThesisRun:
 
         It drifts if its poses recur within a millionth of a pixel; otherwise it is only confined.
         """
+        check_recordable(steps)
         # Run the first half without recording, and record the second.
         half = steps // 2
         episode = self._episode(steps, digest=0)
