@@ -40,7 +40,7 @@ from sim.runners.core_calls import (
 )
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
-from sim.runners.python_loop import PythonLoop
+from sim.runners.python_loop import run_in_python
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
 from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
@@ -215,10 +215,8 @@ class LatticeRun:
         self.settings.find_loop = self.search if find_loop else lib.WG_NO_LOOP
         if self.host.in_core:
             return self._run_compiled(record)
-        loop = PythonLoop(self.host, self.arena(), self.settings, self.world)
-        loop.run(steps, record=record)
-        recording = loop.recording()
-        return self.outcome_of(loop.episode, recording, loop.complete, loop.fault), loop.episode
+        ended = run_in_python(self.host, self.arena(), self.settings, self.world, record=record)
+        return self.outcome_of(*ended), ended.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
         """Simulate a controller from the start, and return its memory at the end, too.
