@@ -46,7 +46,7 @@ from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
 from sim.episode.describe import describe_evidence, describe_unreachable
 from sim.evidence import FaultEvidence
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions, step_budget
 from sim.thesis.run import signal_in
 from sim.verdict import UNENDED
@@ -263,7 +263,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         check_registered("motion", motion, MOTIONS.names())
         changed: dict[str, Value] = field(message, "options", dict)
         # The thesis's model drives only the thesis's robots.
-        if MOTIONS.get(motion).kernel == THESIS:
+        if not MOTIONS.get(motion).on_lattice:
             motion = "swept"
             changed = {}
         time_step = field(message, "time_step", float)

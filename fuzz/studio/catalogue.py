@@ -19,7 +19,7 @@ from fuzz.studio.requests.folder import KNOWN
 from fuzz.studio.requests.refusals import refusal
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from sim.options.thesis import ThesisOptions
@@ -199,7 +199,7 @@ def _registered(name: str) -> Controller | None:
 
 def _motion(name: str) -> dict[str, Any]:
     motion = MOTIONS.get(name)
-    thesis = motion.kernel == THESIS
+    thesis = not motion.on_lattice
     return {
         "name": name,
         "about": motion.summary,

@@ -22,7 +22,7 @@ from sim._core import lib
 from sim.controllers.base import Controller
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import simulate
-from sim.motion import LATTICE, MOTIONS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
 from sim.runners.controller_host import ControllerHost, host_of
@@ -146,7 +146,7 @@ class _RunBlock:
 
     @property
     def _is_on_lattice(self) -> bool:
-        return MOTIONS.get(self.options.motion).kernel == LATTICE
+        return MOTIONS.get(self.options.motion).on_lattice
 
 
 def simulate_many(

@@ -18,7 +18,7 @@ from sim.evidence import (
     ReachedEvidence,
 )
 from sim.fleet.assignment import assigned
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import TARGET, RunOptions, check_world, options_from, switch_sets
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.controller_host import host_of
@@ -26,7 +26,6 @@ from sim.runners.decide import decide
 from sim.runners.lattice import LatticeRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
-from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Words
 from worldgen.world import Value, Witness, World
 
@@ -101,23 +100,13 @@ def prepare(
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(
-        motion.name,
-        options.robot.changed() if motion.kernel == THESIS else options.thesis.changed(),
+        motion.name, options.thesis.changed() if motion.on_lattice else options.robot.changed()
     )
-    if motion.kernel != THESIS:
+    if motion.on_lattice:
         return LatticeRun(world, found, options, lean=lean)
-    rule = host_of(found).thesis_rule
-    if not rule:
-        raise InvalidParameter(
-            "motion-is-the-thesis-robots",
-            "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
-            "use --motion swept or endpoint for other controllers",
-            at_terminal=True,
-            name=motion.name,
-        )
     from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
 
-    return ThesisRun(world, rule, options)
+    return ThesisRun(world, found, options)
 
 
 def _loop(world: World, options: RunOptions, outcome: Outcome, state: Words) -> Episode:

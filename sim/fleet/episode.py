@@ -20,7 +20,7 @@ from sim.evidence import (
 )
 from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.outcome import Episode, FleetEpisode, Outcome, area_of, wall_evidence
 from sim.runners.decide import decide
@@ -101,7 +101,7 @@ def _prepared(
 def _check_options(options: Sequence[RunOptions]) -> None:
     """Refuse options for a single robot, and robots under different motion models."""
     for one in options:
-        if MOTIONS.get(one.motion).kernel == THESIS:
+        if not MOTIONS.get(one.motion).on_lattice:
             raise InvalidParameter(
                 "motion-for-one-robot",
                 "motion {motion!r} runs one robot, and the world has several",
