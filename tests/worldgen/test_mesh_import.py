@@ -85,10 +85,10 @@ def test_facts_of_a_worldgen_file_are_not_used_for_another_axis_or_unit(
 ):
     world = maze(seed=1, size=20)
     path = put(tmp_path, f"w.{kind}", export_world(world, kind, sidecar=False).data)
-    assert read_map(path).start is not None
+    assert read_map(path).robot.start is not None
     options = {option: value, "slice_height": 0.005, "cell_size": 0.01}
     turned = read_map(path, options=options)
-    assert turned.start is None and turned.params["format"] == kind
+    assert turned.robot.start is None and turned.params["format"] == kind
 
 
 def test_a_mesh_of_odd_size_is_warned_of(tmp_path):

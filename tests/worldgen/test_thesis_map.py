@@ -79,7 +79,7 @@ def test_a_sample_is_imported_as_the_program_would_run_it(name):
 def test_rows_go_down_and_columns_go_right(write):
     found = read_thesis_map(write(room(target=(8, 1), walls=[(2, 3)]).values))
     assert [tuple(cell) for cell in np.argwhere(found.walls[1:-1, 1:-1])] == [(10 - 1 - 3 - 1, 1)]
-    assert found.target == (0.85, 0.85, 0.05)
+    assert found.robot.target == (0.85, 0.85, 0.05)
 
 
 def test_the_cell_size_scales_start_target_and_robot(write):
@@ -464,7 +464,7 @@ def test_a_world_of_a_family_survives_the_way_out_and_back(tmp_path, name):
     assert (
         max(
             abs(a - b)
-            for a, b in zip(found.target[:2], (world.target.x, world.target.y), strict=True)
+            for a, b in zip(found.robot.target[:2], (world.target.x, world.target.y), strict=True)
         )
         < 0.051
     )
