@@ -29,7 +29,7 @@ from fuzz.studio.requests.protocol import (
 from fuzz.studio.requests.refusals import refusal
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from sim.options.thesis import ThesisOptions
@@ -204,7 +204,7 @@ def _registered(name: str) -> Controller | None:
 
 def _motion(name: str) -> MotionMessage:
     motion = MOTIONS.get(name)
-    thesis = motion.kernel == THESIS
+    thesis = not motion.on_lattice
     options = [
         _parameter(option)
         for option in (ThesisOptions if thesis else RobotOptions).declared()

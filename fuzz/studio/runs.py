@@ -38,7 +38,7 @@ from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
 from sim.episode.describe import describe_evidence, describe_unreachable
 from sim.evidence import FaultEvidence
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions, step_budget
 from sim.verdict import UNENDED
 from worldgen.errors import InvalidParameter
@@ -79,7 +79,7 @@ def _drive(request: Drive, opened: Opened, part: object) -> DrivenRobot:
     check_registered("motion", motion, MOTIONS.names())
     options: dict[str, Value] = request.options
     # The thesis's model drives only the thesis's robots.
-    if MOTIONS.get(motion).kernel == THESIS:
+    if not MOTIONS.get(motion).on_lattice:
         motion = "swept"
         options = {}
     parameters = {**options, "time_step": request.time_step, "steps": driver.steps}
