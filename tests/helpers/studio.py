@@ -9,7 +9,6 @@ import time
 from pathlib import Path
 
 import msgspec
-import msgspec
 import uvicorn
 from websockets.sync.client import connect
 
@@ -110,32 +109,6 @@ class Answers:
     def ask(self, do, **message):
         request = decoded(json.dumps({"id": 0, "do": do} | message))
         return sent(answer(request, self.opened, lambda part: self.parts.append(sent(part))))
-
-
-def message_of(world):
-    """Return a world as the page sends it."""
-    return sent(messages.message_of(world))
-
-
-def sent(message):
-    """Return a message as it arrives: in JSON's types."""
-    return json.loads(msgspec.json.encode(message))
-
-
-def fitting(do, **message):
-    """Return the fields of a message that a kind of request takes."""
-    return {name: value for name, value in message.items() if name in REQUESTS[do].__struct_fields__}
-
-
-class Answers:
-    """Answers requests in this process."""
-
-    def __init__(self, folder, named=()):
-        self.opened = Opened(Folder(folder), tuple(named))
-
-    def ask(self, do, **message):
-        request = decoded(json.dumps({"id": 0, "do": do} | message))
-        return sent(answer(request, self.opened, lambda part: None))
 
 
 class Page:
