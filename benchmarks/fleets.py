@@ -70,15 +70,7 @@ def hall_of(count: int) -> World:
         )
         for k in range(count)
     ]
-    first, *others = robots
-    return World(
-        [[False] * (columns * per_place)] * (rows * per_place),
-        first.start,
-        first.target,
-        robot_radius=RADIUS,
-        robot_speed=SPEED,
-        others=tuple(others),
-    )
+    return World([[False] * (columns * per_place)] * (rows * per_place), robots=robots)
 
 
 def _ours(name: str, count: int) -> Callable[[], tuple[float, float]]:

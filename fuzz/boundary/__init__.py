@@ -6,22 +6,13 @@ Contents:
     Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at
         which it fails.
     run_subject: one run of a scenario, with a fresh proof.
-    Stretch, scan: every change of outcome between the values of a scan.
     is_bounded, subject_of: the failures that can have a boundary.
     with_boundaries, describe_boundaries: the boundaries in a failure's record.
 """
 
 from fuzz.boundary.axes import AXES, Axis, Subject, index_of
 from fuzz.boundary.measured import describe_boundaries, is_bounded, subject_of, with_boundaries
-from fuzz.boundary.search import (
-    Boundary,
-    BoundaryRun,
-    BoundaryRuns,
-    Stretch,
-    nearest_boundary,
-    run_subject,
-    scan,
-)
+from fuzz.boundary.search import Boundary, BoundaryRun, BoundaryRuns, nearest_boundary, run_subject
 
 __all__ = [
     "AXES",
@@ -29,14 +20,12 @@ __all__ = [
     "Boundary",
     "BoundaryRun",
     "BoundaryRuns",
-    "Stretch",
     "Subject",
     "describe_boundaries",
     "index_of",
     "is_bounded",
     "nearest_boundary",
     "run_subject",
-    "scan",
     "subject_of",
     "with_boundaries",
 ]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import msgspec
@@ -111,7 +110,7 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome 
         options = subject.scenario.options(world)
         controller = CONTROLLERS.get(subject.scenario.controller)
         outcome: Outcome | Episode
-        if world.others:
+        if world.is_fleet:
             outcome = simulate(world, controller, options)
         else:
             run = prepare(world, controller, options)
@@ -227,68 +226,3 @@ def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boun
             other = middle
     passes, fails = (one, other) if one.arrives else (other, one)
     return Boundary(looks.axis, passes, fails)
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Values of an axis, from ``first`` to ``last``, with the same outcome in all runs of the scan.
-
-    Args:
-        outcome: ``arrives``, ``fails``, or ``no proof`` if the target is not provably reachable or
-            there is no such scenario.
-        first: Smallest value.
-        last: Largest value.
-        verdicts: The different verdicts of its runs.
-        runs: Number of runs.
-    """
-
-    outcome: str
-    first: float
-    last: float
-    verdicts: tuple[str, ...]
-    runs: int
-
-
-def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
-    """Run the values of some indices and bisect between neighbours of different outcome.
-
-    Nothing between two values of equal outcome is run, so a double change between them is missed.
-
-    Args:
-        looks: The runs.
-        indices: Ascending indices.
-    """
-    # Run the given values, then bisect between those that differ.
-    seen = {index: looks(index) for index in indices}
-    for low, high in itertools.pairwise(indices):
-        for index in _between(looks, low, high):
-            seen[index] = looks(index)
-    # Join neighbours of equal outcome.
-    stretches: list[list[int]] = []
-    for index in sorted(seen):
-        if stretches and _said(seen[stretches[-1][-1]]) == _said(seen[index]):
-            stretches[-1].append(index)
-        else:
-            stretches.append([index])
-    return [_stretch(looks, [(index, seen[index]) for index in stretch]) for stretch in stretches]
-
-
-def _between(looks: BoundaryRuns, low: int, high: int) -> Iterator[int]:
-    """Yield the indices that bisection visits between two of different outcome."""
-    while high - low > 1 and _said(looks(low)) != _said(looks(high)):
-        middle = (low + high) // 2
-        yield middle
-        if _said(looks(middle)) == _said(looks(low)):
-            low = middle
-        else:
-            high = middle
-
-
-def _said(look: BoundaryRun | None) -> str:
-    return "no proof" if look is None else "arrives" if look.arrives else "fails"
-
-
-def _stretch(looks: BoundaryRuns, runs: list[tuple[int, BoundaryRun | None]]) -> Stretch:
-    verdicts = dict.fromkeys(look.outcome.verdict for _, look in runs if look is not None)
-    first, last = (looks.axis.value(index) for index in (runs[0][0], runs[-1][0]))
-    return Stretch(_said(runs[0][1]), first, last, tuple(verdicts), len(runs))

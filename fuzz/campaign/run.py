@@ -1,4 +1,4 @@
-"""Campaigns: an executor does units, failures are shrunk, and all results are stored.
+"""Campaigns for failures: units find them, they are shrunk, and all results are stored.
 
 It yields events and prints nothing.
 """
@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import replace
-from typing import Any
+from functools import partial
 
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
-from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
-from fuzz.campaign.store import CampaignStore
+from fuzz.campaign.scheduler import Scheduler, Work
+from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
+from fuzz.campaign.store import MEMORY, CampaignStore, Find
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
-from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
 from fuzz.unit.config import CampaignConfig
@@ -25,8 +25,8 @@ from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.unit.result import FailureKey, SearchState, UnitResult
 
 
-class Campaign(UnitSearch[UnitResult, Progress]):
-    """A search with a budget.
+class Campaign:
+    """A search for failures, with a budget.
 
     Args:
         config: Definition of the campaign.
@@ -57,14 +57,15 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         is_known: Callable[[Failure], bool] = lambda _: False,
         began: Beginning | None = None,
     ) -> None:
-        super().__init__(
-            [config.scenario],
-            executor or local_executor(1),
-            Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began),
-            units,
+        schedule = Schedule(
+            None if units is not None else seconds, shrinks=config.shrink, began=began
         )
+        self._scheduler = Scheduler(
+            [config.scenario], executor or local_executor(1), schedule, units
+        )
+        self._schedule = schedule
         self.config = config
-        self.seconds = seconds
+        self.units = units
         self.state = CampaignState()
         self._is_known = is_known
         self._store = store or CampaignStore()
@@ -83,8 +84,6 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
-        # Failures that workers have.
-        self._shrinks: list[tuple[ShrinkJob, Submitted[Shrinking]]] = []
         self._handed_in = LiveCounts()
         # Seconds of earlier runs.
         self._before = 0.0
@@ -112,7 +111,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
 
         May be called in another thread.
         """
-        counted = self._executor.counts() or self._handed_in
+        counted = self._scheduler.executor.counts() or self._handed_in
         more = counted.without(self._handed_in)
         state = self.state
         failed = not_arrived(dict(state.verdicts))
@@ -120,13 +119,13 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         if not self._schedule.is_ready or not (tried or state.until):
             phase = Phase.PREPARING
         else:
-            phase = Phase.SEARCHING if self._under_way else Phase.SHRINKING
+            phase = Phase.SEARCHING if self._scheduler.units else Phase.SHRINKING
         return LiveState(
             phase,
             tried,
             state.steps + more.steps,
             failed + more.failed,
-            len(self._shrinks) + len(self._queue),
+            len(self._scheduler.others) + len(self._queue),
             self._schedule.elapsed(),
         )
 
@@ -138,20 +137,15 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             WorkersLost: If the workers ended before the work did.
         """
         try:
-            yield from super().run()
+            yield from self._scheduler.run(self)
+            if self.units is None:
+                self._take_from_earlier()
         finally:
             self._count_time()
 
-    def _run(self, executor: Executor) -> Generator[Progress, None, None]:
-        yield from super()._run(executor)
-        if self.units is None:
-            self._take_from_earlier()
-
-    def _is_exhausted(self) -> bool:
-        return not self._shrinks and (not self._queue or self._schedule.is_over())
-
-    def _others(self) -> Sequence[Submitted[Any]]:
-        return [submitted for _, submitted in self._shrinks]
+    def is_reached(self) -> bool:
+        """Return False: a search for failures only ends with its budget."""
+        return False
 
     def _count_time(self) -> None:
         """Update the times in the state.
@@ -164,40 +158,34 @@ class Campaign(UnitSearch[UnitResult, Progress]):
     def _take_from_earlier(self) -> None:
         """Add findings from an earlier run's cut units that this run did not get to."""
         for unit in self._store.units_cut():
-            if unit >= self._merged and (done := self._store.cut_unit(unit)) is not None:
-                self._add(unit, Submitted.restored(done.result, done.seconds))
+            is_new = unit >= self._scheduler.next_merged
+            if is_new and (done := self._store.cut_unit(unit)) is not None:
+                self._add(unit, done.result, done.seconds)
 
-    def _hand_out_one(self, executor: Executor) -> bool:
-        """Begin a unit, or shrink a failure.
+    def next_work(self) -> Work[Progress] | None:
+        """Return a unit, or a failure to shrink.
 
         The first failure of each group is shrunk before the search continues, the others after it.
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
-        # The first failure of each group is shrunk before the search continues, until the search
-        # needs its share.
-        search_first = self._schedule.search_comes_first
-        job = self._next_job(first_only=search_first)
+        job = self._next_job(first_only=self._schedule.search_comes_first)
         # Search if nothing more urgent is waiting.
         if job is None and self._schedule.may_search:
-            if (unit := self._unit(executor, self._next)) is not None:
-                self._add_unit(unit)
-                return True
-            if not self._schedule.is_ready and self._has_more_units():
-                self._get_ready(executor)
-                return True
+            unit = self._next_unit()
+            if unit is not None:
+                return unit
         # Otherwise shrink the next failure, if there is one.
         job = job or self._next_job()
         if job is None:
-            return False
-        if not self._schedule.is_ready:
-            self._get_ready(executor)
+            return None
+        self._scheduler.get_ready()
+        in_progress = len(self._scheduler.others)
         seconds, end = self._schedule.for_shrinking(
-            self._jobs_before(job) + 1, max(executor.room - 1, 1)
+            self._queue.as_urgent_as(job) + in_progress + 1,
+            max(self._scheduler.executor.room - 1, 1),
         )
-        with self._schedule.doing(0, 1):
-            future = executor.submit(shrunk_or_same, job.failure, seconds=seconds, end=end)
-        self._shrinks.append((job, Submitted(future)))
-        return True
+        call = partial(shrunk_or_same, job.failure, seconds=seconds, end=end)
+        return Work(call, partial(self._take_shrunk, job), is_unit=False)
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
         """Return a failure to shrink, the first of each group before others.
@@ -208,66 +196,62 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return None
         return self._queue.take(first_only=first_only)
 
-    def _jobs_before(self, job: ShrinkJob) -> int:
-        """Return the number of equally urgent failures that wait or are in progress."""
-        return self._queue.as_urgent_as(job) + len(self._shrinks)
-
-    def _add_jobs(self, jobs: list[ShrinkJob]) -> None:
-        """Queue failures for shrinking, or finish them if they need no work."""
-        for job in jobs:
-            done = self._store.shrunk(job.failure) if self.config.shrink else job.failure
-            if done is None:
-                self._queue.add(job)
-            else:
-                self._shrinks.append((job, Submitted.restored(Shrinking(done), 0.0)))
-
-    def _has_more_units(self) -> bool:
-        return super()._has_more_units() and self._next // self.config.epoch < len(self._known)
-
-    def _unit(self, executor: Executor, unit: int) -> Submitted[UnitResult] | None:
-        """Return the unit in progress, or the stored one.
-
-        It is ``None`` if there is none, or the executor is not ready.
-        """
-        if not self._has_more_units():
+    def _next_unit(self) -> Work[Progress] | None:
+        """Return the next unit, or the stored one; ``None`` if none may begin now."""
+        unit = self._scheduler.next_unit
+        epoch = unit // self.config.epoch
+        # What the unit is to know depends on units that may not be merged yet.
+        if not self._scheduler.has_more_units or epoch >= len(self._known):
             return None
         done = self._store.unit(unit)
         if done is not None:
             # A unit's own figure excludes failures that were shrunk after the last unit.
             self._before = max(done.seconds, self._earlier)
-            return Submitted.restored(done.result, done.seconds)
-        if not self._schedule.is_ready or self._schedule.is_over():
+            return Work.done(done.result, partial(self._merge, unit, stored_at=done.seconds))
+        # Loading takes part of the time.
+        self._scheduler.get_ready()
+        if not self._schedule.may_search:
             return None
-        known = self._known[unit // self.config.epoch]
-        deadline = self._schedule.deadline()
-        with self._schedule.doing(1, 0):
-            return Submitted(executor.submit(run_unit, self.config, unit, known, deadline))
+        call = partial(run_unit, self.config, unit, self._known[epoch], self._schedule.deadline())
+        return Work(call, partial(self._merge, unit))
 
-    def _merge(self, unit: int, submitted: Submitted[UnitResult]) -> Iterator[Progress]:
-        self._add_jobs(self._add(unit, submitted))
-        yield UnitDone(unit, self.state, submitted.seconds is not None)
-        yield from self._take_others()
+    def _merge(
+        self, unit: int, result: UnitResult, stored_at: float | None = None
+    ) -> Iterator[Progress]:
+        """Add a unit's result, and queue its failures for shrinking unless that is done.
 
-    def _add(self, unit: int, submitted: Submitted[UnitResult]) -> list[ShrinkJob]:
+        Args:
+            unit: Number of the unit.
+            result: Its result.
+            stored_at: Seconds of the search when it was done in an earlier run.
+        """
+        jobs = self._add(unit, result, stored_at)
+        yield UnitDone(unit, self.state, stored_at is not None)
+        for job in jobs:
+            done = self._store.shrunk(job.failure) if self.config.shrink else job.failure
+            if done is None:
+                self._queue.add(job)
+            else:
+                yield from self._take_shrunk(job, Shrinking(done), is_stored=True)
+
+    def _add(self, unit: int, result: UnitResult, stored_at: float | None) -> list[ShrinkJob]:
         """Add a unit's result to the totals and to the store.
 
         Return the failures to shrink, which are the same for any timing.
         """
-        # Take the result, unless an earlier run of the campaign got further with the unit.
         state = self.state
-        result = submitted.future.result()
-        if submitted.seconds is None:
+        if stored_at is None:
             state.effort += result.effort
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
-        if result.cut and submitted.seconds is None:
-            result = self._more_of(unit, result)
-        # A unit with too little knowledge counts as cut, because it must be done again.
-        if submitted.seconds is None and unit // self.config.epoch >= self._knows_too_little:
-            state.too_early += not result.cut
-            result = replace(result, cut=True)
+            if result.cut:
+                result = self._more_of(unit, result)
+            # A unit with too little knowledge counts as cut, because it must be done again.
+            if unit // self.config.epoch >= self._knows_too_little:
+                state.too_early += not result.cut
+                result = replace(result, cut=True)
         # Add it to the totals.
         self._count_time()
-        seconds = state.seconds if submitted.seconds is None else submitted.seconds
+        seconds = state.seconds if stored_at is None else stored_at
         state.units += not result.cut
         state.cut += result.cut
         state.until = max(state.until, unit + 1)
@@ -285,7 +269,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         }
         # The search state then has the same order as the store.
         result = replace(result, failures=kept, elites=elites)
-        if submitted.seconds is None:
+        if stored_at is None:
             self._store.save_unit(unit, Done(result, seconds))
         # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
@@ -304,6 +288,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         state = self.state
         jobs: list[ShrinkJob] = []
         kept: dict[FailureKey, Failure] = {}
+        finds: list[tuple[Find, Failure]] = []
         # The smallest of each group come first, since only a few are shrunk.
         ordered = sorted(result.failures.values(), key=lambda one: (one.group, one.order))
         for failure in ordered:
@@ -311,8 +296,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             is_known = self._is_known(failure)
             is_interesting = state.memory.is_interesting(failure)
             if is_interesting:
-                totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.strategy, failure, *totals))
+                finds.append((self._find(unit, result, failure, seconds), failure))
             # The stored result depends only on complete units, so that a resumed campaign agrees.
             few_whole = self.config.shrink and self._met_whole[group, is_known] < MOST_SHRUNK
             if few_whole or self._memory.is_interesting(failure):
@@ -323,10 +307,25 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             job = self._queue.job_for(failure, is_known=is_known, is_interesting=is_interesting)
             if job is not None:
                 jobs.append(job)
+        state.finds += sorted(finds, key=lambda one: (one[0].worlds, one[0].seconds))
         # A restored unit has only the failures that were worth keeping, so its totals count.
         met = state.met_by_group
         state.known = Counter({group: met[group] for group in self._known_groups})
         return jobs, kept
+
+    def _find(self, unit: int, result: UnitResult, failure: Failure, seconds: float) -> Find:
+        """Return when a failure was found, in totals of the campaign."""
+        at = result.first_met[failure.key]
+        return Find(
+            unit=unit,
+            strategy=result.strategy,
+            cause=failure.group,
+            solid_cells=failure.world.solid_cells,
+            worlds=self.state.worlds - result.worlds + at.worlds,
+            steps=self.state.steps - result.steps + at.steps,
+            seconds=round(max(seconds - at.seconds_left, 0.0), 3),
+            file=f"{MEMORY}/failures/{failure.id}.grid",
+        )
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
         """Return a unit's result, or an earlier run's if that got further with the unit."""
@@ -335,25 +334,24 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _take_others(self) -> Iterator[Discovery]:
-        """Take finished results off the shrink list, and keep the smallest of each key."""
-        for job, submitted in [one for one in self._shrinks if one[1].is_done]:
-            self._shrinks.remove((job, submitted))
-            result = submitted.future.result()
-            shrunk = result.failure
-            self.state.effort += result.effort
-            if submitted.seconds is None and result.complete:
-                self._store.save_shrunk(job.failure, shrunk)
-            self._count_time()
-            # Time ran out before any simpler world was proved.
-            if not result.complete and shrunk.shrinking == ShrinkState.NONE:
-                self._cut_short.add(job.failure.id)
-                continue
-            # The smaller world may be another case: that of a hazard, or a known one.
-            is_same = shrunk.group == job.failure.group and not self._is_known(shrunk)
-            for failure in (shrunk,) if is_same else (shrunk, job.failure):
-                before = self.state.best.get(failure.key)
-                is_first = before is None or failure.order < before.order
-                if is_first and not self._is_known(failure):
-                    self.state.best[failure.key] = failure
-                    yield Discovery(failure, before is not None)
+    def _take_shrunk(
+        self, job: ShrinkJob, result: Shrinking, *, is_stored: bool = False
+    ) -> Iterator[Progress]:
+        """Keep a shrunk failure if it is the smallest of its key, and yield it."""
+        shrunk = result.failure
+        self.state.effort += result.effort
+        if result.complete and not is_stored:
+            self._store.save_shrunk(job.failure, shrunk)
+        self._count_time()
+        # Time ran out before any simpler world was proved.
+        if not result.complete and shrunk.shrinking == ShrinkState.NONE:
+            self._cut_short.add(job.failure.id)
+            return
+        # The smaller world may be another case: that of a hazard, or a known one.
+        is_same = shrunk.group == job.failure.group and not self._is_known(shrunk)
+        for failure in (shrunk,) if is_same else (shrunk, job.failure):
+            before = self.state.best.get(failure.key)
+            is_first = before is None or failure.order < before.order
+            if is_first and not self._is_known(failure):
+                self.state.best[failure.key] = failure
+                yield Discovery(failure, before is not None)

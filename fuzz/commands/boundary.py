@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option, say
+from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option, note, say
 from worldgen.cli.usage import missing
 
 if TYPE_CHECKING:
-    from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
+    from fuzz.boundary import Axis, BoundaryRun, Subject
+    from fuzz.find import Stretch
 
 EXAMPLES = (
     "\b\n  worldgen boundary w.grid --controller turn-right --axis radius\n"
@@ -57,9 +58,11 @@ def boundary(
     Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
     1 to 65 cells), and narrows each change down to two neighbouring values. It misses an outcome
     that changes twice between two of the values. Exits with 0 if the robot arrives at every value
-    at which the target can be reached, with 1 otherwise.
+    at which the target can be reached, with 1 otherwise. Ctrl-C reports the values run so far and
+    exits with 130.
     """
-    from fuzz.boundary import AXES, BoundaryRuns, scan
+    from fuzz.boundary import AXES
+    from fuzz.find import AxisScan
     from worldgen.errors import InvalidParameter
     from worldgen.support.progress import working
 
@@ -73,13 +76,19 @@ def boundary(
             "the provenance of {path} does not name the trap family, so there is no depth to vary",
             path=path,
         )
-    # Scan the axis.
+    # Scan the axis; Ctrl-C keeps what is known so far.
     seen: list[BoundaryRun] = []
+    scan = AxisScan(subject, axis, _scanned(axis, start))
+    stopped = False
     with working(f"running it at values of {axis.name}") as work:
         work.say(
             lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else ""
         )
-        stretches = scan(BoundaryRuns(subject, axis, seen.append), _scanned(axis, start))
+        try:
+            seen.extend(scan.run())
+        except KeyboardInterrupt:
+            stopped = True
+    stretches = scan.stretches()
     # Print the ranges of values that have the same outcome.
     if as_json:
         emit_json(
@@ -90,6 +99,9 @@ def boundary(
             verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
             values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
             say(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
+    if stopped:
+        note("interrupted; these are the values run so far")
+        raise SystemExit(130)
     if any(one.outcome == "fails" for one in stretches):
         raise SystemExit(1)
 

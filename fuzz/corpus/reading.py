@@ -12,8 +12,7 @@ from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.index import Index
 from worldgen.errors import FormatError
 from worldgen.files.archives import Member
-from worldgen.files.grid.disk import unpack_world
-from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.grid.disk import read_packed, unpack, unpack_world
 from worldgen.files.worlds import Skip, walk
 
 
@@ -21,26 +20,23 @@ from worldgen.files.worlds import Skip, walk
 class Selection:
     """Patterns that select failures.
 
-    A failure must match one pattern of each kind; no patterns of a kind match all failures.
+    A failure must match one pattern of each field; no patterns for a field match all failures.
 
     Args:
-        controllers: Shell patterns for controllers, such as ``turn-*``.
-        causes: Shell patterns for causes.
-        verdicts: Shell patterns for verdicts.
+        patterns: Fields (``verdict``, ``cause``, ``controller``), each with a shell pattern such as
+            ``turn-*``.
     """
 
-    controllers: tuple[str, ...] = ()
-    causes: tuple[str, ...] = ()
-    verdicts: tuple[str, ...] = ()
+    patterns: tuple[tuple[str, str], ...] = ()
 
     def fits(self, facts: Facts) -> bool:
         """Return True if a failure is selected."""
-        wanted = (
-            (self.controllers, facts.controller),
-            (self.causes, facts.group),
-            (self.verdicts, facts.verdict),
-        )
-        return all(not patterns or _fits_one(text, patterns) for patterns, text in wanted)
+        texts = {"verdict": facts.verdict, "cause": facts.group, "controller": facts.controller}
+        asked = {
+            name: [pattern for field, pattern in self.patterns if field == name]
+            for name, _ in self.patterns
+        }
+        return all(_fits_one(texts[name], patterns) for name, patterns in asked.items())
 
 
 @dataclass(frozen=True)
@@ -92,31 +88,22 @@ def read_corpus(
     return Corpus(tuple(entries), others)
 
 
-def _fits_one(text: str, patterns: tuple[str, ...]) -> bool:
+def _fits_one(text: str, patterns: Iterable[str]) -> bool:
     return any(text == pattern or fnmatchcase(text, pattern) for pattern in patterns)
 
 
 def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
-    # Read one byte more than allowed, which shows that a file is too large.
+    data = read_packed(file)
     try:
-        with file.open("rb") as stream:
-            seen = int(file.stat().st_mtime)
-            data = stream.read(MAX_FILE_BYTES + 1)
-    except (OSError, ValueError) as error:  # ValueError: the name contains a NUL
+        seen = int(file.stat().st_mtime)
+    # It was deleted in the meantime.
+    except OSError as error:
         raise FormatError.unreadable(file, error) from error
-    if len(data) > MAX_FILE_BYTES:
-        raise FormatError(
-            "too-large",
-            "longer than {most} bytes, the limit of a .grid file",
-            most=MAX_FILE_BYTES,
-            source=str(file),
-        )
     # The index knows files by their bytes; a file that it does not know is unpacked and read.
     digest = hashlib.sha256(data).hexdigest()
     known, facts = index.get(digest) if index is not None else (False, None)
     if not known:
-        packed = Member(file.name, len(data), lambda limit: data if len(data) <= limit else None)
-        facts = Facts.in_world(unpack_world(packed, str(file)), str(file))
+        facts = Facts.in_world(unpack(data, str(file)), str(file))
         if index is not None:
             index.put(digest, facts)
     return facts, seen

@@ -100,7 +100,7 @@ def _is_plan_outdated(
     A robot that does not plan has sensed the walls that it remembers, and so can sense them again.
     """
     stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
-    if not stuck or world.others or not world.is_dynamic or not _is_planner(controller):
+    if not stuck or world.is_fleet or not world.is_dynamic or not _is_planner(controller):
         return False
     if can_sense(controller, scenario.run.robot, CellState.SOLID.word, entered=True):
         return False

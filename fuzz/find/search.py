@@ -6,12 +6,13 @@ It prints nothing.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
-from fuzz.campaign.executors import Executor, local_executor
+from fuzz.campaign.executors import local_executor
 from fuzz.campaign.schedule import Schedule
-from fuzz.campaign.unit_search import Submitted, UnitSearch
+from fuzz.campaign.scheduler import Scheduler, Work
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.layouts.features import decode_world
@@ -46,13 +47,10 @@ class FindConfig:
         params: Fixed parameters of the family.
         begin: A world to start from instead.
         start: Start pose of every world.
-        mirror: True if worlds are symmetric about the diagonal through the upper left.
         fixed_target: True if edits leave the target in place.
         leash: Cells that edits may move a wall's side, or the target, from its place;
             ``None`` for any.
         edit: True to edit sampled worlds.
-        together: True if edits on a leash keep obstacles in one piece, and separate from each
-            other.
     """
 
     targets: tuple[OutcomeTarget, ...]
@@ -61,11 +59,9 @@ class FindConfig:
     params: tuple[tuple[str, Value], ...] = ()
     begin: World | None = None
     start: Pose | None = None
-    mirror: bool = False
     fixed_target: bool = False
     leash: int | None = None
     edit: bool = True
-    together: bool = False
 
 
 @dataclass(frozen=True)
@@ -321,16 +317,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
     if config.start is not None:
         world = replace(world, start=config.start)
         provenance = None
-    layout = Layout.of(
-        world,
-        mirror=config.mirror,
-        fixed_target=config.fixed_target,
-        leash=config.leash,
-        together=config.together,
-    )
-    if config.mirror:
-        world = layout.world()
-        provenance = None
+    layout = Layout.of(world, fixed_target=config.fixed_target, leash=config.leash)
     return _Candidate(layout, world, provenance=provenance)
 
 
@@ -351,8 +338,8 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
     return world, family.provenance(seed, complete)
 
 
-class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
-    """A search that ends with the first world that has every outcome.
+class OutcomeSearch:
+    """A campaign that ends with the first world that has every outcome.
 
     Args:
         config: The goal.
@@ -372,7 +359,7 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         seconds: float | None = None,
         workers: int = 1,
     ) -> None:
-        super().__init__(
+        self._scheduler = Scheduler(
             [target.scenario for target in config.targets],
             local_executor(workers),
             Schedule(None if units is not None else seconds, shrinks=False),
@@ -384,18 +371,24 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         self.tried = 0
         self.ended = 0
 
-    def _hand_out_one(self, executor: Executor) -> bool:
-        # The first unit tries at least one world, however short the time is.
-        if not self._has_more_units() or (self._next and not self._schedule.may_search):
-            return False
-        if not self._schedule.is_ready:
-            self._get_ready(executor)
-        deadline = self._schedule.deadline()
-        self._add_unit(Submitted(executor.submit(_search_unit, self.config, self._next, deadline)))
-        return True
+    def run(self) -> Generator[NearestWorld, None, None]:
+        """Run the search, as :meth:`fuzz.campaign.scheduler.Scheduler.run` does."""
+        return self._scheduler.run(self)
 
-    def _merge(self, unit: int, submitted: Submitted[_UnitResult]) -> Iterator[NearestWorld]:
-        result = submitted.future.result()
+    def is_reached(self) -> bool:
+        """Return True once a world has every outcome."""
+        return self.best is not None and self.best.distance == 0.0
+
+    def next_work(self) -> Work[NearestWorld] | None:
+        """Return the next unit; the first tries at least one world, however short the time is."""
+        unit = self._scheduler.next_unit
+        schedule = self._scheduler.schedule
+        if not self._scheduler.has_more_units or (unit and not schedule.may_search):
+            return None
+        self._scheduler.get_ready()
+        return Work(partial(_search_unit, self.config, unit, schedule.deadline()), self._merge)
+
+    def _merge(self, result: _UnitResult) -> Iterator[NearestWorld]:
         found = result.nearest
         self.done += 1
         self.tried += result.tried
@@ -403,9 +396,6 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         if found is not None and (self.best is None or _rank(found) < _rank(self.best)):
             self.best = found
             yield found
-
-    def _has_enough(self) -> bool:
-        return self.best is not None and self.best.distance == 0.0
 
 
 def _search_unit(config: FindConfig, number: int, deadline: Deadline) -> _UnitResult:

@@ -67,7 +67,7 @@ def simulate(
     """
     check_world(world)
     options = options_from(world, options, settings)
-    if world.others:
+    if world.is_fleet:
         from sim.fleet.episode import simulate_fleet  # noqa: PLC0415 - loaded for fleets only
 
         return simulate_fleet(world, controller, options, record=record)

@@ -82,7 +82,7 @@ class LatticeRun:
         memory: CoreMemory | None = None,
     ) -> None:
         # Without this, callers that do not handle fleets would ignore all robots but one.
-        if world.others:
+        if world.is_fleet:
             raise InvalidParameter(
                 "world-of-several-robots",
                 "this runs one robot, but the world has {robots}",

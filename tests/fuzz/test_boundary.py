@@ -4,7 +4,9 @@ And the strategy that finds them.
 """
 
 import json
+from collections import deque
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,13 +19,14 @@ from fuzz.boundary import (
     Subject,
     describe_boundaries,
     nearest_boundary,
-    scan,
     subject_of,
 )
 from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign.unit import run_unit
+from fuzz.find import AxisScan
 from fuzz.shrink.queue import shrunk_or_same
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import SearchState
 from sim import simulate
@@ -102,13 +105,46 @@ def test_there_is_no_boundary_where_the_robot_always_arrives(ahead):
 
 
 def test_a_scan_tells_arriving_from_failing_from_having_no_way(ahead):
-    looks = BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"])
-    found = scan(looks, range(index_of(0.05), index_of(0.4) + 1, 90))
+    found = scanned(Subject(gap_world(), ahead), range(index_of(0.05), index_of(0.4) + 1, 90))
     assert [(one.outcome, one.first, one.last) for one in found][:2] == [
         ("arrives", 0.05, 0.1),
         ("fails", 0.101, 0.2),
     ]
     assert {one.outcome for one in found[2:]} == {"no proof"}
+
+
+def scanned(subject, indices):
+    scan = AxisScan(subject, AXES["radius"], indices)
+    deque(scan.run(), maxlen=0)
+    return scan.stretches()
+
+
+def test_a_scan_narrows_down_every_change_between_two_of_its_values(ahead):
+    # It arrives at the first value, has no proof at the last, and fails at some in between.
+    found = scanned(
+        Subject(gap_world(), ahead),
+        range(index_of(0.09), index_of(0.4) + 1, index_of(0.4) - index_of(0.09)),
+    )
+    assert [one.outcome for one in found] == ["arrives", "fails", "no proof"]
+    assert [index_of(after.first) - index_of(before.last) for before, after in pairwise(found)] == [
+        1,
+        1,
+    ]
+
+
+def test_ctrl_c_reports_the_values_that_were_run(gap, monkeypatch):
+    whole, left = BoundaryRuns._run, [10]
+
+    def run_or_stop(self, index):
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return whole(self, index)
+
+    monkeypatch.setattr(BoundaryRuns, "_run", run_or_stop)
+    result = worldgen("boundary", *gap, "radius", "--json")
+    assert result.code == 130 and "run so far" in result.err
+    assert sum(one["runs"] for one in json.loads(result.out)["stretches"]) == 10
 
 
 def test_the_depth_of_a_trap_is_varied_and_nothing_else():

@@ -157,6 +157,7 @@ def test_a_number_of_steps_is_met_exactly(tmp_path):
     ) == ("reached", 200)
 
 
+@pytest.mark.gate
 def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
     wanted = f"{mine}:Straight=loop, turn-left=reached"
     result = worldgen("find", "--outcome", wanted, *QUICK, "--out", tmp_path / "w.grid")
@@ -183,6 +184,7 @@ def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_
     assert result.code == 1 and "no run ended before the search did; allow more time" in result.err
 
 
+@pytest.mark.gate
 def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
     wanted = "thesis-1=reached@100, thesis-1=reached@200"
     result = worldgen(
@@ -250,15 +252,6 @@ def test_keep_target_leaves_the_target_where_it_is(tmp_path):
         found.target == read_world(SKETCH).target
         and (found.walls != read_world(SKETCH).walls).any()
     )
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("source", [("--from", SKETCHES / "config-02.grid"), ("--family", "trap")])
-def test_symmetric_makes_walls_symmetric_about_the_diagonal(source, tmp_path):
-    options = ("--motion", "stepped", *source, "--symmetric", *QUICK)
-    worldgen("find", "--outcome", "thesis-1=reached@400", *options, "--out", tmp_path / "w.grid")
-    walls = read_world(tmp_path / "w.grid").walls
-    assert (walls == walls[::-1, ::-1].T).all() and walls[1:-1, 1:-1].any()
 
 
 def test_no_edit_leaves_the_world_as_its_family_makes_it(tmp_path):
@@ -346,7 +339,6 @@ def test_force_overwrites(tmp_path):
         (("--budget", "1s", "--units", 1), "use --budget or --units"),
         (("--from", SKETCH, "--family", "trap"), "use --from or --family"),
         (("--no-edit",), "name a family with --family"),
-        (("--no-edit", "--family", "trap", "--symmetric"), "use --no-edit or --symmetric"),
         (("--family", "mace"), "did you mean 'maze'?"),
         (("--family", "trap", "--set", "deep=3"), "--family trap has no option 'deep'"),
         (("--family", "trap", "--set", "depth=deep"), "depth='deep' is not a whole number"),

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.requests.messages import message_of
 from sim import simulate
 from sim.scenario import Scenario
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import message_of, page_of, studio_of
 from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
@@ -75,6 +74,7 @@ def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
     ]
 
 
+@pytest.mark.gate
 def test_what_is_wrong_with_one_robot_s_options_is_told_and_the_others_drive(gate):
     with page_of(gate) as page:
         wrong, right = run(page, ["thesis-1+slop=0.3", "thesis-1"])

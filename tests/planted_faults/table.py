@@ -244,7 +244,7 @@ FAULTS = (
     Fault(
         "any-digest",
         "replay compares the digest of every state",
-        "fuzz/triage/judging.py",
+        "fuzz/triage/replaying.py",
         "if episode.trace_digest != record.trace_digest:",
         "if len(episode.trace_digest) != len(record.trace_digest):",
         ("tests/fuzz/test_commands.py",),

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.format import ROBOT_FACTS
-from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
+from worldgen.interop.format.foreign_map import IMPORTED, ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
@@ -22,7 +23,6 @@ from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target,
 
 # Raise this whenever some file becomes a different world than before.
 VERSION = 3
-_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
         InvalidParameter: If there are too few or too many, or one isn't a number.
     """
     words = [word.strip() for word in text.split(",")]
-    if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
+    if not 2 <= len(words) <= 3 or not all(DECIMAL.fullmatch(word) for word in words):
         raise InvalidParameter(
             "wrong-form",
             "{name}={text!r} is not X,Y or X,Y,{third}",
@@ -143,7 +143,7 @@ def _with_robot(
     # Complete the robot.
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
-    if robot.scenario is not None or robot.robots not in (None, 1 + len(found.others)):
+    if robot.scenario is not None or robot.robots not in (None, len(found.robots)):
         found = _with_scenario(robot, found)
     if sidecar is not None:
         found = with_sidecar(found, _fitting(sidecar, path, robot))
@@ -159,7 +159,7 @@ def _with_robot(
         params["origin"] = list(found.origin)
     radius_from = _radius_from(robot, found)
     if robot.scenario is not None:
-        robot = replace(robot, start=found.start, target=found.target)
+        robot = replace(robot, start=found.robot.start, target=found.robot.target)
     robot, notes = _at_programs_start(_complete(robot, found), found)
     try:
         world, placement = _place(robot, found)
@@ -174,7 +174,7 @@ def _with_robot(
         params["unread"] = list(found.unread)
         params |= {"ignore_unread": True} if robot.ignore_unread else {}
         warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
-    world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
+    world = replace(world, provenance=Provenance(IMPORTED, VERSION, robot.seed or 0, params))
     decision = decide(world)
     world = replace(world, certificate=decision.certificate)
     return Imported(
@@ -230,9 +230,9 @@ def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
     """Return where the radius chosen by ``_complete`` comes from."""
     if robot.radius is not None:
         return "as given"
-    if robot.scenario is not None and found.robot_radius == _scenario_radius(found):
+    if robot.scenario is not None and found.robot.radius == _scenario_radius(found):
         return "0.4 cells, like a scenario's agent"
-    if found.world is not None or found.robot_radius is not None:
+    if found.world is not None or found.robot.radius is not None:
         return "from the file"
     return found.usual_robot.source
 
@@ -289,18 +289,16 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
     count = robot.robots or 1
     rows = range(robot.row, robot.row + count)
     problems = [read_scenario(robot.scenario, row, width, height, found.cell_size) for row in rows]
-    first = problems[0]
+    robots = [ForeignRobot(problem.start, problem.goal) for problem in problems]
+    robots[0] = robots[0]._replace(radius=_scenario_radius(found))
     params = {**found.params, "scenario": robot.scenario.name, "row": robot.row}
     if count > 1:
         params["robots"] = count
     return replace(
         found,
-        start=first.start,
-        target=first.goal,
-        robot_radius=_scenario_radius(found),
-        others=tuple(ForeignRobot(problem.start, problem.goal) for problem in problems[1:]),
+        robots=tuple(robots),
         numbers=tuple(rows),
-        params=params | {"optimal": first.optimal},
+        params=params | {"optimal": problems[0].optimal},
         # The problem next to the map, which they describe, does not count.
         notes=(),
         warnings=(),
@@ -317,13 +315,10 @@ def _fitting(sidecar: Sidecar, path: Path, robot: ImportedRobot) -> Sidecar:
 
 
 def _as_given(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
-    """Return the map without the values of its other robots that the user gives for all robots."""
-    others = found.others
-    if robot.radius is not None:
-        others = tuple(other._replace(radius=None) for other in others)
-    if robot.speed is not None:
-        others = tuple(other._replace(speed=None) for other in others)
-    return replace(found, others=others)
+    """Return the map with the values that the user gives for all robots."""
+    given = {"radius": robot.radius, "speed": robot.speed}
+    parts: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    return replace(found, robots=tuple(one._replace(**parts) for one in found.robots))
 
 
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
@@ -335,10 +330,10 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     if old is not None and robot.seed is None:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
-    target = target or found.target
+    target = target or found.robot.target
     usual = found.usual_robot.radius(found.cell_size)
-    radius = _first(robot.radius, old.robot_radius if old else found.robot_radius, usual)
-    speed = _first(robot.speed, old.robot_speed if old else found.robot_speed, DEFAULT_ROBOT_SPEED)
+    radius = _first(robot.radius, old.robot_radius if old else found.robot.radius, usual)
+    speed = _first(robot.speed, old.robot_speed if old else found.robot.speed, DEFAULT_ROBOT_SPEED)
     check_between("radius", radius, 1e-9, 1e9, "m")
     check_between("speed", speed, 1e-6, 1e6, "m/s")
     return replace(robot, start=start, target=target, radius=radius, speed=speed)
@@ -351,12 +346,12 @@ def _at_programs_start(
 
     If it does not fit, return the reason.
     """
-    if robot.start is not None or robot.seed is not None or found.start is None:
+    if robot.start is not None or robot.seed is not None or found.robot.start is None:
         return robot, ()
-    x, y = found.start[:2]
+    x, y = found.robot.start[:2]
     # _complete has already set the radius.
     if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):
-        return replace(robot, start=found.start), ()
+        return replace(robot, start=found.robot.start), ()
     return robot, (
         f"the map's own start ({x:g}, {y:g}) m has no room for the robot, so another one was "
         "chosen",
@@ -386,10 +381,9 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)
     timeline = found.world.timeline if found.world else Timeline()
-    others = _other_robots(robot, found, radius, speed)
-    return World(
-        found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
-    ), placement
+    robots = (Robot(start, target, radius, speed), *_other_robots(robot, found, radius, speed))
+    world = World(found.walls, cell_size=found.cell_size, timeline=timeline, robots=robots)
+    return world, placement
 
 
 def _other_robots(
@@ -399,14 +393,16 @@ def _other_robots(
     if robot.seed is not None:
         return ()
     if found.world is not None:
-        return found.world.others
+        return found.world.robots[1:]
     robots = []
-    for other in found.others:
-        at = (other.start[0], other.start[1])
-        to = (other.target[0], other.target[1])
-        headed = other.start[2] if len(other.start) > 2 else heading_towards(at, to)
+    for other in found.robots[1:]:
+        start = other.start or ()
+        target = other.target or ()
+        at = (start[0], start[1])
+        to = (target[0], target[1])
+        headed = start[2] if len(start) > 2 else heading_towards(at, to)
         size = _first(other.radius, radius)
-        sized = other.target[2] if len(other.target) > 2 else size
+        sized = target[2] if len(target) > 2 else size
         robots.append(
             Robot(Pose(*at, headed), Target(*to, sized), size, _first(other.speed, speed))
         )

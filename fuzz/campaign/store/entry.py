@@ -15,7 +15,7 @@ import msgspec
 
 from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.failure import ID_DIGITS, Failure
-from fuzz.unit.result import Elite, UnitResult
+from fuzz.unit.result import Elite, FirstMet, UnitResult
 from worldgen.files.json_file import plain
 
 _FailureId = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{ID_DIGITS}}}\Z")]
@@ -33,6 +33,7 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
         strategy: See :class:`UnitResult`, also for the other fields.
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
         failures: Names of the failures' files.
+        first_met: Of each of them in turn, when the unit first met one of its key.
     """
 
     unit: int
@@ -44,6 +45,7 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
     judged: int
     met: list[tuple[str, str, int]]
     failures: list[_FailureId]
+    first_met: list[FirstMet]
     elites: list[StoredElite]
 
 
@@ -84,6 +86,7 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Sequence[str]
         judged=result.judged,
         met=[(*kind, count) for kind, count in result.met.items()],
         failures=list(failures),
+        first_met=[result.first_met[key] for key in result.failures],
         elites=[
             (list(cell), elite.layout.hex(), elite.quality, elite.verdict)
             for cell, elite in result.elites.items()
@@ -113,6 +116,9 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
     table = plain(entry)
     if table.pop("digest") != digest_of([fingerprint, table]) or entry.unit != unit:
         raise ValueError("it belongs to another campaign or unit, or was changed")
+    failures = list(map(failure, entry.failures))
+    if len(entry.first_met) != len(failures):
+        raise ValueError("it does not tell when each failure was met")
     result = UnitResult(
         strategy=entry.strategy,
         worlds=entry.worlds,
@@ -120,7 +126,8 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
         verdicts=Counter(entry.verdicts),
         judged=entry.judged,
         met=Counter({(group, verdict): count for group, verdict, count in entry.met}),
-        failures={one.key: one for one in map(failure, entry.failures)},
+        failures={one.key: one for one in failures},
+        first_met={one.key: at for one, at in zip(failures, entry.first_met, strict=True)},
         elites={
             tuple(cell): Elite(bytes.fromhex(layout), quality, verdict)
             for cell, layout, quality, verdict in entry.elites

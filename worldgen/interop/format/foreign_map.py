@@ -15,6 +15,7 @@ from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, WorldgenError
+from worldgen.files.whole import read_bytes
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
 from worldgen.support.plain_text import quote
@@ -27,6 +28,9 @@ _Contents = TypeVar("_Contents")
 MAX_CELLS = 64_000_000
 # A plain PGM takes up to 4 bytes per cell.
 MAX_FILE_BYTES = 256 << 20
+# Families of the provenance of an imported map, and of the sidecar of an exported one.
+IMPORTED = "import"
+EXPORTED = "export"
 
 
 @dataclass(frozen=True)
@@ -56,17 +60,20 @@ FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's
 
 
 class ForeignRobot(NamedTuple):
-    """One of several robots in a file.
+    """What a file has of a robot.
+
+    A robot after the first has a start and a target, and the first one's numbers if it has none.
 
     Args:
-        start: x and y, m, and, if the file has it, the heading, rad.
+        start: x and y, m, and, if the file has it, the heading, rad; used if the robot is clear
+            there.
         target: x and y, m, and, if the file has it, the radius, m.
-        radius: Radius of the robot, m; None to use that of the first robot.
-        speed: Top speed, m/s; None to use that of the first robot.
+        radius: Radius of the robot, m.
+        speed: Top speed, m/s.
     """
 
-    start: tuple[float, ...]
-    target: tuple[float, ...]
+    start: tuple[float, ...] | None = None
+    target: tuple[float, ...] | None = None
     radius: float | None = None
     speed: float | None = None
 
@@ -82,16 +89,12 @@ class ForeignMap:
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         world: The world, if the format stores a complete one.
-        start: x, y, m, and, if the file has it, the heading, rad; used if the robot is clear there.
-        target: x, y and, if the file has it, radius, m.
-        robot_radius: Radius, m, if the file has it.
-        robot_speed: Top speed, m/s, if the file has it.
+        robots: The file's robots, at least one, in order.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
         unread: Elements of the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. Nothing
             is proved on such a map. ``read_map`` adds what the parsers were not asked for.
         is_picture: True if the cells are pixels, so that the map may show its surroundings too.
-        others: The robots after the first, if the file has several.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its
             own there; empty if the file just lists its robots.
     """
@@ -102,22 +105,24 @@ class ForeignMap:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     world: World | None = None
-    start: tuple[float, ...] | None = None
-    target: tuple[float, ...] | None = None
-    robot_radius: float | None = None
-    robot_speed: float | None = None
+    robots: tuple[ForeignRobot, ...] = (ForeignRobot(),)
     origin: tuple[float, float] = (0.0, 0.0)
     usual_robot: UsualRobot = THESIS_ROBOT
     unread: tuple[str, ...] = ()
     is_picture: bool = False
-    others: tuple[ForeignRobot, ...] = ()
     numbers: tuple[int, ...] = ()
+
+    @property
+    def robot(self) -> ForeignRobot:
+        """The first robot."""
+        return self.robots[0]
 
 
 def origin_of(world: World) -> tuple[float, float]:
     """Return x and y, m, of the grid's lower-left corner in the imported map's frame, or 0."""
     made = world.provenance
-    origin = made.params.get("origin") if made is not None and made.family == "import" else None
+    is_foreign = made is not None and made.family in (IMPORTED, EXPORTED)
+    origin = made.params.get("origin") if made is not None and is_foreign else None
     if (
         isinstance(origin, list)
         and len(origin) == 2
@@ -163,25 +168,13 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
             bytes.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise FormatError(
-                "not-a-regular-file", "is not a regular file", "use the map file itself"
-            )
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-    except FormatError:
-        raise
+        is_regular = stat.S_ISREG(path.stat().st_mode)
     # ValueError means that the name contains a NUL.
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FormatError(
-            "unreadable", "cannot be read: {reason}", "check the name", reason=reason
-        ) from error
-    if len(data) > limit:
-        raise FormatError(
-            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit
-        )
-    return data
+        raise FormatError.unreadable(path, error) from error
+    if not is_regular:
+        raise FormatError("not-a-regular-file", "is not a regular file", "use the map file itself")
+    return read_bytes(path, limit, "cut a smaller map out of it")
 
 
 def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) -> Path:

@@ -20,6 +20,7 @@ from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
+    ForeignRobot,
     check_sides,
     names_its_file,
     read_bounded,
@@ -94,9 +95,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             file=name,
         )
         radius = float(SCENARIO_RADIUS * exact(found.cell_size))
-        return replace(
-            found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,)
-        )
+        robots = (ForeignRobot(problem.start, problem.goal, radius),)
+        return replace(found, robots=robots, notes=(note,))
     return found
 
 
@@ -372,7 +372,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     rows: list[str] = []
     altered: dict[str, str] = {}
     for number in range(1, len(world.robots) + 1):
-        alone = world.alone(number) if world.others else world
+        alone = world.alone(number)
         start, goal, moved = end_cells(alone)
         moves = octile_moves(flip_rows(world.walls), start, goal)
         if moves is None:

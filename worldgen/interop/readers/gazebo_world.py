@@ -17,9 +17,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError
 from worldgen.interop.format import Destination, decimal_text
-from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded
 from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
@@ -32,7 +33,6 @@ OURS = "worldgen:"
 # The model that drives, in our own files.
 _ROBOT = "robot"
 MAX_BYTES = 64 << 20
-_NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
 # Heights, m; a body that ends below or begins above them stops no robot.
 _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
@@ -175,7 +175,7 @@ def read_gazebo_world(
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
         walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), (), None,
-        start, target, radius, speed, origin, unread=_unread(scene),
+        (ForeignRobot(start, target, radius, speed),), origin, unread=_unread(scene),
     )  # fmt: skip
 
 
@@ -189,7 +189,7 @@ def _unread(scene: _GazeboScene) -> tuple[str, ...]:
 
 def _numbers(element: XmlElement, count: int) -> list[Fraction]:
     words = element.text.split()
-    if len(words) != count or not all(map(_NUMBER.fullmatch, words)):
+    if len(words) != count or not all(map(DECIMAL.fullmatch, words)):
         name = f"<{element.name}>"
         raise FormatError(
             "wrong-count",
