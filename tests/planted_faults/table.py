@@ -139,9 +139,9 @@ FAULTS = (
     Fault(
         "lockstep-in-transit",
         "robots in lockstep do what each does alone",
-        "sim/runners/lockstep.py",
-        'ends = entries[looped] + reports["period"][looped]',
-        'ends = entries[looped] + 2 * reports["period"][looped]',
+        "sim/core/runs/batch.c",
+        "settings->steps = settings->loop_entry + report->period;",
+        "settings->steps = settings->loop_entry + 2 * report->period;",
         ("tests/sim/test_vector_controllers.py",),
     ),
     Fault(
