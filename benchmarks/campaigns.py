@@ -24,7 +24,7 @@ from fuzz.campaign.executors import cluster_executor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Budget, begin
-from fuzz.campaign.store.entry import Done
+from fuzz.campaign.store.journal import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from fuzz.shrink.queue import shrunk_or_same

@@ -16,7 +16,7 @@ from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.scheduler import Scheduler, Work
 from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
 from fuzz.campaign.store import CampaignStore
-from fuzz.campaign.store.entry import Done
+from fuzz.campaign.store.journal import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same

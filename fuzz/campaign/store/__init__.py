@@ -4,6 +4,7 @@ No matter how a campaign ends, it loses only the units in progress.
 
 Contents:
     FolderStore: The folder ``OUT/.campaign`` and its lock.
+    stored_elites: The archive's entries in a folder.
     CampaignStore: The interface of a store; this one stores nothing.
     CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
     controller_change: Whether its controller's file is still the same.
@@ -18,7 +19,7 @@ Contents:
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
-from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore
+from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore, stored_elites
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
 from fuzz.campaign.store.opening import CampaignRun, begin, controller_change, resume, stored_seed
 from fuzz.campaign.store.summary import (
@@ -56,5 +57,6 @@ __all__ = [
     "read_summary",
     "record_error",
     "resume",
+    "stored_elites",
     "stored_seed",
 ]

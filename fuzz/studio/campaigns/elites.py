@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
-from fuzz.campaign.store import MEMORY, FolderStore, read_summary
-from fuzz.campaign.store.entry import StoredElite, UnitEntry
+from fuzz.campaign.store import FolderStore, read_summary, stored_elites
 from fuzz.layouts.features import decode_scene
-from worldgen.errors import FormatError, InvalidParameter
-from worldgen.files.whole import read_text
+from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
 
@@ -40,8 +35,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
             i=i,
             j=j,
         )
-    for cell, layout, quality, verdict in _elites(folder / MEMORY / "units"):
-        if cell[:2] == [i, j] and (quality, verdict) == shown:
+    for cell, layout, quality, verdict in stored_elites(folder):
+        if cell[:2] == (i, j) and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
         "world-not-kept",
@@ -49,23 +44,6 @@ def elite_of(folder: Path, i: int, j: int) -> World:
         "resume the campaign",
         name=folder.name,
     )
-
-
-def _elites(units: Path) -> Iterator[StoredElite]:
-    """Yield the entries that units added to the archive, in order."""
-    for file in sorted(units.glob("*.json")):
-        if file.is_symlink() or not file.is_file():
-            continue
-        text = read_text(file)
-        try:
-            yield from msgspec.json.decode(text, type=UnitEntry).elites
-        except (RecursionError, ValueError) as error:
-            raise FormatError(
-                "invalid-entry",
-                "is not an entry of a campaign store",
-                "resume the campaign, which repairs it",
-                source=str(file),
-            ) from error
 
 
 def runs_in(folder: Path) -> dict[str, Any] | None:
