@@ -48,6 +48,8 @@ class UnitResult:
             then.
         interrupted: Whether the reason was Ctrl-C.
         effort: How it spent its time; this is not stored, and other units do not know it.
+        stored_at: Seconds of the campaign, over all runs, when a store was given it; ``None`` for a
+            new result.
     """
 
     strategy: str = ""
@@ -61,6 +63,7 @@ class UnitResult:
     cut: bool = False
     interrupted: bool = False
     effort: Effort = field(default_factory=Effort, compare=False)
+    stored_at: float | None = None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ No matter how a campaign ends, it loses only the units in progress.
 Contents:
     FolderStore: The folder ``OUT/.campaign`` and its lock.
     stored_elites: The archive's entries in a folder.
-    CampaignStore: The interface of a store; this one stores nothing.
     CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
     controller_change: Whether its controller's file is still the same.
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
@@ -19,7 +18,7 @@ Contents:
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
-from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore, stored_elites
+from fuzz.campaign.store.folder import Budget, FolderStore, stored_elites
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
 from fuzz.campaign.store.opening import CampaignRun, begin, controller_change, resume, stored_seed
 from fuzz.campaign.store.summary import (
@@ -41,7 +40,6 @@ __all__ = [
     "Archive",
     "Budget",
     "CampaignRun",
-    "CampaignStore",
     "FindTotals",
     "Fingerprint",
     "FolderStore",

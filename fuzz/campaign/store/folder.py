@@ -17,14 +17,7 @@ from typing import Any
 import msgspec
 
 from fuzz.campaign.store.fingerprint import Fingerprint
-from fuzz.campaign.store.journal import (
-    Done,
-    Journal,
-    ShownRecord,
-    ShrunkRecord,
-    StoredElite,
-    UnitRecord,
-)
+from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, StoredElite, UnitRecord
 from fuzz.campaign.store.last_error import forget_error
 from fuzz.campaign.store.summary import (
     MEMORY,
@@ -36,6 +29,7 @@ from fuzz.campaign.store.summary import (
     read_summary,
 )
 from fuzz.failure import ID_DIGITS, Failure
+from fuzz.unit.result import UnitResult
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
 from worldgen.files.json_file import JsonFile
@@ -84,43 +78,7 @@ def _content_name(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
 
 
-class CampaignStore:
-    """A campaign's store.
-
-    This one stores nothing; it is for campaigns that are never continued.
-    """
-
-    def unit(self, unit: int) -> Done | None:
-        """Return a unit that was done before; ``None`` if it has yet to be done."""
-        return None
-
-    def cut_unit(self, unit: int) -> Done | None:
-        """Return the findings of a unit that was cut short.
-
-        It is ``None`` if there are none, or if the unit has been done since.
-        """
-        return None
-
-    def units_cut(self) -> list[int]:
-        """Return the numbers of the units that were cut short and not done since."""
-        return []
-
-    def save_unit(self, unit: int, done: Done) -> None:
-        """Store a unit; one that was cut short is stored separately."""
-
-    def seconds(self) -> float:
-        """Return the duration of earlier runs, as far as known."""
-        return 0.0
-
-    def shrunk(self, failure: Failure) -> Failure | None:
-        """Return the stored result of shrinking a failure; ``None`` if it has yet to be shrunk."""
-        return None
-
-    def save_shrunk(self, failure: Failure, shrunk: Failure) -> None:
-        """Store the result of shrinking a failure."""
-
-
-class FolderStore(CampaignStore):
+class FolderStore:
     """A campaign's store in ``OUT/.campaign``, locked against other processes until :meth:`close`.
 
     Args:
@@ -239,11 +197,11 @@ class FolderStore(CampaignStore):
             elif Path(record.file).name == record.file:
                 self._shown[record.file] = record.failure
 
-    def unit(self, unit: int) -> Done | None:
+    def unit(self, unit: int) -> UnitResult | None:
         """Return a unit that was done before; ``None`` if part of it is missing."""
         return self._read_unit(self._units.get(unit))
 
-    def cut_unit(self, unit: int) -> Done | None:
+    def cut_unit(self, unit: int) -> UnitResult | None:
         """Return the findings of a unit that was cut short.
 
         It is ``None`` if there are none, or if the unit has been done since.
@@ -254,27 +212,32 @@ class FolderStore(CampaignStore):
         """Return the numbers of the units that were cut short and not done since."""
         return sorted(self._cut.keys() - self._units.keys())
 
-    def _read_unit(self, offset: int | None) -> Done | None:
+    def _read_unit(self, offset: int | None) -> UnitResult | None:
         record = None if offset is None else self._journal.at(offset)
         if not isinstance(record, UnitRecord):
             return None
         try:
-            return record.done(self._failure)
+            return record.result(self._failure)
         except (ValueError, WorldgenError):
             return None
 
-    def save_unit(self, unit: int, done: Done) -> None:
+    def save_unit(self, unit: int, result: UnitResult, seconds: float) -> None:
         """Store a unit: its failures first, then its record.
 
         A continued campaign starts a cut unit again.
 
+        Args:
+            unit: Number of the unit.
+            result: Its result, with only those failures and elites that are worth keeping.
+            seconds: Seconds of the campaign, over all runs, so far.
+
         Raises:
             OutputError: If it cannot be written.
         """
-        for failure in done.result.failures.values():
+        for failure in result.failures.values():
             self.save_original(failure)
-        offset = self._journal.append(UnitRecord.of(unit, done))
-        (self._cut if done.result.cut else self._units)[unit] = offset
+        offset = self._journal.append(UnitRecord.of(unit, result, seconds))
+        (self._cut if result.cut else self._units)[unit] = offset
 
     def save_original(self, failure: Failure) -> None:
         """Store a failure as it was found.

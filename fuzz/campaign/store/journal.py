@@ -10,7 +10,6 @@ import hashlib
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -30,26 +29,13 @@ StoredElite: TypeAlias = tuple[tuple[int, ...], _Hex, float, str]
 """Cell of the archive, layout, quality and verdict."""
 
 
-@dataclass(frozen=True)
-class Done:
-    """A finished unit.
-
-    Args:
-        result: Its result, with only those failures and elites that are worth keeping.
-        seconds: Seconds of the campaign, over all runs, when the unit was merged.
-    """
-
-    result: UnitResult
-    seconds: float
-
-
 class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     """A unit is done, or was cut short.
 
     Args:
         unit: Number of the unit.
         cut: True if it must be done again.
-        seconds: See :class:`Done`.
+        seconds: Seconds of the campaign, over all runs, when the unit was merged.
         strategy: See :class:`UnitResult`, also for the other fields.
         failures: IDs of the failures.
     """
@@ -67,13 +53,12 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     elites: list[StoredElite]
 
     @classmethod
-    def of(cls, unit: int, done: Done) -> UnitRecord:
-        """Return the record of a unit."""
-        result = done.result
+    def of(cls, unit: int, result: UnitResult, seconds: float) -> UnitRecord:
+        """Return the record of a unit's result."""
         return cls(
             unit=unit,
             cut=result.cut,
-            seconds=round(done.seconds, 3),
+            seconds=round(seconds, 3),
             strategy=result.strategy,
             worlds=result.worlds,
             steps=result.steps,
@@ -87,13 +72,13 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
             ],
         )
 
-    def done(self, failure: Callable[[str], Failure]) -> Done:
-        """Return the unit.
+    def result(self, failure: Callable[[str], Failure]) -> UnitResult:
+        """Return the unit's result.
 
         Args:
             failure: Returns the failure with an ID.
         """
-        result = UnitResult(
+        return UnitResult(
             strategy=self.strategy,
             worlds=self.worlds,
             steps=self.steps,
@@ -106,8 +91,8 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
                 for cell, layout, quality, verdict in self.elites
             },
             cut=self.cut,
+            stored_at=self.seconds,
         )
-        return Done(result, self.seconds)
 
 
 class ShrunkRecord(msgspec.Struct, frozen=True, tag="shrunk"):
