@@ -1,12 +1,12 @@
 """Make the table of docs/howto/census.md: a census of other projects' generators and collections.
 
 ``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
-table followed by the command of each row; ``--json`` prints one object. Sources that are not
-installed or not given are skipped and reported on stderr. Not all generators fit into one
-environment; ``--add`` adds the rows of an earlier run elsewhere, from its ``--json``.
+table; ``--json`` prints one object. Sources that are not installed or not given are skipped and
+reported on stderr. Not all generators fit into one environment; ``--add`` adds the rows of an
+earlier run elsewhere, from its ``--json``.
 
-- Generators are those of examples/census, each in the version that its file names; another version
-  is reported.
+- Generators are those of benchmarks/generators, each in the version that its file names; another
+  version is reported.
 - ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge,
 - ``--movingai`` a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2,
 - ``--arena`` is ``worlds`` of github.com/Arena-Rosnav/arena-simulation-setup.
@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import shlex
 import sys
 import time
 from collections import Counter
@@ -27,18 +26,10 @@ from typing import Any
 
 import click
 
+from benchmarks.census_questions import ROWS as COUNTED
+from benchmarks.census_questions import CensusCase, CensusOptions, Radius, counts, take_census
+from benchmarks.foreign_maps import folder_maps, generated_maps
 from benchmarks.grid_planners import InflationPlanners
-from worldgen.errors import InvalidParameter
-from worldgen.interop.census import (
-    CensusCase,
-    CensusOptions,
-    Radius,
-    Tally,
-    folder_maps,
-    generated_maps,
-    take_census,
-    tally,
-)
 from worldgen.reach import REACHABLE
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
@@ -46,8 +37,7 @@ from worldgen.world import World
 # The words of a round that takes seconds; the gate runs it.
 TINY = ("--count", "1", "--only", "none of them")
 
-EXAMPLES = Path(__file__).parents[1] / "examples" / "census"
-CELLS = ("0.45c", "0.7c", "1c")
+CELLS = tuple(Radius(cells, True) for cells in (0.45, 0.7, 1.0))
 SEED = 1
 
 
@@ -57,40 +47,23 @@ class Row:
 
     Args:
         name: Name in the table.
-        adapter: File of examples/census, for a generator.
+        adapter: File of benchmarks/generators, for a generator.
         package: Package that pip installs for it, and the version used for the table.
-        options: Keywords of the generator; ``{barn}`` stands for a given folder.
+        options: Keywords of the generator.
         folders: Folders of a collection; ``{movingai}`` stands for a given folder.
-        radii: Radii as ``--radius`` takes them.
+        radii: Radii of the robot.
         pairs: Starts and targets per map.
-        clear_ends: Value of the option of this name.
+        clear_ends: True to draw them where the largest disc is clear.
     """
 
     name: str
     adapter: str = ""
     package: tuple[str, str] | None = None
-    options: tuple[tuple[str, str], ...] = ()
+    options: tuple[tuple[str, Any], ...] = ()
     folders: tuple[str, ...] = ()
-    radii: tuple[str, ...] = CELLS
+    radii: tuple[Radius, ...] = CELLS
     pairs: int = 1
     clear_ends: bool = False
-
-    def command(self, count: int) -> str:
-        """Return the command line that gives the same figures."""
-        sources = [*self.folders] or [f"./examples/census/{self.adapter}.py:maps"]
-        words = [
-            "worldgen",
-            "census",
-            *sources,
-            *(word for radius in self.radii for word in ("--radius", radius)),
-        ]
-        words += [] if self.folders else ["--count", str(count)]
-        words += [word for key, value in self.options for word in ("--option", f"{key}={value}")]
-        words += ["--pairs", str(self.pairs)] if self.pairs > 1 else []
-        words += ["--clear-ends"] if self.clear_ends else []
-        return " ".join(
-            shlex.quote(word) if "{" not in word else word for word in [*words, "--seed", str(SEED)]
-        )
 
 
 def _generators() -> Iterator[Row]:
@@ -99,18 +72,18 @@ def _generators() -> Iterator[Row]:
     dataset = ("maze-dataset", "1.4.2")
     pogema = ("pogema", "1.4.0")
     for name in ("Prims", "CellularAutomaton"):
-        yield Row(f"mazelib {name}", "mazelib_maps", mazelib, (("generator", name), ("side", "20")))
+        yield Row(f"mazelib {name}", "mazelib_maps", mazelib, (("generator", name), ("side", 20)))
     yield Row(
         "maze-dataset gen_dfs",
         "maze_dataset_maps",
         dataset,
-        (("generator", "gen_dfs"), ("side", "20")),
+        (("generator", "gen_dfs"), ("side", 20)),
     )
-    for p in ("0.4", "0.6"):
-        options = (("generator", "gen_percolation"), ("side", "20"), ("p", p))
+    for p in (0.4, 0.6):
+        options = (("generator", "gen_percolation"), ("side", 20), ("p", p))
         yield Row(f"maze-dataset gen_percolation, p {p}", "maze_dataset_maps", dataset, options)
     yield Row(
-        "labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", "31"), ("rooms", "6"))
+        "labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", 31), ("rooms", 6))
     )
     # Noise, grid worlds and simulators' maps.
     yield Row("tcod noise", "tcod_maps", ("tcod", "21.2.2"))
@@ -120,7 +93,7 @@ def _generators() -> Iterator[Row]:
         yield Row(f"MiniGrid {name}", "minigrid_maps", ("minigrid", "3.2.0"), options)
     options = (("environment", "Navix-SimpleCrossingS11N5-v0"),)
     yield Row("NAVIX SimpleCrossingS11N5", "navix_maps", ("navix", "0.7.4"), options)
-    for density in ("0.1", "0.3"):
+    for density in (0.1, 0.3):
         yield Row(f"POGEMA, density {density}", "pogema_maps", pogema, (("density", density),))
     yield Row("IR-SIM Perlin", "irsim_maps", ("ir-sim", "2.12.0"))
     yield Row("IR-SIM Perlin, clear ends", "irsim_maps", ("ir-sim", "2.12.0"), clear_ends=True)
@@ -128,7 +101,7 @@ def _generators() -> Iterator[Row]:
 
 def _collections() -> Iterator[Row]:
     # Its generator keeps 0.375 m free, so 0.376 is the first radius that matters.
-    metres = ("0.35", "0.375", "0.376", "0.45")
+    metres = tuple(map(Radius, (0.35, 0.375, 0.376, 0.45)))
     yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):
         folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")
@@ -136,7 +109,7 @@ def _collections() -> Iterator[Row]:
     yield Row(
         "Arena-Rosnav maps",
         folders=("{arena}",),
-        radii=("0.105", "0.22", "0.35"),
+        radii=tuple(map(Radius, (0.105, 0.22, 0.35))),
         pairs=5,
         clear_ends=True,
     )
@@ -150,35 +123,26 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
     missing = _missing(row, given)
     if missing:
         return {"name": row.name, "skipped": missing}
-    radii = tuple(map(Radius.parse, row.radii))
-    options = CensusOptions(radii, row.pairs, SEED, row.clear_ends)
+    options = CensusOptions(row.radii, row.pairs, SEED, row.clear_ends)
     began = time.perf_counter()
-    if row.folders:
-        maps: Any = folder_maps(
-            [Path(part.format(**given)) for part in row.folders], pairs=row.pairs, seed=SEED
-        )
-    else:
-        keywords = {key: value.format(**given) for key, value in row.options}
-        place = f"{EXAMPLES / row.adapter}.py:maps"
-        try:
-            maps = generated_maps(place, count=count, seed=SEED, options=keywords)
-        # Installed, but it does not load.
-        except InvalidParameter as error:
-            return {"name": row.name, "skipped": str(error)}
+    folders = [Path(part.format(**given)) for part in row.folders]
+    maps: Any = folder_maps(folders, pairs=row.pairs, seed=SEED)
+    if not folders:
+        maps = generated_maps(row.adapter, count=count, seed=SEED, **dict(row.options))
     inflated = Inflated()
-    census = take_census(maps, options, each=inflated.compare)
-    if census.interrupted:
-        raise KeyboardInterrupt
-    sides = sorted({max(question.width, question.height) for question in census.questions})
+    try:
+        census = take_census(maps, options, inflated.compare)
+    # Installed, but it does not load.
+    except ImportError as error:
+        return {"name": row.name, "skipped": str(error)}
+    sides = sorted({question.side for question in census.questions})
     return {
         "name": row.name,
         "maps": census.maps,
         "refused": len(census.refused),
-        "fault": census.fault,
         "sides": sides[:1] + sides[-1:],
-        "command": row.command(count),
         "seconds": time.perf_counter() - began,
-        "radii": [_figures(one, inflated.wrong) for one in tally(census)],
+        "radii": [_figures(radius, census.questions, inflated.wrong) for radius in options.radii],
     }
 
 
@@ -207,19 +171,23 @@ class Inflated:
 WRONG = ("costmap_wrong_yes", "costmap_wrong_no", "square_wrong_no")
 
 
-def _figures(one: Tally, wrong: Counter[tuple[Radius, str]]) -> dict[str, Any]:
+def _figures(
+    radius: Radius, questions: Sequence[CensusCase], wrong: Counter[tuple[Radius, str]]
+) -> dict[str, Any]:
+    asked = [question for question in questions if question.asked == radius]
+    total = counts(asked)
     return {
-        "radius": str(one.asked),
-        "questions": one.questions,
-        **one.counts,
-        **{name: wrong[one.asked, name] for name in WRONG},
-        "prover_seconds": one.seconds,
+        "radius": str(radius),
+        "questions": len(asked),
+        **{name: total[name] for name in COUNTED},
+        **{name: wrong[radius, name] for name in WRONG},
+        "prover_seconds": sum(question.seconds for question in asked),
     }
 
 
 def _missing(row: Row, given: dict[str, str]) -> str:
     """Return why a row cannot be made, if it cannot."""
-    for word in (*row.folders, *(value for _, value in row.options)):
+    for word in row.folders:
         name = word.removeprefix("{").partition("}")[0]
         if "{" in word and name not in given:
             return f"--{name} is not given"
@@ -250,7 +218,7 @@ COLUMNS = (
 
 
 def table(results: Sequence[dict[str, Any]]) -> str:
-    """Return Markdown: a line per source and radius, then the commands."""
+    """Return Markdown: a line per source and radius."""
     heads = ["source", "maps", "side", "radius", "questions", *COLUMNS]
     lines = [f"| {' | '.join(heads)} |", f"| --- | {' | '.join(['---:'] * (len(heads) - 1))} |"]
     for result in results:
@@ -260,7 +228,7 @@ def table(results: Sequence[dict[str, Any]]) -> str:
             lines.append(
                 f"| {' | '.join([*first, one['radius'], str(one['questions']), *_cells(one)])} |"
             )
-    return "\n".join([*lines, "", "```sh", *(result["command"] for result in results), "```"])
+    return "\n".join(lines)
 
 
 def _cells(one: dict[str, Any]) -> list[str]:

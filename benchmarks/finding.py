@@ -37,7 +37,8 @@ from fuzz.failure import Failure
 from fuzz.faults import FAULTS, Fault
 from fuzz.shrink import shrink
 from fuzz.triage.diagnosis import cause_of
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import UnitResult
 from sim.episode import simulate

@@ -28,7 +28,7 @@ from benchmarks.peer_scripts import add_peer_options, run_peer
 from sim._core import lib
 from sim.controllers import CONTROLLERS
 from sim.fleet import FleetRun
-from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.fleet.core_calls import CoreFleet
 from sim.options.run import options_of
 from sim.runners.core_calls import CoreEpisode
 from sim.runners.lattice import LatticeRun
@@ -70,15 +70,7 @@ def hall_of(count: int) -> World:
         )
         for k in range(count)
     ]
-    first, *others = robots
-    return World(
-        [[False] * (columns * per_place)] * (rows * per_place),
-        first.start,
-        first.target,
-        robot_radius=RADIUS,
-        robot_speed=SPEED,
-        others=tuple(others),
-    )
+    return World([[False] * (columns * per_place)] * (rows * per_place), robots=robots)
 
 
 def _ours(name: str, count: int) -> Callable[[], tuple[float, float]]:
@@ -88,7 +80,7 @@ def _ours(name: str, count: int) -> Callable[[], tuple[float, float]]:
 
     # Making the fleet is not part of what is timed.
     def once() -> tuple[float, float]:
-        drivers = [driver_in_core(one) for one in run.runs]
+        drivers = [one.driver() for one in run.runs]
         fleet = CoreFleet(run.runs, drivers, STEPS, lib.WG_SEEK_LOOP)
         begin = time.process_time()
         fleet.run_to_the_end()
@@ -107,7 +99,7 @@ def _alone(name: str) -> Callable[[], tuple[float, float]]:
     run.settings.find_loop = lib.WG_SEEK_LOOP
 
     def once() -> tuple[float, float]:
-        episode = CoreEpisode(run.arena(), run.settings, driver_in_core(run))
+        episode = CoreEpisode(run.arena(), run.settings, run.driver())
         begin = time.process_time()
         episode.run_to_the_end()
         return int(episode.report.steps), time.process_time() - begin

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from worldgen.interop.census import cell_at
+from benchmarks.foreign_maps import cell_at
 from worldgen.lattice import radius_in_cells
 from worldgen.reach.still.grid_search import squared_distances
 from worldgen.world import World

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from fuzz.failure import Failure
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
-    from fuzz.triage.judging import Replay, failure_of, replay
+    from fuzz.triage.judging import failure_of
+    from fuzz.triage.replaying import Replay, replay
     from fuzz.unit.config import CampaignConfig
 
 __getattr__, __dir__ = lazy_names(
@@ -40,7 +41,8 @@ __getattr__, __dir__ = lazy_names(
         "failure": ("Failure",),
         "shrink.run": ("Shrunk",),
         "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
-        "triage.judging": ("Replay", "failure_of", "replay"),
+        "triage.judging": ("failure_of",),
+        "triage.replaying": ("Replay", "replay"),
         "unit.config": ("CampaignConfig",),
     },
 )

@@ -170,7 +170,7 @@ class Diagnosis(NamedTuple):
         Args:
             world: The world; of several robots, the sentence is about one of them.
         """
-        several = world is not None and bool(world.others)
+        several = world is not None and world.is_fleet
         text = _TEXTS[self.cause].sentence
         more = _CIRCUMSTANCES[self.circumstance] if self.circumstance else _Additions()
         if more.sentence:

@@ -41,7 +41,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     failing = 0
     for seed in range(count):
         seeded = replace(options, seed=seed)
-        if world.others:
+        if world.is_fleet:
             arrives = simulate(world, controller, seeded).verdict in ARRIVALS
         else:
             run = prepare(world, controller, seeded)

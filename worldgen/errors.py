@@ -308,12 +308,14 @@ class FormatError(WorldgenError, ValueError):
             source: The file's name for the message.
             error: What the system reported: an ``OSError``, or a ``ValueError`` about a NUL.
         """
-        if isinstance(error, FileNotFoundError):
-            return cls(
-                "no-such-file", "there is no such file", "check the name", source=str(source)
-            )
+        place = str(source)
+        if isinstance(error, FileNotFoundError | NotADirectoryError):
+            return cls("no-such-file", "there is no such file", "check the name", source=place)
+        if isinstance(error, IsADirectoryError):
+            return cls("is-a-folder", "this is a folder", "choose a file in it", source=place)
         reason = getattr(error, "strerror", None) or str(error)
-        return cls("unreadable", "cannot be read: {reason}", reason=reason, source=str(source))
+        remedy = "check the name" if isinstance(error, ValueError) else ""
+        return cls("unreadable", "cannot be read: {reason}", remedy, reason=reason, source=place)
 
     @property
     def place(self) -> str:

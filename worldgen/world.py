@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +54,8 @@ DEFAULT_CELL_SIZE = 0.1
 DEFAULT_ROBOT_RADIUS = 0.07
 # Speed, m/s.
 DEFAULT_ROBOT_SPEED = 2.0
+
+_NO_CHANGES = Timeline()
 
 Value: TypeAlias = "bool | int | float | str | list[Value] | dict[str, Value]"
 """A value that a TOML header can hold."""
@@ -325,25 +327,47 @@ class Cut(HoldsFrozen):
 Certificate: TypeAlias = Witness | JointWitness | Cut
 
 
-@dataclass(frozen=True, eq=False)
+def _with_first(
+    robots: tuple[Robot, ...],
+    start: Pose | None,
+    target: Target | None,
+    radius: float | None,
+    speed: float | None,
+) -> tuple[Robot, ...]:
+    """Return the robots with these parts of the first one, which is made if there is none."""
+    parts = {"start": start, "target": target, "radius": radius, "speed": speed}
+    given: dict[str, Any] = {name: part for name, part in parts.items() if part is not None}
+    if not given and robots:
+        return robots
+    if robots:
+        return (replace(robots[0], **given), *robots[1:])
+    if start is None or target is None:
+        raise TypeError("a World needs a start and a target, or robots")
+    return (Robot(**given),)
+
+
+@dataclass(frozen=True, eq=False, init=False)
 class World(HoldsFrozen):
     """Everything about the surroundings that a scenario fixes.
 
     Worlds are immutable; use ``dataclasses.replace``.
 
+    A world of one robot is given by its ``start`` and ``target``, one of several by ``robots``. Of
+    a given fleet, ``start``, ``target``, ``robot_radius`` and ``robot_speed`` replace what the first
+    robot has; so ``replace(world, start=...)`` moves the first robot.
+
     Args:
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
-        start: Start pose of the robot.
-        target: Target of the robot.
+        start: Start pose of the first robot.
+        target: Target of the first robot.
         cell_size: Side of a cell, m.
-        robot_radius: Radius of the robot's disc, m.
-        robot_speed: Top speed of the robot, m/s.
+        robot_radius: Radius of the first robot's disc, m.
+        robot_speed: Top speed of the first robot, m/s.
         timeline: Changes of cells over time.
         certificate: Proof that the target can, or cannot, be reached.
         provenance: How the world was made.
         failure: Failure recorded in it, if it is a failure's world.
-        others: The robots after the first, which start, target, robot_radius and robot_speed
-            describe; empty in a world of one robot.
+        robots: All robots, in order.
 
     Raises:
         InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
@@ -352,22 +376,60 @@ class World(HoldsFrozen):
     """
 
     walls: Bools
-    start: Pose
-    target: Target
-    cell_size: float = DEFAULT_CELL_SIZE
-    robot_radius: float = DEFAULT_ROBOT_RADIUS
-    robot_speed: float = DEFAULT_ROBOT_SPEED
-    timeline: Timeline = field(default_factory=Timeline)
-    certificate: Certificate | None = None
-    provenance: Provenance | None = None
-    failure: FailureRecord | None = None
-    others: tuple[Robot, ...] = ()
+    robots: tuple[Robot, ...]
+    cell_size: float
+    timeline: Timeline
+    certificate: Certificate | None
+    provenance: Provenance | None
+    failure: FailureRecord | None
 
-    def __post_init__(self) -> None:
-        # Freeze the arrays, so that a certificate can't become wrong afterwards.
-        object.__setattr__(
-            self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None))
+    if TYPE_CHECKING:
+        # Type checkers see fields here, so that they accept `replace(world, start=...)`.
+        start: Pose
+        target: Target
+        robot_radius: float
+        robot_speed: float
+    else:
+        start = property(lambda self: self.robots[0].start, doc="Start pose of the first robot.")
+        target = property(lambda self: self.robots[0].target, doc="Target of the first robot.")
+        robot_radius = property(
+            lambda self: self.robots[0].radius, doc="Radius of the first robot's disc, m."
         )
+        robot_speed = property(
+            lambda self: self.robots[0].speed, doc="Top speed of the first robot, m/s."
+        )
+
+    def __init__(  # noqa: PLR0913 - a world has these parts
+        self,
+        walls: npt.ArrayLike,
+        start: Pose | None = None,
+        target: Target | None = None,
+        cell_size: float = DEFAULT_CELL_SIZE,
+        robot_radius: float | None = None,
+        robot_speed: float | None = None,
+        timeline: Timeline = _NO_CHANGES,
+        certificate: Certificate | None = None,
+        provenance: Provenance | None = None,
+        failure: FailureRecord | None = None,
+        *,
+        robots: Iterable[Robot] = (),
+    ) -> None:
+        # Freeze the arrays, so that a certificate can't become wrong afterwards.
+        fields = {
+            "walls": _frozen_array(walls, np.bool_, "walls", (None, None)),
+            "robots": _with_first(tuple(robots), start, target, robot_radius, robot_speed),
+            "cell_size": cell_size,
+            "timeline": timeline,
+            "certificate": certificate,
+            "provenance": provenance,
+            "failure": failure,
+        }
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+        self._check()
+
+    def _check(self) -> None:
+        """Reject a world that the domain excludes, or whose parts do not fit together."""
         if 0 in self.walls.shape or max(self.walls.shape) > MAX_SIDE:
             raise InvalidWorld(
                 "wrong-size",
@@ -376,15 +438,13 @@ class World(HoldsFrozen):
                 height=self.height,
                 max_side=MAX_SIDE,
             )
-        object.__setattr__(self, "others", tuple(self.others))
         fault = number_fault("cell_size", self.cell_size, CELL_SIZES, "m")
         if fault is not None:
             raise InvalidWorld.of(fault)
         # Start, target and radius of each robot must suit the grid.
         for number, robot in enumerate(self.robots, start=1):
-            self._check_robot(robot, f"robot {number} " if self.others else "")
-        if self.others:
-            self._check_fleet()
+            self._check_robot(robot, f"robot {number} " if self.is_fleet else "")
+        self._check_fleet()
         self._check_certificate()
         if not self.timeline.is_within(self.width, self.height):
             raise InvalidWorld(
@@ -396,16 +456,15 @@ class World(HoldsFrozen):
 
     def _check_fleet(self) -> None:
         """Reject robots that cannot be in one world."""
-        robots = self.robots
-        if len(robots) > MAX_ROBOTS:
+        if len(self.robots) > MAX_ROBOTS:
             raise InvalidWorld(
                 "too-many-robots",
                 "{count} robots; a world has at most {most}",
                 "leave some out",
-                count=len(robots),
+                count=len(self.robots),
                 most=MAX_ROBOTS,
             )
-        fault = pair_fault(robots, self.cell_size)
+        fault = pair_fault(self.robots, self.cell_size) if self.is_fleet else None
         if fault is not None:
             raise InvalidWorld.of(fault)
 
@@ -419,7 +478,7 @@ class World(HoldsFrozen):
                 "drop it; import the map with ignore_unread if that cannot block the robot",
                 unread=list(self.unread),
             )
-        count = len(self.others) + 1
+        count = len(self.robots)
         # A cut proves something about one robot; a joint witness needs a path for each.
         if isinstance(proof, Cut):
             fits = 1 <= proof.robot <= count
@@ -485,10 +544,9 @@ class World(HoldsFrozen):
         return int(self.walls.shape[1])
 
     @property
-    def robots(self) -> tuple[Robot, ...]:
-        """All robots of the world, in order."""
-        first = Robot(self.start, self.target, self.robot_radius, self.robot_speed)
-        return (first, *self.others)
+    def is_fleet(self) -> bool:
+        """True if there are several robots."""
+        return len(self.robots) > 1
 
     def alone(self, number: int) -> World:
         """Return this world with only one of its robots.
@@ -498,28 +556,7 @@ class World(HoldsFrozen):
         Args:
             number: The robot's number, from 1.
         """
-        return self.bare.with_robots([self.robots[number - 1]])
-
-    def with_robots(self, robots: Iterable[Robot], **parts: Any) -> World:
-        """Return the world with other robots, at least one.
-
-        Args:
-            robots: The robots, in order.
-            **parts: Other fields to replace; a certificate has to fit the new robots.
-
-        Raises:
-            InvalidWorld: If the robots do not fit into one world.
-        """
-        first, *others = robots
-        return replace(
-            self,
-            start=first.start,
-            target=first.target,
-            robot_radius=first.radius,
-            robot_speed=first.speed,
-            others=tuple(others),
-            **parts,
-        )
+        return replace(self.bare, robots=(self.robots[number - 1],))
 
     @property
     def unread(self) -> tuple[str, ...]:
@@ -580,7 +617,7 @@ class World(HoldsFrozen):
             proved = f"witness of {proof.length:.4g} m"
         else:
             proved = f"cut of {len(proof.cells)} cells"
-        fleet = f", {len(self.robots)} robots" if self.others else ""
+        fleet = f", {len(self.robots)} robots" if self.is_fleet else ""
         changes = f", {len(self.timeline)} changes" if self.is_dynamic else ""
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
@@ -600,8 +637,7 @@ class World(HoldsFrozen):
         return np.array_equal(self.walls, other.walls) and all(
             getattr(self, name) == getattr(other, name)
             for name in (
-                "start", "target", "cell_size", "robot_radius", "robot_speed",
-                "timeline", "certificate", "provenance", "failure", "others",
+                "robots", "cell_size", "timeline", "certificate", "provenance", "failure",
             )
         )  # fmt: skip
 

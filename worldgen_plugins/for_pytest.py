@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from fuzz.replay.fixed import RegressionRun
+    from fuzz.regression.fixed import RegressionRun
     from sim.episode import Episode
     from worldgen.world import World
 
@@ -185,7 +185,7 @@ class FailureTest(pytest.Item):
             check_hidden()
         except WorldgenError as error:
             raise NotAsExpected(error) from error
-        from fuzz.replay.regression import check
+        from fuzz.regression.regression import check
 
         settings = self.config.stash[_SETTINGS]
         try:
@@ -286,7 +286,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
         world = generate(case.family, case.seed, **case.parameters)
     except WorldgenError as error:
         pytest.fail(str(error), pytrace=False)
-    from fuzz.replay.fixed import RegressionRun
+    from fuzz.regression.fixed import RegressionRun
 
     # If the test fails, its report shows how to run this world again.
     request.node.stash[_SEEN] = RegressionRun(world)
@@ -296,7 +296,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
 @pytest.fixture
 def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> Episode:
     """Return the recorded run of the mark's controller in the world; its seed is the world's."""
-    from fuzz.replay.regression import run
+    from fuzz.regression.regression import run
     from worldgen.errors import WorldgenError
 
     case: _Case = request.node.callspec.params["worldgen_world"]
@@ -326,7 +326,7 @@ def pytest_runtest_makereport(
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":
-        from fuzz.replay.regression import tell
+        from fuzz.regression.regression import tell
 
         folder = _artifacts(item.config)
         told = tell(seen, None if folder is None else folder / _artifact_name(item))

@@ -110,7 +110,7 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome 
         options = subject.scenario.options(world)
         controller = CONTROLLERS.get(subject.scenario.controller)
         outcome: Outcome | Episode
-        if world.others:
+        if world.is_fleet:
             outcome = simulate(world, controller, options)
         else:
             run = prepare(world, controller, options)

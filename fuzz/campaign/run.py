@@ -14,8 +14,8 @@ from functools import partial
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.scheduler import Goal, Scheduler, Work
-from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
-from fuzz.campaign.store import FolderStore
+from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
+from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
@@ -271,6 +271,7 @@ class Campaign(Goal[Progress]):
         state = self.state
         jobs: list[ShrinkJob] = []
         kept: dict[FailureKey, Failure] = {}
+        finds: list[tuple[Find, Failure]] = []
         # The smallest of each group come first, since only a few are shrunk.
         ordered = sorted(result.failures.values(), key=lambda one: (one.group, one.order))
         for failure in ordered:
@@ -278,8 +279,7 @@ class Campaign(Goal[Progress]):
             is_known = self._is_known(failure)
             is_interesting = state.memory.is_interesting(failure)
             if is_interesting:
-                totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.strategy, failure, *totals))
+                finds.append((self._find(unit, result, failure, seconds), failure))
             # The stored result depends only on complete units, so that a resumed campaign agrees.
             few_whole = self.config.shrink and self._met_whole[group, is_known] < MOST_SHRUNK
             if few_whole or self._memory.is_interesting(failure):
@@ -290,10 +290,26 @@ class Campaign(Goal[Progress]):
             job = self._queue.job_for(failure, is_known=is_known, is_interesting=is_interesting)
             if job is not None:
                 jobs.append(job)
+        # The totals are rounded; the order must not depend on how long the unit took.
+        state.finds += sorted(finds, key=lambda one: result.first_met[one[1].key].order)
         # A restored unit has only the failures that were worth keeping, so its totals count.
         met = state.met_by_group
         state.known = Counter({group: met[group] for group in self._known_groups})
         return jobs, kept
+
+    def _find(self, unit: int, result: UnitResult, failure: Failure, seconds: float) -> Find:
+        """Return when a failure was found, in totals of the campaign."""
+        at = result.first_met[failure.key]
+        return Find(
+            unit=unit,
+            strategy=result.strategy,
+            cause=failure.group,
+            solid_cells=failure.world.solid_cells,
+            worlds=self.state.worlds - result.worlds + at.worlds,
+            steps=self.state.steps - result.steps + at.steps,
+            seconds=round(max(seconds - at.seconds_left, 0.0), 3),
+            file=f"{MEMORY}/failures/{failure.id}.grid",
+        )
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
         """Return a unit's result, or an earlier run's if that got further with the unit."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
+from fuzz.campaign.store import Find
 from fuzz.failure import Failure
 from fuzz.unit.result import FailureKey, SearchState
 from sim.clock.controller_time import Effort
@@ -41,27 +42,6 @@ class Discovery:
 Progress = UnitDone | Discovery
 
 
-@dataclass(frozen=True)
-class DiscoveryTotals:
-    """A key occurred for the first time, or a failure comes before the known one in order.
-
-    Args:
-        unit: Unit that found it.
-        strategy: Strategy of that unit.
-        failure: The failure as found, before shrinking.
-        worlds: Worlds of the campaign up to and including that unit.
-        steps: Steps up to and including that unit.
-        seconds: Seconds up to and including that unit, over all runs.
-    """
-
-    unit: int
-    strategy: str
-    failure: Failure
-    worlds: int
-    steps: int
-    seconds: float
-
-
 @dataclass
 class CampaignState:
     """Totals so far.
@@ -84,7 +64,8 @@ class CampaignState:
         known: The same by group, for groups in the baseline.
         best: By key, the smallest failure; of a group of which none is shrunk, as it was found.
         memory: The search state: the strategies' yields, and the knowledge of later units.
-        finds: First finds, in the order of units.
+        finds: What summaries tell of each find, and the failure as found, before shrinking; in the
+            order of units, and in each by time.
     """
 
     units: int = 0
@@ -102,7 +83,7 @@ class CampaignState:
     known: Counter[str] = field(default_factory=Counter)
     best: dict[FailureKey, Failure] = field(default_factory=dict)
     memory: SearchState = field(default_factory=SearchState)
-    finds: list[DiscoveryTotals] = field(default_factory=list)
+    finds: list[tuple[Find, Failure]] = field(default_factory=list)
 
     @property
     def met_by_group(self) -> Counter[str]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from msgspec import UNSET
+from msgspec import UNSET, structs
 
 from fuzz.campaign.state import CampaignState
-from fuzz.campaign.store import MEMORY, Archive, FindTotals, Status, StrategyTotals, Summary
+from fuzz.campaign.store import Archive, Status, Summary
 from fuzz.search.archive import archive_table
 from fuzz.unit.answer import AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
@@ -29,30 +29,6 @@ def summary_of(
         numbers: The numbers that decide its answer; ``None`` while it runs.
     """
     answer, reason = (UNSET, UNSET) if numbers is None else answer_of(numbers)
-    strategies = [
-        StrategyTotals(
-            name,
-            strategy.units,
-            strategy.worlds,
-            strategy.steps,
-            strategy.failures,
-            strategy.variants,
-        )
-        for name, strategy in state.memory.strategies.items()
-    ]
-    found = [
-        FindTotals(
-            unit=find.unit,
-            strategy=find.strategy,
-            cause=find.failure.group,
-            solid_cells=find.failure.world.solid_cells,
-            worlds=find.worlds,
-            steps=find.steps,
-            seconds=round(find.seconds, 3),
-            file=f"{MEMORY}/failures/{find.failure.id}.grid",
-        )
-        for find in state.finds
-    ]
     share = controller_share(config, state)
     return Summary(
         controller=config.scenario.label(),
@@ -69,8 +45,8 @@ def summary_of(
         verdicts=dict(state.verdicts),
         met=dict(state.met_by_group),
         known=dict(state.known),
-        strategies=strategies,
-        found=found,
+        strategies=list(state.memory.strategies.values()),
+        found=[find for find, _ in state.finds],
         archive=_archive_of(state),
         units_cut=state.cut - state.too_early,
         units_too_early=state.too_early,
@@ -83,42 +59,6 @@ def summary_of(
 def _archive_of(state: CampaignState) -> Archive | None:
     table = archive_table(state.memory.elites)
     return None if table is None else converted(table, Archive)
-
-
-def describe_strategies(state: CampaignState) -> str:
-    """Return a table of the strategies, with their shares and yields."""
-    rows = [["strategy", "units", "worlds", "steps", "failures", "new variants"]]
-    for name, strategy in sorted(state.memory.strategies.items()):
-        rows.append(
-            [
-                name,
-                *map(
-                    str,
-                    (
-                        strategy.units,
-                        strategy.worlds,
-                        strategy.steps,
-                        strategy.failures,
-                        strategy.variants,
-                    ),
-                ),
-            ]
-        )
-    return aligned(rows, right=range(1, 6))
-
-
-def describe_units(state: CampaignState) -> str:
-    """Describe the units by result.
-
-    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
-    """
-    cut = state.cut - state.too_early
-    words = counted(state.units, "whole unit" if cut else "unit")
-    if cut:
-        words += f" and {cut} cut short"
-    if state.too_early:
-        words += f" and {state.too_early} that learned too little from them"
-    return words
 
 
 def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
@@ -135,26 +75,48 @@ def controller_share(config: CampaignConfig, state: CampaignState) -> float | No
     return state.effort.share
 
 
-def describe_time(state: CampaignState) -> str:
+def describe_strategies(summary: Summary) -> str:
+    """Return a table of the strategies, with their shares and yields."""
+    rows = [["strategy", "units", "worlds", "steps", "failures", "new variants"]]
+    for one in sorted(summary.strategies, key=lambda one: one.strategy):
+        rows.append(list(map(str, structs.astuple(one))))
+    return aligned(rows, right=range(1, 6))
+
+
+def describe_units(summary: Summary) -> str:
+    """Describe the units by result.
+
+    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
+    """
+    cut = summary.units_cut
+    words = counted(summary.units, "whole unit" if cut else "unit")
+    if cut:
+        words += f" and {cut} cut short"
+    if summary.units_too_early:
+        words += f" and {summary.units_too_early} that learned too little from them"
+    return words
+
+
+def describe_time(summary: Summary) -> str:
     """Describe how long this run took: ``30.0 s: start-up 2.0 s, search 21.9 s, shrinking 6.1 s``.
 
     A run without work reports the total time of earlier runs, whose parts are unknown.
     """
-    whole = sum(state.times.values())
+    whole = sum(summary.times.values())
     if not whole:
-        return f"{state.seconds:.1f} s"
-    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in state.times.items())
+        return f"{summary.seconds:.1f} s"
+    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary.times.items())
     return f"{whole:.1f} s: {parts}"
 
 
-def describe_share(config: CampaignConfig, state: CampaignState) -> str | None:
+def describe_share(summary: Summary, controller: str) -> str | None:
     """Describe the controller's share: ``40 % of the work was your controller's own code``.
 
     ``None`` if unknown.
     """
-    share = controller_share(config, state)
-    if share is None:
+    share = summary.controller_share
+    if share is UNSET:
         return None
-    is_program = isinstance(CONTROLLERS.get(config.scenario.controller), ProcessController)
+    is_program = isinstance(CONTROLLERS.get(controller), ProcessController)
     what = "waiting for your program" if is_program else "your controller's own code"
     return f"{100 * share:.0f} % of the work was {what}"

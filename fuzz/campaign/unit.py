@@ -37,17 +37,17 @@ def run_unit(
     known = SearchState() if memory is None else memory
     name = planned_strategy(config, unit, known)
     result = UnitResult(strategy=name)
+    triage = Triage(config, result, deadline)
     # State that the controller has kept from other units must not matter here.
     as_loaded(config.scenario.controller)
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
-            strategy_of(name)(
-                SearchTask(name, config, unit, known, Triage(config, result, deadline))
-            )
+            strategy_of(name)(SearchTask(name, config, unit, known, triage))
     except OutOfTime:
         result.cut = True
     except KeyboardInterrupt:
         result.cut = result.interrupted = True
+    triage.end()
     result.effort = began.since()
     return result

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fuzz.cause import Diagnosis
 from fuzz.failure import Failure
+from fuzz.overview.counterfactual import named_cells
 from fuzz.overview.describe import run_to_draw
 from fuzz.triage.diagnosis import diagnosis_of
 from sim.clock.stopping import OutOfTime
@@ -21,7 +23,7 @@ from worldgen.render.overlay import naming
 from worldgen.support.plain_text import counted, shown, shown_lines
 
 if TYPE_CHECKING:
-    from fuzz.overview.counterfactual import Counterfactuals
+    from fuzz.overview.result import CauseResult
 
 
 class FindingState(StrEnum):
@@ -40,51 +42,41 @@ class FindingState(StrEnum):
 
 _MOST_PICTURE = 20_000  # characters; larger worlds are better viewed from their file
 
-
-_OF_LINES = ("frames", "picture")
+# Texts that a controller or a file decides, and what makes each safe.
+_SAFE = {
+    "what": shown,
+    "why": shown,
+    "replay": shown,
+    "frames": shown_lines,
+    "picture": shown_lines,
+}
 
 
 @dataclass(frozen=True)
 class CiFinding:
-    """A failure and its description.
+    """A failure, and what a report for CI says about it.
 
     Args:
         state: The command's description.
-        file: The failure's file.
-        controller: The recorded controller, without options.
-        who: Controller with options, and motion model.
-        verdict: Recorded verdict.
-        group: See :attr:`fuzz.failure.Failure.group`.
-        what: What happened, as a sentence without a full stop.
-        size: Size of the world, in words.
-        picture: The world as lines of text, with the robot's path if its controller can be run.
-        world_id: SHA-256, in hex, of the world without its record.
-        seed: Seed of the run.
+        failure: The failure, with the controller that ran.
+        file: Its file.
         replay: The command that replays it.
-        cause: Why the robot fails: a name of :class:`fuzz.cause.Cause`.
-        sentence: The cause as a sentence, with a full stop; empty if ``what`` says more.
+        what: What happened, as a sentence without a full stop.
+        diagnosis: Why the robot fails.
         why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
-        shrinking: See :attr:`fuzz.failure.Failure.shrinking`; empty if not known.
+        picture: The world as lines of text, with the robot's path if its controller can be run.
     """
 
     state: FindingState
+    failure: Failure
     file: Path
-    controller: str
-    who: str
-    verdict: str
-    group: str
-    what: str
-    size: str
-    picture: str
-    world_id: str
-    seed: int
     replay: str
-    cause: str = ""
-    sentence: str = ""
+    what: str
+    diagnosis: Diagnosis
     why: str = ""
     frames: str = ""
-    shrinking: str = ""
+    picture: str = ""
 
     @classmethod
     def of(
@@ -94,7 +86,7 @@ class CiFinding:
         state: FindingState,
         reason: str = "",
         controller: str | None = None,
-        why: Counterfactuals | None = None,
+        cause: CauseResult | None = None,
     ) -> CiFinding:
         """Describe a failure; this runs its controller to draw the path.
 
@@ -104,30 +96,25 @@ class CiFinding:
             state: See the class.
             reason: Why it is not confirmed.
             controller: A controller to use instead of the recorded one.
-            why: After which single changes the robot arrives; the picture marks their cells.
+            cause: The cause that shows this failure; the picture marks the cells on which it
+                depends.
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
         world = failure.world
-        record = failure.record
 
         # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
+        frames = ""
+        trail = None
         try:
             episode, words = run_to_draw(failure)
-            trail = naming(trails_of(episode, world), why.cells if why else ())
-            frames: str = describe_frames(episode.evidence)
+            trail = naming(trails_of(episode, world), named_cells(cause.changes) if cause else ())
+            frames = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"
-            trail = None
-            frames = ""
         except OutOfTime:
             words = ""
-            trail = None
             frames = describe_frames(failure.evidence)
-        # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
-        diagnosis = diagnosis_of(failure)
-        cause = diagnosis.cause
-        what = reason if state == FindingState.NOT_CONFIRMED else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = (
@@ -135,32 +122,51 @@ class CiFinding:
             )
         return cls(
             state,
+            failure,
             file,
-            controller=record.controller,
-            who=failure.who,
-            verdict=record.verdict,
-            group=failure.group,
-            what=what,
+            replay,
+            what=reason if state == FindingState.NOT_CONFIRMED else f"{failure.verdict}{words}",
+            diagnosis=diagnosis_of(failure),
+            why=cause.why if cause else "",
             frames=frames,
-            size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
             picture=picture,
-            world_id=world_digest(failure.stored),
-            seed=record.seed,
-            replay=replay,
-            cause=cause.value,
-            sentence="" if cause.is_vague else diagnosis.sentence(world),
-            why=why.describe() if why else "",
-            shrinking=failure.shrinking.value,
         )
 
     def __post_init__(self) -> None:
-        """Make every text safe for a log, a browser and a parser, whoever made the finding."""
-        for one in fields(self):
-            text = getattr(self, one.name)
-            # The controller's name is looked up, not shown.
-            if isinstance(text, str) and one.name not in ("state", "controller"):
-                safe = shown_lines(text) if one.name in _OF_LINES else shown(text)
-                object.__setattr__(self, one.name, safe)
+        """Make texts safe for a log, a browser and a parser, whoever made the finding."""
+        for name, safe in _SAFE.items():
+            object.__setattr__(self, name, safe(getattr(self, name)))
+
+    @property
+    def who(self) -> str:
+        """Controller with options, and motion model."""
+        return shown(self.failure.who)
+
+    @property
+    def verdict(self) -> str:
+        """The recorded verdict."""
+        return shown(self.failure.verdict)
+
+    @property
+    def group(self) -> str:
+        """See :attr:`fuzz.failure.Failure.group`."""
+        return shown(self.failure.group)
+
+    @property
+    def cause(self) -> str:
+        """Why the robot fails: a name of :class:`fuzz.cause.Cause`."""
+        return self.diagnosis.cause.value
+
+    @property
+    def sentence(self) -> str:
+        """The cause as a sentence, with a full stop; empty if ``what`` says more."""
+        vague = self.diagnosis.cause.is_vague
+        return "" if vague else shown(self.diagnosis.sentence(self.failure.world))
+
+    @property
+    def world_id(self) -> str:
+        """SHA-256, in hex, of the world without its record."""
+        return world_digest(self.failure.stored)
 
     @property
     def fails(self) -> bool:
@@ -189,14 +195,19 @@ class CiFinding:
     @property
     def extent(self) -> str:
         """The size of the world, and how far shrinking got."""
-        return f"{self.size}, shrinking {self.shrinking}" if self.shrinking else self.size
+        return f"{self.size}, shrinking {self.failure.shrinking}"
+
+    @property
+    def size(self) -> str:
+        """The size of the world, in words."""
+        world = self.failure.world
+        return f"{world.width} x {world.height} cells, {world.solid_cells} solid"
 
     @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
         happened = "" if self.what in self.headline else f"{self.what}\n"
-        cause = f"cause {self.cause}, " if self.cause else ""
-        about = f"{self.headline}\n{happened}{self.frames}{cause}{self.extent}"
+        about = f"{self.headline}\n{happened}{self.frames}cause {self.cause}, {self.extent}"
         return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 

@@ -65,8 +65,8 @@ def _case(suite: Element, command: str, finding: CiFinding) -> None:
         "group": finding.group,
         "cause": finding.cause,
         "why": finding.why,
-        "shrinking": finding.shrinking,
-        "seed": finding.seed,
+        "shrinking": finding.failure.shrinking,
+        "seed": finding.failure.record.seed,
         "world": finding.world_id,
         "replay": finding.replay,
     }

@@ -128,7 +128,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
     place = (
         world
         if finding.state == FindingState.NOT_CONFIRMED
-        else place_of(finding.controller, root) or world
+        else place_of(finding.failure.record.controller, root) or world
     )
     return {
         "ruleId": _rule_id(finding),
@@ -145,9 +145,9 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         },
         "properties": {
             "state": finding.state,
-            **({"cause": finding.cause} if finding.cause else {}),
-            **({"shrinking": finding.shrinking} if finding.shrinking else {}),
-            "seed": str(finding.seed),
+            "cause": finding.cause,
+            "shrinking": finding.failure.shrinking,
+            "seed": str(finding.failure.record.seed),
             "world": finding.world_id,
         },
     }

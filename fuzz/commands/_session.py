@@ -1,4 +1,4 @@
-"""Run a campaign at a terminal: progress on stderr, failures in a folder, a summary at the end."""
+"""Run a campaign at a terminal: progress on stderr, failures in a folder, and what it found."""
 
 from __future__ import annotations
 
@@ -9,44 +9,27 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
-from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
-from fuzz.campaign.summary import (
-    describe_share,
-    describe_strategies,
-    describe_time,
-    describe_units,
-    summary_of,
-)
+from fuzz.campaign.store import MEMORY, CampaignRun, Status, Summary, record_error
+from fuzz.campaign.summary import summary_of
 from fuzz.ci import NO_OUTPUTS, Outputs
-from fuzz.facts.hazards import hazard_words, is_hazard
+from fuzz.commands._ending import Ending
+from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
-from fuzz.overview import Overview, cause_of
-from fuzz.overview.building import Conclusion, answer_numbers, build_overview, files_of
-from fuzz.overview.counterfactual import Counterfactuals
-from fuzz.overview.describe import describe
-from fuzz.overview.overview import write_overview
-from fuzz.overview.terminal import Headline, describe_coverage, overview_lines
-from fuzz.unit.answer import Answer, AnswerNumbers, answer_of
+from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
+from fuzz.overview.result import CampaignResult, write_overview
+from fuzz.unit.answer import Answer, AnswerNumbers
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
 from sim.clock.stopping import stopping_when
-from sim.controllers.contract import state_survives_reset
-from worldgen.cli.output import emit_json, note, say
+from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.files.json_file import plain
-from worldgen.render import wants_color
-from worldgen.support.plain_text import counted, shown
+from worldgen.support.plain_text import counted
 from worldgen.support.progress import is_verbose, working
-from worldgen.support.results import results
-
-if TYPE_CHECKING:
-    from fuzz.ci import Report
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
@@ -120,7 +103,7 @@ class CampaignSession:
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
         )
         self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
-        self._overview = Overview(())
+        self._overview = Overview(CampaignResult(causes=[]), {}, {})
         # Ids of the failures in the folder's files, by stem.
         self._saved: dict[str, str] = {}
         self._status = Status.RUNNING
@@ -135,43 +118,21 @@ class CampaignSession:
         try:
             with shown_in(self._out / MEMORY, self._live), contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
-        except WorkersLost as error:
-            if not self._lasts:
-                raise OutputError(
-                    "broken-off", "{reason}", "nothing was kept: start again", reason=str(error)
-                ) from error
-            raise OutputError(
-                "broken-off",
-                "{reason}",
-                "the findings so far are in {out}, and {way_on}",
-                at_terminal=True,
-                reason=str(error),
-                out=self._out,
-                way_on=self._way_on,
-            ) from error
-        except OutputError as error:
-            if not self._lasts:
-                raise OutputError(
-                    "broken-off",
-                    "{reason}",
-                    "nothing was kept: free some space, and start again",
-                    reason=str(error),
-                ) from error
-            raise OutputError(
-                "broken-off",
-                "{reason}",
-                "the stored results are intact: free some space, and {way_on}",
-                at_terminal=True,
-                reason=str(error),
-                way_on=self._way_on,
-            ) from error
+        except (WorkersLost, OutputError) as error:
+            raise self._broken_off(error) from error
         # A run of a slow controller may take longer than the budget.
         end = time.monotonic() + _TO_DRAW
         # Report in the terminal and in files.
         with stopping_when(lambda: time.monotonic() > end):
-            self._report()
+            ending = self._ending()
+            if self._quiet:
+                ending.print_json()
+            else:
+                if is_verbose():
+                    ending.print_in_detail()
+                ending.print_text()
             if self._outputs:
-                self._outputs.write(self._as_report())
+                self._outputs.write(ending.for_ci(accepts_no_answer=self._accepts_no_answer))
         # Interrupted runs have their own message and exit code.
         if stopped and self._lasts:
             kept = len(self._store.written() if self._goes_on else self._files())
@@ -187,22 +148,38 @@ class CampaignSession:
             raise unfit
         if self._failing():
             return 1
-        is_open = self._answer[0] == Answer.NONE and not self._accepts_no_answer
+        is_open = ending.summary.answer == Answer.NONE and not self._accepts_no_answer
         return NO_ANSWER if is_open else 0
+
+    def _broken_off(self, error: WorkersLost | OutputError) -> OutputError:
+        """Return the error of a search that could not go on, with what was kept and what to do."""
+        is_full = isinstance(error, OutputError)
+        first = "free some space, and " if is_full else ""
+        if not self._lasts:
+            remedy = f"nothing was kept: {first}start again"
+        elif is_full:
+            remedy = f"the stored results are intact: {first}{{way_on}}"
+        else:
+            remedy = "the findings so far are in {out}, and {way_on}"
+        return OutputError(
+            "broken-off",
+            "{reason}",
+            remedy,
+            at_terminal=self._lasts,
+            reason=str(error),
+            out=self._out,
+            way_on=self._way_on,
+        )
 
     @property
     def _way_on(self) -> str:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} continues it"
 
-    @property
-    def _answer(self) -> tuple[Answer, str]:
-        return answer_of(self._numbers())
-
     def _numbers(self) -> AnswerNumbers:
         return answer_numbers(
             self._config,
             self._campaign.state,
-            self._overview,
+            self._overview.result,
             {one.group for one in self._failing().values()},
         )
 
@@ -290,7 +267,7 @@ class CampaignSession:
         self._write_examples()
         if not stopped:
             self._remove_outdated()
-        write_overview(self._overview, self._out)
+        write_overview(self._overview.result, self._out)
         return stopped
 
     def _time_left(self) -> float | None:
@@ -302,9 +279,8 @@ class CampaignSession:
 
     def _write_examples(self) -> None:
         """Write the failures that the overview shows, and the originals of those it has shrunk."""
-        for cause in self._overview.causes:
-            if cause.original is not None:
-                self._store.save_original(cause.original)
+        for failure in self._overview.originals:
+            self._store.save_original(failure)
         self._write_files()
 
     def _remove_outdated(self) -> None:
@@ -441,171 +417,20 @@ class CampaignSession:
     def _path(self, stem: str) -> Path:
         return self._out / f"{stem}.grid"
 
-    def _report(self) -> None:
-        # Scripts get one object.
+    def _ending(self) -> Ending:
+        """Return the campaign as it is shown at its end."""
         state = self._campaign.state
-        hazards = self._hazards()
-        if self._quiet:
-            lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
-            emit_json(SUMMARY.table(self._summary()) | plain(self._overview.table()) | lists)
-            return
-        if is_verbose():
-            self._report_in_detail()
-        scenario = self._config.scenario
-        numbers = self._numbers()
-        answer, reason = answer_of(numbers)
-        headline = Headline(
-            f"{scenario.label()} under {scenario.run.motion}",
-            self._out,
-            state.worlds,
-            is_failing=bool(self._failing()),
-            is_known=bool(state.known),
+        known = self._conclusion.known
+        return Ending(
+            config=self._config,
+            overview=self._overview,
+            summary=self._summary(),
+            failing=self._failing(),
+            hazards=self._hazards(),
+            known=known,
+            variants=len({one.key for _, one in state.finds if known.is_new_variant(one)}),
+            interrupted_steps=state.effort.broken,
+            out=self._out,
             lasts=self._lasts,
-            unjudged=numbers.searched_unjudged,
-            no_answer=reason if answer == Answer.NONE else "",
             remedy=self._with_more,
-            robots=self._config.robots,
         )
-        color = wants_color(results())
-        for line in overview_lines(self._overview, headline):
-            say(line, color=color)
-        if state.known:
-            times = counted(state.known.total(), "time")
-            variants = len(
-                {
-                    find.failure.key
-                    for find in state.finds
-                    if self._conclusion.known.is_new_variant(find.failure)
-                }
-            )
-            more = f"; {counted(variants, 'new variant')} of known causes" if variants else ""
-            say(f"known: {counted(len(state.known), 'cause')}, met {times}{more}")
-        say(
-            f"seed {self._config.seed}: {describe_units(state)}, "
-            f"{counted(state.steps, 'step')} in {state.seconds:.1f} s"
-        )
-        # Add notes about slow, stateful or hanging controllers.
-        if (share := describe_share(self._config, state)) is not None:
-            note(share)
-        if state.effort.survivors:
-            note(str(state_survives_reset(scenario.controller, state.effort.survivors)))
-        if state.effort.broken:
-            steps = counted(state.effort.broken, "step")
-            note(
-                f"{steps} of {self._config.scenario.controller} were still running when time was "
-                f"up, and had to be interrupted; if a step may hang, run the controller as a "
-                f"program: each step then has a deadline, and a hang is a failure "
-                f"(docs/reference/controllers.md)"
-            )
-        if hazards:
-            note(f"--count-hazards makes failures of {hazard_words(hazards.values())}")
-
-    def _report_in_detail(self) -> None:
-        """Print each failure with its picture, and the yield of each strategy."""
-        state = self._campaign.state
-        hazards = self._hazards()
-        met = state.met_by_group
-        for stem, failure in sorted(self._failing().items()):
-            say(describe(failure, self._path(stem), met=met))
-        if hazards:
-            say(f"{hazard_words(hazards.values())}: {counted(len(hazards), 'failure')}")
-            say("")
-        for stem, failure in sorted(hazards.items()):
-            say(describe(failure, self._path(stem), met=met))
-        verdicts = ", ".join(
-            f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
-        )
-        say(
-            f"{describe_time(state)}; quick runs: {verdicts or 'none'}; {state.met.total()} examined"
-        )
-        if self._overview.natural is not None and self._overview.natural.worlds:
-            say(describe_coverage(self._overview.natural))
-        say(describe_strategies(state))
-        if state.known:
-            often = ", ".join(
-                f"{shown(group)} {counted(times, 'time')}"
-                for group, times in sorted(state.known.items())
-            )
-            say(f"known: {counted(len(state.known), 'cause')}, met {often}")
-
-    def _as_report(self) -> Report:
-        """Return the campaign in the form of the reports for CI services."""
-        from fuzz.ci import CiFinding, FindingState, Report
-
-        state = self._campaign.state
-        scenario = self._config.scenario
-        answer, reason = self._answer
-        facts = {
-            "controller": shown(scenario.label()),
-            "motion": scenario.run.motion,
-            "answer": answer.value,
-        }
-        numbers = {
-            "seed": self._config.seed,
-            "units": state.units,
-            "worlds": state.worlds,
-            "steps": state.steps,
-        }
-        facts |= {name: str(number) for name, number in numbers.items()} | {
-            "seconds": f"{state.seconds:.1f}"
-        }
-        facts |= {
-            f"{part}_seconds": f"{state.times[part]:.1f}"
-            for part in ("search", "shrinking")
-            if state.times
-        }
-        # List what is new, the worst cause first, then the known failures that were met.
-        failing = self._failing()
-        new = [
-            CiFinding.of(
-                one,
-                self._path(stem),
-                FindingState.NEW if stem in failing else FindingState.HAZARD,
-                why=why,
-            )
-            for stem, one, why in self._in_order()
-        ]
-        stored = sorted(
-            self._conclusion.known.failures.items(), key=lambda item: (item[0][2], item[1][0])
-        )
-        met = [
-            CiFinding.of(one, path, FindingState.KNOWN)
-            for (_, _, group), (path, one) in stored
-            if state.known[group]
-        ]
-        return Report(
-            "fuzz",
-            (*new, *met),
-            facts,
-            no_answer=reason if answer == Answer.NONE else "",
-            remedy=shown(self._with_more),
-            is_accepted=self._accepts_no_answer,
-        )
-
-    def _in_order(self) -> list[tuple[str, Failure, Counterfactuals | None]]:
-        """Return the shown failures by stem, the worst cause first and of each the clearest first.
-
-        The clearest comes with what it depends on, if that was tried.
-        """
-        rest = dict(self._files())
-        ordered = []
-        for cause in self._overview.causes:
-            for file in cause.files:
-                stem = file.removesuffix(".grid")
-                why = cause.why if file == cause.file else None
-                ordered.append((stem, rest.pop(stem), why))
-        return ordered + [(stem, one, None) for stem, one in sorted(rest.items())]
-
-    def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
-        return [
-            {
-                "file": str(self._path(stem)),
-                "verdict": failure.verdict,
-                "cause": cause_of(failure).value,
-                "class": stem,
-                "solid_cells": failure.world.solid_cells,
-                "shrinking": failure.shrinking.value,
-                "replay": failure.replay_command(self._path(stem)),
-            }
-            for stem, failure in sorted(failures.items())
-        ]

@@ -32,7 +32,7 @@ from worldgen.cli.usage import ConditionalCommand
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
     from fuzz.corpus import Baseline
-    from fuzz.overview.table import NaturalRow
+    from fuzz.overview import NaturalResult
 
 EXAMPLES = (
     "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out "
@@ -237,7 +237,7 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
     return Baseline()
 
 
-def _natural_before(folders: Iterable[Path]) -> NaturalRow | None:
+def _natural_before(folders: Iterable[Path]) -> NaturalResult | None:
     """Return how often the robot arrived in natural worlds, from the first campaign that tells."""
     import contextlib
 

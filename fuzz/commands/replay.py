@@ -13,7 +13,7 @@ from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from fuzz.ci import CiFinding
-    from fuzz.replay.answer import State
+    from fuzz.regression.answer import State
 
 
 def _check(_context: click.Context, _option: click.Parameter, name: str | None) -> str | None:
@@ -62,7 +62,7 @@ def replay(
     """
     from fuzz.ci import Outputs
     from fuzz.commands._failure_files import FailureFiles
-    from fuzz.replay.answer import answer
+    from fuzz.regression.answer import answer
     from sim.clock.controller_time import Effort
     from sim.controllers.catalogue.renewal import survivors_found
     from sim.episode.describe import describe_frames
@@ -139,7 +139,7 @@ def _summarise(
     results: list[dict[str, object]], states: list[State], others: int, *, as_json: bool
 ) -> None:
     """Print how many failures are confirmed."""
-    from fuzz.replay.answer import describe_summary
+    from fuzz.regression.answer import describe_summary
 
     if as_json:
         confirmed = sum(bool(result["confirmed"]) for result in results)

@@ -17,7 +17,7 @@ from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
 
-HIDDEN = ("size", "signature")
+HIDDEN = ("cause", "size", "signature")
 """Facts that no table shows."""
 
 _MOST = 80  # characters of a name that come from the text itself
@@ -32,6 +32,7 @@ class Facts:
         controller: With its options, as commands take it; without motion model, time step and seed.
         motion: Name of the motion model.
         group: See :attr:`fuzz.failure.Failure.group`.
+        cause: The recorded cause; empty if the record names none.
         signature: See :attr:`fuzz.failure.Failure.signature`.
         verdict: Recorded verdict.
         width: Width in cells.
@@ -46,6 +47,7 @@ class Facts:
     controller: str
     motion: str
     group: str
+    cause: str
     signature: str
     verdict: str
     width: int
@@ -82,6 +84,7 @@ class Facts:
             controller=controller,
             motion=record.motion,
             group=failure.group,
+            cause=failure.recorded_cause or "",
             signature=failure.signature,
             verdict=record.verdict,
             width=world.width,

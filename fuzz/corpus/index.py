@@ -17,7 +17,7 @@ from worldgen.files.whole import write_bytes
 INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for itself
 _FILE = "index.json"
 # Version of `Facts` and of how they are read from a file; an index of another version is ignored.
-_VERSION = 6
+_VERSION = 7
 
 
 @dataclass(frozen=True)

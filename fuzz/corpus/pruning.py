@@ -8,7 +8,7 @@ from itertools import groupby
 
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.failure import MOST_SHOWN, Failure
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
 

@@ -12,8 +12,7 @@ from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.index import Index
 from worldgen.errors import FormatError
 from worldgen.files.archives import Member
-from worldgen.files.grid.disk import unpack_world
-from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.grid.disk import read_packed, unpack, unpack_world
 from worldgen.files.worlds import Skip, walk
 
 
@@ -97,26 +96,17 @@ def _fits_one(text: str, patterns: tuple[str, ...]) -> bool:
 
 
 def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
-    # Read one byte more than allowed, which shows that a file is too large.
+    data = read_packed(file)
     try:
-        with file.open("rb") as stream:
-            seen = int(file.stat().st_mtime)
-            data = stream.read(MAX_FILE_BYTES + 1)
-    except (OSError, ValueError) as error:  # ValueError: the name contains a NUL
+        seen = int(file.stat().st_mtime)
+    # It was deleted in the meantime.
+    except OSError as error:
         raise FormatError.unreadable(file, error) from error
-    if len(data) > MAX_FILE_BYTES:
-        raise FormatError(
-            "too-large",
-            "longer than {most} bytes, the limit of a .grid file",
-            most=MAX_FILE_BYTES,
-            source=str(file),
-        )
     # The index knows files by their bytes; a file that it does not know is unpacked and read.
     digest = hashlib.sha256(data).hexdigest()
     known, facts = index.get(digest) if index is not None else (False, None)
     if not known:
-        packed = Member(file.name, len(data), lambda limit: data if len(data) <= limit else None)
-        facts = Facts.in_world(unpack_world(packed, str(file)), str(file))
+        facts = Facts.in_world(unpack(data, str(file)), str(file))
         if index is not None:
             index.put(digest, facts)
     return facts, seen

@@ -8,7 +8,7 @@ from enum import StrEnum
 from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing
 from fuzz.facts.signature import is_entered
 from fuzz.failure import Failure
-from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
+from sim.controllers import CONTROLLERS, Controller
 from sim.controllers.base import DEFAULT_SENSES, robot_for
 from sim.controllers.timeline_reads import noting_reads
 from sim.episode import Episode, simulate
@@ -16,7 +16,7 @@ from sim.evidence import BurnedEvidence
 from sim.options.disturbances import Doubt, why_arrival_is_not_certain
 from sim.options.robot import RobotOptions
 from sim.outcome import FleetEpisode
-from sim.runners.python_loop import plans
+from sim.runners.controller_host import host_of
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
@@ -100,7 +100,7 @@ def _is_plan_outdated(
     A robot that does not plan has sensed the walls that it remembers, and so can sense them again.
     """
     stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
-    if not stuck or world.others or not world.is_dynamic or not _is_planner(controller):
+    if not stuck or world.is_fleet or not world.is_dynamic or not _is_planner(controller):
         return False
     if can_sense(controller, scenario.run.robot, CellState.SOLID.word, entered=True):
         return False
@@ -109,7 +109,7 @@ def _is_plan_outdated(
 
 
 def _is_planner(controller: Controller) -> bool:
-    return not isinstance(controller, CompiledController | ProcessController) and plans(controller)
+    return host_of(controller).plans
 
 
 def _reads_changes(world: World, scenario: Scenario, controller: Controller, steps: int) -> bool:

@@ -93,9 +93,9 @@ def applied(
     robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
     if any(getattr(world, name) != value for name, value in robot.items()):
         parts: dict[str, Any] = {name.removeprefix("robot_"): robot[name] for name in robot}
-        world = replace(world, certificate=None, provenance=map_provenance(world)).with_robots(
-            replace(one, **parts) for one in world.robots
-        )
+        robots = tuple(replace(one, **parts) for one in world.robots)
+        provenance = map_provenance(world)
+        world = replace(world, robots=robots, certificate=None, provenance=provenance)
     for name, value in values.items():
         if name == "time_step":
             scenario = scenario.with_run(time_step=value)

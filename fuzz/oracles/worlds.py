@@ -30,8 +30,9 @@ def turned(world: World) -> World:
             target=Target(_across(world, world.height, target.y), target.x, target.radius),
         )
 
-    return world.bare.with_robots(
-        map(turn, world.robots),
+    return replace(
+        world.bare,
+        robots=tuple(map(turn, world.robots)),
         walls=world.walls.T[:, ::-1].copy(),
         timeline=world.timeline.moved(lambda ix, iy: (world.height - 1 - iy, ix)),
     )
@@ -49,8 +50,9 @@ def mirrored(world: World) -> World:
             target=replace(target, x=_across(world, world.width, target.x)),
         )
 
-    return world.bare.with_robots(
-        map(mirror, world.robots),
+    return replace(
+        world.bare,
+        robots=tuple(map(mirror, world.robots)),
         walls=world.walls[:, ::-1].copy(),
         timeline=world.timeline.moved(lambda ix, iy: (world.width - 1 - ix, iy)),
     )
@@ -71,8 +73,9 @@ def shifted(world: World) -> World:
             target=replace(target, x=float(exact(target.x) + right), y=float(exact(target.y) + up)),
         )
 
-    return world.bare.with_robots(
-        map(shift, world.robots),
+    return replace(
+        world.bare,
+        robots=tuple(map(shift, world.robots)),
         walls=np.pad(world.walls, ((_ROWS, 0), (_COLUMNS, 0)), constant_values=True),
         timeline=world.timeline.moved(lambda ix, iy: (ix + _COLUMNS, iy + _ROWS)),
     )
@@ -90,7 +93,8 @@ def scaled(world: World) -> World:
             2 * robot.speed,
         )
 
-    return world.bare.with_robots(map(scale, world.robots), cell_size=2 * world.cell_size)
+    robots = tuple(map(scale, world.robots))
+    return replace(world.bare, robots=robots, cell_size=2 * world.cell_size)
 
 
 def _across(world: World, cells: int, metres: float) -> float:

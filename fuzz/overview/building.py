@@ -4,31 +4,32 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from msgspec import structs
 
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.cause import Cause, Severity
 from fuzz.corpus import Baseline
 from fuzz.failure import MOST_SHOWN, SHRINKING, Failure, ShrinkState, stem_of
-from fuzz.overview.causes import CauseTotals, causes_of, with_natural
+from fuzz.overview.causes import causes_of, with_natural
 from fuzz.overview.clearest import clearest
-from fuzz.overview.comparison import RegressionView, compare, with_states
+from fuzz.overview.comparison import compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import (
     NATURAL,
-    NaturalRuns,
     describe_fall,
     natural_families,
+    natural_result,
     natural_runs,
 )
-from fuzz.overview.overview import Overview
-from fuzz.overview.table import NaturalRow
+from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts
 from fuzz.unit.answer import FEWEST, AnswerNumbers
@@ -79,23 +80,25 @@ class Conclusion:
 
     known: Baseline = field(default_factory=Baseline)
     last: Baseline = field(default_factory=Baseline)
-    before: NaturalRow | None = None
+    before: NaturalResult | None = None
     seconds: float | None = None
     with_code: bool = True
 
 
-class WorldFile(NamedTuple):
-    """A failure that a cause may show.
+class Overview(NamedTuple):
+    """A campaign's result, with the failures that it names.
 
     Args:
-        failure: The failure.
-        file: Name of its file; empty if it has none yet.
-        original: The failure that it was shrunk from, if the campaign's store does not have it yet.
+        result: The result.
+        files: By the stem of its file, each failure that the campaign shows.
+        examples: By cause, the failure to look at.
+        originals: Failures that examples were shrunk from, if the campaign's store may lack them.
     """
 
-    failure: Failure
-    file: str = ""
-    original: Failure | None = None
+    result: CampaignResult
+    files: Mapping[str, Failure]
+    examples: Mapping[Cause, Failure]
+    originals: Sequence[Failure] = ()
 
 
 def build_overview(
@@ -117,9 +120,10 @@ def build_overview(
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
+    natural_cases: dict[Cause, Case] = {}
     families = families_of(config)
     if natural and families:
-        runs = natural_runs(
+        runs, natural_cases = natural_runs(
             config.scenario,
             families,
             _natural_count(config, state, seconds),
@@ -130,33 +134,40 @@ def build_overview(
         causes = with_natural(causes, runs.causes)
 
     # Find the clearest world of each cause, and its dependencies.
-    examples = {} if runs is None else runs.examples
+    as_found: dict[str, Failure] = {}
+
+    def shrunk(failure: Failure) -> Failure:
+        if not config.shrink:
+            return failure
+        as_found[failure.id] = failure
+        return _shrunk(failure, until)
+
     until = None if seconds is None else began + _SHRINKING_TIME * seconds
-    shown = with_worlds(
+    causes, examples = with_worlds(
         causes,
         lambda cause: (
             _in_search(cause, state, conclusion.known)
-            or _in_natural_world(
-                cause,
-                examples,
-                conclusion.known,
-                lambda failure: _shrunk(failure, until) if config.shrink else failure,
-                config.constraint,
-            )
+            or _in_natural_world(cause, natural_cases, conclusion.known, shrunk, config.constraint)
         ),
         None if seconds is None else began + seconds,
         with_code=conclusion.with_code,
     )
 
     files = files_of(
-        state.best.values(),
-        [one.failure for one in shown if one.failure and not conclusion.known.has(one.failure)],
+        state.best.values(), [one for one in examples.values() if not conclusion.known.has(one)]
     )
-    shown = [_with_files(one, files, conclusion.known) for one in shown]
+    causes = [
+        _with_files(one, examples[one.cause], files, conclusion.known)
+        if one.cause in examples
+        else one
+        for one in causes
+    ]
     comparison = _compared(files, conclusion, runs)
     if comparison is not None:
-        shown = with_states(shown, comparison)
-    return Overview(tuple(shown), runs, comparison, files)
+        causes = with_states(causes, comparison)
+    originals = [as_found[one.original] for one in examples.values() if one.original in as_found]
+    result = CampaignResult(causes=causes, natural=runs, comparison=comparison)
+    return Overview(result, files, examples, originals)
 
 
 def families_of(config: CampaignConfig) -> list[str]:
@@ -170,25 +181,26 @@ def families_of(config: CampaignConfig) -> list[str]:
 
 
 def answer_numbers(
-    config: CampaignConfig, state: CampaignState, overview: Overview, failing: Collection[str]
+    config: CampaignConfig, state: CampaignState, result: CampaignResult, failing: Collection[str]
 ) -> AnswerNumbers:
     """Return the numbers that decide what a campaign answers.
 
     Args:
         config: Its definition.
         state: Its results.
-        overview: Its overview; empty before it is built.
+        result: What it found; empty before that is known.
         failing: Causes of failures that no baseline has, without hazards that do not count.
     """
-    own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
-    shown = {one.failure.group for one in own if one.failure is not None}
-    natural = overview.natural or NaturalRuns()
+    own = [one for one in result.causes if one.cause.severity != Severity.UNSENSED]
+    groups = {group for one in own for group in one.groups}
+    natural = result.natural or natural_result([])
     return AnswerNumbers(
         failures=len(failing),
-        known=len((state.known.keys() | shown) - set(failing)),
+        known=len((state.known.keys() | groups) - set(failing)),
         natural=natural.finished if families_of(config) else None,
         natural_hazards=natural.unsensed,
-        natural_unjudged=sum(one.natural or 0 for one in own if one.failure is None),
+        # A cause without groups is one of which no failure is proved.
+        natural_unjudged=sum(one.natural or 0 for one in own if not one.groups),
         searched=state.worlds,
         searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),
     )
@@ -222,81 +234,82 @@ def _enough_natural(
 
 
 def with_worlds(
-    causes: Iterable[CauseTotals],
-    files_of: Callable[[Cause], Sequence[WorldFile]],
+    causes: Iterable[CauseResult],
+    failures_of: Callable[[Cause], Sequence[Failure]],
     end: float | None = None,
     *,
     with_code: bool = True,
     clock: Callable[[], float] = time.monotonic,
-) -> list[CauseTotals]:
-    """Return causes with their worlds to look at, and explanations of the first few.
+) -> tuple[list[CauseResult], dict[Cause, Failure]]:
+    """Choose a failure to look at for each cause, and explain the first few.
 
     Args:
         causes: The causes, the worst first.
-        files_of: Returns the failures that have a cause.
+        failures_of: Returns the failures that have a cause.
         end: When there is no more time, by ``clock``; if omitted, the amount of work is fixed.
         with_code: False to leave out what runs inside the controller.
         clock: Returns seconds.
+
+    Returns:
+        The causes, with what these failures show; and the failures.
     """
-    found = []
+    results = []
+    examples = {}
     all_causes = list(causes)
     most = min(len(all_causes), _MOST_EXPLAINED)
-    for number, one in enumerate(all_causes):
-        own = files_of(one.cause)
+    for number, cause in enumerate(all_causes):
+        own = failures_of(cause.cause)
         # One cause must not take the time of the others.
         is_over = None
         if end is not None:
             begins = clock()
             until = begins + (end - begins) / max(most - number, 1)
             is_over = partial(_has_passed, until, clock)
-        cause = _with_worlds(one, own, is_over)
-        if number < most and cause.failure is not None:
-            cause = replace(
-                cause,
-                shown=_shown(cause.failure, is_over, with_code=with_code),
-                why=explained(cause.failure, is_over),
-            )
-        found.append(cause)
-    return found
+        example = _example(cause.cause, own, is_over)
+        if example is None:
+            results.append(cause)
+            continue
+        examples[cause.cause] = example
+        diagnosis = diagnosis_of(example)
+        known: dict[str, Any] = {
+            "sentence": diagnosis.sentence(example.world),
+            "advice": diagnosis.advice,
+            "groups": cause.groups or [example.group],
+            "fault": _fault_of(example),
+        }
+        if number < most:
+            known |= vars(_shown(example, is_over, with_code=with_code))
+            why = explained(example, is_over)
+            if why is not None:
+                known |= {"why": why.describe(), "changes": list(why.changes)}
+        results.append(structs.replace(cause, **known))
+    return results, examples
 
 
 def _has_passed(end: float, clock: Callable[[], float]) -> bool:
     return clock() >= end
 
 
-def _with_worlds(
-    cause: CauseTotals, own: Sequence[WorldFile], is_over: Callable[[], bool] | None
-) -> CauseTotals:
-    """Return a cause with its clearest and its smallest world."""
-    smallest = min(own, key=lambda one: one.failure.order, default=None)
-    if smallest is None:
-        return cause
+def _example(
+    cause: Cause, own: Sequence[Failure], is_over: Callable[[], bool] | None
+) -> Failure | None:
+    """Return the failure of a cause to look at; ``None`` if there are none."""
     # An error of the controller and a broken rule show in their message, not in the picture.
-    chosen = smallest
-    if cause.cause.severity not in (Severity.CONTROLLER_ERROR, Severity.QUESTIONABLE):
-        with stopping_when(is_over or (lambda: False)):
-            best = clearest(one.failure for one in own)
-        chosen = next((one for one in own if one.failure is best), smallest)
-    return replace(
-        cause,
-        groups=cause.groups or (chosen.failure.group,),
-        file=chosen.file,
-        failure=chosen.failure,
-        smallest=smallest.file,
-        fault=_fault_of(chosen.failure),
-        original=chosen.original,
-    )
+    if cause.severity in (Severity.CONTROLLER_ERROR, Severity.QUESTIONABLE):
+        return min(own, key=lambda one: one.order, default=None)
+    with stopping_when(is_over or (lambda: False)):
+        return clearest(own)
 
 
-def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
+def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[Failure]:
     """Return the failures of a campaign's search that have a cause: new ones, or else known ones."""
-    found = (*state.best.values(), *(find.failure for find in state.finds))
+    found = (*state.best.values(), *(failure for _, failure in state.finds))
     # A failure that waits to be shrunk is in both, but only the first says how far that got.
     distinct: dict[str, Failure] = {}
     for one in found:
         distinct.setdefault(one.without(SHRINKING).id, one)
     own = [one for one in distinct.values() if cause_of(one) == cause]
-    return [WorldFile(one) for one in [one for one in own if not known.has(one)] or own]
+    return [one for one in own if not known.has(one)] or own
 
 
 def _in_natural_world(
@@ -305,7 +318,7 @@ def _in_natural_world(
     known: Baseline,
     shrunk: Callable[[Failure], Failure],
     constraint: Constraint,
-) -> list[WorldFile]:
+) -> list[Failure]:
     """Return the failure in a cause's simplest natural world, if it can be proved.
 
     Both as it was found and, if that keeps the cause, shrunk. Without a file if it is known.
@@ -320,14 +333,12 @@ def _in_natural_world(
     if failure is None or cause_of(failure) != cause:
         return []
     if known.has(failure):
-        return [WorldFile(failure)]
+        return [failure]
     smaller = shrunk(failure)
     if smaller.world is failure.world:
-        return [WorldFile(smaller)]
+        return [smaller]
     # Whether the robot is to blame is decided again for the smaller world.
-    if cause_of(smaller) != cause:
-        return [WorldFile(failure)]
-    return [WorldFile(smaller, original=failure), WorldFile(failure)]
+    return [smaller, failure] if cause_of(smaller) == cause else [failure]
 
 
 def _shrunk(failure: Failure, until: float | None) -> Failure:
@@ -364,23 +375,22 @@ def files_of(best: Iterable[Failure], clearest: Iterable[Failure] = ()) -> dict[
     }
 
 
-def _with_files(cause: CauseTotals, files: Mapping[str, Failure], known: Baseline) -> CauseTotals:
+def _with_files(
+    cause: CauseResult, example: Failure, files: Mapping[str, Failure], known: Baseline
+) -> CauseResult:
     """Return a cause with the names of its files in the campaign's folder.
 
     A known failure is not written; the campaign's store has it.
     """
-    shown = cause.failure
-    if shown is None:
-        return cause
-    own = {stem: one for stem, one in files.items() if one.group in cause.groups}
-    if known.has(shown):
-        file = f"{MEMORY}/failures/{shown.id}.grid"
+    if known.has(example):
         # A failure that only a natural world shows was never stored.
-        return replace(cause, file=file if cause.met else "", smallest=file if cause.met else "")
+        file = f"{MEMORY}/failures/{example.id}.grid" if cause.met else ""
+        return structs.replace(cause, file=file, smallest=file)
+    own = {stem: one for stem, one in files.items() if one.group in cause.groups}
     names = {one.key: f"{stem}.grid" for stem, one in own.items()}
     smallest = min(own.values(), key=lambda one: one.order)
-    return replace(
-        cause, file=names[shown.key], smallest=names[smallest.key], files=tuple(names.values())
+    return structs.replace(
+        cause, file=names[example.key], smallest=names[smallest.key], files=list(names.values())
     )
 
 
@@ -432,8 +442,8 @@ def explained(
 
 
 def _compared(
-    files: Mapping[str, Failure], conclusion: Conclusion, natural: NaturalRuns | None
-) -> RegressionView | None:
+    files: Mapping[str, Failure], conclusion: Conclusion, natural: NaturalResult | None
+) -> CampaignComparison | None:
     if conclusion.known.is_empty and conclusion.last.is_empty:
         return None
     against, before = (

@@ -40,8 +40,8 @@ class Clarity:
     Of equally clear failures, the first in order is the one to show.
 
     Args:
-        others: Number of its other robots. Each has to be understood, and only shrinking shows
-            whether it matters.
+        robots: Number of its robots. Each has to be understood, and only shrinking shows whether
+            it matters.
         is_degenerate: True if the robot seems to be at its target from the start, or covers it.
         is_tangled: True if the period fills the picture with lines.
         is_unshrunk: True if it has walls that do not matter.
@@ -51,7 +51,7 @@ class Clarity:
         order: Its place in the order of failures.
     """
 
-    others: int
+    robots: int
     is_degenerate: bool
     is_tangled: bool
     is_unshrunk: bool
@@ -89,9 +89,10 @@ def clarity(failure: Failure) -> Clarity:
         at_target = diagnosis_of(failure).circumstance == Circumstance.AT_THE_TARGET
         is_degenerate |= not at_target and behaviour.nearest < robot
         is_tangled = behaviour.length > _TANGLE * max(world.width, world.height)
-    others = len(world.others)
     is_unshrunk = failure.shrinking != ShrinkState.DONE
-    return Clarity(others, is_degenerate, is_tangled, is_unshrunk, flaws, windings, failure.order)
+    return Clarity(
+        len(world.robots), is_degenerate, is_tangled, is_unshrunk, flaws, windings, failure.order
+    )
 
 
 def clearest(failures: Iterable[Failure]) -> Failure | None:

@@ -9,8 +9,9 @@ only if the target is still provably reachable, so no change makes the world eas
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -87,8 +88,8 @@ class Change:
     """
 
     what: str
-    value: Value
-    was: Value | None = None
+    value: Any
+    was: Any = None
     unit: str = ""
 
     @property
@@ -134,7 +135,7 @@ class Counterfactuals:
     @property
     def cells(self) -> list[tuple[int, int]]:
         """The cells that one of the changes concerns, to be marked in a picture."""
-        return named_cells(map(vars, self.changes))
+        return named_cells(self.changes)
 
     def table(self) -> dict[str, object]:
         """Return the form of this record in JSON."""
@@ -145,52 +146,57 @@ class Counterfactuals:
             "sentence": self.describe(),
         }
 
-    def describe(self, most: int | None = None) -> str:
-        """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``.
-
-        Args:
-            most: Conditions to name, the others are counted; ``None`` for all.
-        """
-        others = [change for change in self.changes if change.what != "cell"]
-        slight = [change.what.replace("-", " ") for change in others if change.is_slight]
-        conditions = [self._describe_cells()]
-        conditions += [change.describe() for change in others if not change.is_slight]
-        # If the slightest change helps, its exact size does not matter.
-        if slight:
-            conditions.append(f"with a slightly different {alternatives(slight)}")
-        known = [condition for condition in conditions if condition]
-        shown = known[:most]
-        more = f" (or {len(known) - len(shown)} more)" if len(known) > len(shown) else ""
-        if len(shown) > 1:
-            return f"arrives {', '.join(shown[:-1])}, or {shown[-1]}{more}"
-        if shown:
-            return f"arrives {shown[0]}{more}"
+    def describe(self) -> str:
+        """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``."""
+        if self.changes:
+            return describe_changes(self.changes)
         tried = f"{self.runs} single changes of its walls, robot and options"
         return f"fails with each of {tried}" + ("" if self.is_complete else " that were tried")
 
-    def _describe_cells(self) -> str:
-        cells = [change.value for change in self.changes if change.what == "cell"]
-        if len(cells) <= 1:
-            return "".join(f"if cell {_cell(cell)} is free" for cell in cells)
-        named = ", ".join(_cell(cell) for cell in cells[:_MOST_NAMED])
-        more = len(cells) - _MOST_NAMED
-        others = f" or one of {more} others" if more > 1 else " or one other" if more == 1 else ""
-        return f"if one of the cells {named}{others} is free"
+
+def describe_changes(changes: Sequence[Change], most: int | None = None) -> str:
+    """Return with which of the changes a robot arrives, to follow ``it``.
+
+    Args:
+        changes: At least one.
+        most: Conditions to name, the others are counted; ``None`` for all.
+    """
+    others = [change for change in changes if change.what != "cell"]
+    slight = [change.what.replace("-", " ") for change in others if change.is_slight]
+    conditions = [_describe_cells(changes)]
+    conditions += [change.describe() for change in others if not change.is_slight]
+    # If the slightest change helps, its exact size does not matter.
+    if slight:
+        conditions.append(f"with a slightly different {alternatives(slight)}")
+    known = [condition for condition in conditions if condition]
+    shown = known[:most]
+    more = f" (or {len(known) - len(shown)} more)" if len(known) > len(shown) else ""
+    if len(shown) > 1:
+        return f"arrives {', '.join(shown[:-1])}, or {shown[-1]}{more}"
+    return f"arrives {shown[0]}{more}"
 
 
-def named_cells(
-    changes: Iterable[Mapping[str, object]], world: World | None = None
-) -> list[tuple[int, int]]:
+def _describe_cells(changes: Iterable[Change]) -> str:
+    cells = [change.value for change in changes if change.what == "cell"]
+    if len(cells) <= 1:
+        return "".join(f"if cell {_cell(cell)} is free" for cell in cells)
+    named = ", ".join(_cell(cell) for cell in cells[:_MOST_NAMED])
+    more = len(cells) - _MOST_NAMED
+    others = f" or one of {more} others" if more > 1 else " or one other" if more == 1 else ""
+    return f"if one of the cells {named}{others} is free"
+
+
+def named_cells(changes: Iterable[Change], world: World | None = None) -> list[tuple[int, int]]:
     """Return the cells that changes concern.
 
     Args:
-        changes: In their JSON form; they may come from any file.
+        changes: The changes; they may come from any file.
         world: Only return cells of this world; ``None`` for all cells.
     """
     found: list[tuple[int, int]] = []
     for change in changes:
         match change:
-            case {"what": "cell" | "event", "value": [int(ix), int(iy)]} if (ix, iy) not in found:
+            case Change("cell" | "event", [int(ix), int(iy)]) if (ix, iy) not in found:
                 found.append((ix, iy))
     if world is None:
         return found

@@ -88,7 +88,7 @@ def describe(
     if trail is not None and not failure.is_breach and failure.oracle is None:
         with contextlib.suppress(OutOfTime):
             repeats = describe_period(world, episode)
-    who = "The fleet" if world.others else "It"
+    who = "The fleet" if world.is_fleet else "It"
     depends = f"  {who} {why.describe()}.\n" if why else ""
     marked = naming(trail, why.cells if why else ())
     color = wants_color(results())

@@ -17,6 +17,7 @@ from sim.evidence import evidence_table
 from sim.verdict import ARRIVALS
 from worldgen import render
 from worldgen.errors import WorldgenError
+from worldgen.files.json_file import plain
 from worldgen.render.overlay import naming
 from worldgen.support.plain_text import shown
 
@@ -56,7 +57,7 @@ class Explanation:
             "cause": "" if self.diagnosis is None else self.diagnosis.cause.value,
             "goes_wrong": self.goes_wrong,
             **(untried if self.why is None else self.why.table()),
-            **self.facts.table(),
+            **plain(self.facts),
         }
 
     def text(self) -> list[str]:
@@ -64,7 +65,7 @@ class Explanation:
         if self.why is None and not self.words and not self.facts.text():
             return []
         failure = self.failure
-        who = "The fleet" if failure.world.others else "It"
+        who = "The fleet" if failure.world.is_fleet else "It"
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
         if self.diagnosis is not None:
             lines.append(f"{self.diagnosis.cause}: {self.goes_wrong}")

@@ -10,8 +10,8 @@ from __future__ import annotations
 import bisect
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.hazards import could_not_know
 from fuzz.facts.proofs import certified
 from fuzz.layouts.variation import Variation, applied, generated
-from fuzz.overview.table import NaturalRow, NaturalTally
+from fuzz.overview.result import NaturalResult, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.diagnosis import cause_of_run
 from sim.clock.stopping import OutOfTime, stopping_when
@@ -32,7 +32,7 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
 from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
-from worldgen.world import Value, Witness
+from worldgen.world import Value, Witness, World
 
 NATURAL = "natural"
 """The random stream of natural worlds, from which no unit of a search draws."""
@@ -48,97 +48,58 @@ TURNS = ("no", "1 or 2", "3 to 5", "6 or more")
 _TURN_EDGES = (0.5, 2.5, 5.5)
 
 
-@dataclass
-class NaturalRuns:
-    """A controller's results in natural worlds.
+class NaturalRun(NamedTuple):
+    """One run in a natural world.
 
     Args:
-        worlds: Number of worlds run, except those in which a hazard that the controller cannot
-            sense harmed the robot, because it could not have avoided it.
-        arrived: Number of these in which the robot arrived.
-        unsensed: Number of worlds in which such a hazard harmed it.
-        verdicts: Counts of each verdict.
-        causes: Counts of each cause.
-        examples: By cause, the simplest world in which it occurred, and the scenario.
-        families: By family, the worlds run and those in which the robot arrived.
-        clearances: By name in :data:`CLEARANCES`, the same.
-        turns: By name in :data:`TURNS`, the same.
-        is_complete: False if time ran out before all worlds were run.
+        family: The family that made the world.
+        verdict: Its verdict.
+        cause: Why the robot does not arrive; ``None`` if it does.
+        clearance: How wide the path is, a name in :data:`CLEARANCES`; empty if no path is proved.
+        turns: How winding it is, a name in :data:`TURNS`; as above.
     """
 
-    worlds: int = 0
-    arrived: int = 0
-    unsensed: int = 0
-    verdicts: Counter[str] = field(default_factory=Counter)
-    causes: Counter[Cause] = field(default_factory=Counter)
-    examples: dict[Cause, Case] = field(default_factory=dict)
-    families: dict[str, tuple[int, int]] = field(default_factory=dict)
-    clearances: dict[str, tuple[int, int]] = field(default_factory=dict)
-    turns: dict[str, tuple[int, int]] = field(default_factory=dict)
-    is_complete: bool = True
+    family: str
+    verdict: str
+    cause: Cause | None = None
+    clearance: str = ""
+    turns: str = ""
 
-    @property
-    def finished(self) -> int:
-        """Number of worlds run, with those in which such a hazard harmed the robot."""
-        return self.worlds + self.unsensed
 
-    @property
-    def interval(self) -> tuple[float, float]:
-        """The 95 % interval of the share of natural worlds in which the robot arrives."""
-        return interval_95(self.arrived, self.worlds)
+def natural_result(runs: Iterable[NaturalRun], *, is_complete: bool = True) -> NaturalResult:
+    """Return the counts of natural runs.
 
-    @property
-    def percent(self) -> int:
-        """Share of worlds where the robot arrives, as ``whole_percent`` gives it."""
-        return whole_percent(self.arrived, self.worlds)
+    Args:
+        runs: The runs.
+        is_complete: False if time ran out before all worlds were run.
+    """
+    everything = list(runs)
+    fair = [one for one in everything if one.cause != Cause.HARMED_UNSENSED]
+    arrived = sum(one.cause is None for one in fair)
+    low, high = interval_95(arrived, len(fair))
+    return NaturalResult(
+        worlds=len(fair),
+        arrived=arrived,
+        unsensed=len(everything) - len(fair),
+        share=round(arrived / len(fair), 4) if fair else None,
+        low=round(low, 4),
+        high=round(high, 4),
+        verdicts=dict(Counter(one.verdict for one in fair).most_common()),
+        causes=dict(Counter(one.cause.value for one in fair if one.cause).most_common()),
+        families=_tallies(fair, "family"),
+        clearances=_tallies(fair, "clearance", CLEARANCES),
+        turns=_tallies(fair, "turns", TURNS),
+        complete=is_complete,
+    )
 
-    def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
-        """Add one run.
 
-        Args:
-            case: Its world, and the scenario.
-            family: The family that made the world.
-            episode: The run.
-            cause: Why the robot does not arrive; ``None`` if it does.
-        """
-        if cause == Cause.HARMED_UNSENSED:
-            self.unsensed += 1
-            return
-        arrived = cause is None
-        self.worlds += 1
-        self.arrived += arrived
-        self.verdicts[episode.verdict.value] += 1
-        if cause is not None:
-            self.causes[cause] += 1
-            before = self.examples.get(cause)
-            if before is None or simplicity(case) < simplicity(before):
-                self.examples[cause] = case
-        _count(self.families, family, arrived)
-        # Find how wide and how winding the path is, in the world's initial state.
-        world = case.world
-        witness = world.certificate
-        if isinstance(witness, Witness):
-            share = bottleneck(world, world.walls) / world.robot_radius
-            _count(self.clearances, CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)], arrived)
-            _count(self.turns, TURNS[bisect.bisect(_TURN_EDGES, _quarter_turns(witness))], arrived)
-
-    def table(self) -> NaturalRow:
-        """Return the form of this record in JSON."""
-        low, high = self.interval if self.worlds else (0.0, 1.0)
-        return NaturalRow(
-            worlds=self.worlds,
-            arrived=self.arrived,
-            unsensed=self.unsensed,
-            share=round(self.arrived / self.worlds, 4) if self.worlds else None,
-            low=round(low, 4),
-            high=round(high, 4),
-            verdicts=dict(self.verdicts.most_common()),
-            causes={cause.value: count for cause, count in self.causes.most_common()},
-            families=_rows(self.families, tuple(self.families)),
-            clearances=_rows(self.clearances, CLEARANCES),
-            turns=_rows(self.turns, TURNS),
-            complete=self.is_complete,
-        )
+def _tallies(
+    runs: Sequence[NaturalRun], field: str, names: Iterable[str] = ()
+) -> dict[str, NaturalTally]:
+    """Return the counts by a field; given names that were never tried have zeros."""
+    worlds = Counter(getattr(one, field) for one in runs)
+    arrived = Counter(getattr(one, field) for one in runs if one.cause is None)
+    return {name: NaturalTally(worlds[name], arrived[name]) for name in names or worlds}
 
 
 def natural_families(chosen: Sequence[str]) -> list[str]:
@@ -164,10 +125,11 @@ def natural_runs(
     seed: int,
     is_over: Callable[[int], bool] = lambda _: False,
     vary: Sequence[Variation] = (),
-) -> NaturalRuns:
+) -> tuple[NaturalResult, dict[Cause, Case]]:
     """Run a scenario in natural worlds, each family in turn.
 
-    Without ``is_over``, the result depends only on the other arguments.
+    Return the counts and, by cause, the simplest world in which it occurred. Without ``is_over``,
+    they depend only on the other arguments.
 
     Args:
         scenario: Controller and options.
@@ -178,7 +140,9 @@ def natural_runs(
             finished.
         vary: Quantities of the robot and the run to draw from, as the search does.
     """
-    runs = NaturalRuns()
+    runs: list[NaturalRun] = []
+    examples: dict[Cause, Case] = {}
+    is_complete = True
     stream = RandomStream(seed).child(NATURAL)
     # Another stream, so that the worlds are the same whatever varies.
     values = RandomStream(seed).child(NATURAL, "vary")
@@ -186,8 +150,8 @@ def natural_runs(
         world_seed = stream.next64()
         family = families[number % len(families)]
         try:
-            with stopping_when(lambda: is_over(runs.finished)):
-                if is_over(runs.finished):
+            with stopping_when(lambda: is_over(len(runs))):
+                if is_over(len(runs)):
                     raise OutOfTime
                 drawn = {one.name: values.choice(one.values) for one in vary}
                 case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
@@ -195,13 +159,32 @@ def natural_runs(
                     continue
                 episode, cause = _run(case)
         except OutOfTime:
-            runs.is_complete = False
+            is_complete = False
             break
         except WorldgenError:
             # A world that cannot be made reveals nothing about the controller.
             continue
-        runs.count(case, family, episode, cause)
-    return runs
+        if cause == Cause.HARMED_UNSENSED:
+            runs.append(NaturalRun(family, episode.verdict.value, cause))
+            continue
+        runs.append(NaturalRun(family, episode.verdict.value, cause, *_path_in(case.world)))
+        if cause is not None:
+            before = examples.get(cause, case)
+            examples[cause] = case if simplicity(case) < simplicity(before) else before
+    return natural_result(runs, is_complete=is_complete), examples
+
+
+def _path_in(world: World) -> tuple[str, str]:
+    """Return how wide and how winding the path is, in the world's initial state."""
+    witness = world.certificate
+    if not isinstance(witness, Witness):
+        return "", ""
+    share = bottleneck(world, world.walls) / world.robot_radius
+    turns = _quarter_turns(witness)
+    return (
+        CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)],
+        TURNS[bisect.bisect(_TURN_EDGES, turns)],
+    )
 
 
 def _natural_case(
@@ -236,7 +219,7 @@ def _run(case: Case) -> tuple[Episode, Cause | None]:
     return episode, cause_of_run(world, episode, others)
 
 
-def describe_fall(now: NaturalRuns | None, before: NaturalRow | None) -> str:
+def describe_fall(now: NaturalResult | None, before: NaturalResult | None) -> str:
     """Return that a robot arrives in fewer natural worlds than before; empty unless it surely does.
 
     Args:
@@ -248,8 +231,7 @@ def describe_fall(now: NaturalRuns | None, before: NaturalRow | None) -> str:
     if now.interval[1] >= before.low:
         return ""
     return (
-        f"it arrives in {now.percent} % of natural worlds, and arrived in "
-        f"{whole_percent(before.arrived, before.worlds)} % before"
+        f"it arrives in {now.percent} % of natural worlds, and arrived in {before.percent} % before"
     )
 
 
@@ -259,18 +241,3 @@ def _quarter_turns(witness: Witness) -> float:
     moves = (np.diff(witness.x) != 0.0) | (np.diff(witness.y) != 0.0)
     change = (np.diff(bearing[moves]) + math.pi) % (2 * math.pi) - math.pi
     return float(np.abs(change).sum()) / (math.pi / 2)
-
-
-def _count(table: dict[str, tuple[int, int]], name: str, arrived: bool) -> None:
-    worlds, before = table.get(name, (0, 0))
-    table[name] = (worlds + 1, before + arrived)
-
-
-def _rows(table: Mapping[str, tuple[int, int]], names: Sequence[str]) -> dict[str, NaturalTally]:
-    """Return the counts of each name; those that were never tried have zeros."""
-    return {name: NaturalTally(*table.get(name, (0, 0))) for name in names}
-
-
-def whole_percent(arrived: int, worlds: int) -> int:
-    """Return the share of worlds where the robot arrives, percent; 100 only for all of them."""
-    return min(round(100 * arrived / worlds), 99 + (arrived == worlds))

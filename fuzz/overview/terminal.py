@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from fuzz.campaign.store import MEMORY
+from msgspec import UNSET
+
+from fuzz.campaign.store import MEMORY, Summary
 from fuzz.cause import Cause, Severity
-from fuzz.overview.causes import CauseTotals
-from fuzz.overview.natural import NaturalRuns
-from fuzz.overview.overview import Overview
-from fuzz.overview.table import NaturalRow
+from fuzz.overview.building import Overview
+from fuzz.overview.counterfactual import describe_changes
+from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult
+from fuzz.unit.answer import Answer, AnswerNumbers
 from worldgen.support.plain_text import alternatives, counted, joined, shown, styled
 
 # The first cause has all of its words, the next ones a line; others are counted. With the lines
@@ -43,89 +44,75 @@ _COLOURS = {
 }
 
 
-@dataclass(frozen=True)
-class Headline:
-    """The tested controller, and the folder with the results.
+def overview_lines(
+    overview: Overview, folder: Path | None, *, remedy: str = "", robots: int = 1
+) -> list[str]:
+    """Return the summary for the terminal, in colour; ``say`` removes it if necessary.
 
     Args:
-        who: Controller and motion model: ``bug2 under swept``.
-        folder: The campaign's folder.
-        worlds: Worlds that the search tried.
-        is_failing: True if failures were found that make the exit code 1.
-        is_known: True if known failures were found.
-        lasts: False if the folder is deleted after the command, so that no command can use it.
-        unjudged: Worlds of the search in which the robot did not arrive, and which are not judged.
-        no_answer: Why the campaign has no answer; empty if it has.
+        overview: The campaign's result, with its numbers.
+        folder: Its folder; ``None`` if it is deleted after the command, so that no command can use
+            it.
         remedy: The command that gives it more time.
         robots: Robots in each world.
     """
-
-    who: str
-    folder: Path
-    worlds: int
-    is_failing: bool = True
-    is_known: bool = False
-    lasts: bool = True
-    unjudged: int = 0
-    no_answer: str = ""
-    remedy: str = ""
-    robots: int = 1
-
-
-def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``say`` removes it if necessary."""
+    result = overview.result
+    numbers = _numbers(result)
     # Say first whether it works and how often the robot arrives.
-    lines = [_verdict_line(overview, headline)]
-    if overview.natural is not None and overview.natural.worlds:
-        lines.append(f"  {describe_rate(overview.natural, overview.causes)}")
-    elif overview.natural is not None and overview.natural.unsensed:
-        harmed = counted(overview.natural.unsensed, "natural world")
+    lines = [_verdict_line(result)]
+    if result.natural is not None and result.natural.worlds:
+        lines.append(f"  {describe_rate(result.natural)}")
+    elif result.natural is not None and result.natural.unsensed:
+        harmed = counted(result.natural.unsensed, "natural world")
         lines.append(f"  hazards that it cannot sense harmed it in {harmed}, and no other was run")
-    elif headline.robots > 1 and not headline.is_known:
+    elif robots > 1 and not numbers.known:
         lines.append(
             "  how often several robots arrive is not measured: no worlds are natural for them; "
             "worldgen compare counts it in worlds that you choose"
         )
     # Describe the worst cause in full, the next ones in short, and name the others.
-    causes = _counted_causes(overview) or [one for one in overview.causes if one.is_met]
+    causes = _counted_causes(result) or [one for one in result.causes if one.is_met]
     if causes:
-        lines += _in_full(causes[0], overview.natural, headline)
+        lines += _in_full(causes[0], overview, folder)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
-        lines.append(joined(f"{number}. ", _title(cause, overview.natural)))
-    lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
-    if overview.comparison is not None:
-        lines.append(shown(overview.comparison.describe()))
+        lines.append(joined(f"{number}. ", _title(cause, result.natural)))
+    lines += _others(result, causes[1 + _MOST_IN_SHORT :], causes)
+    if result.comparison is not None:
+        lines.append(shown(result.comparison.sentence))
     # Finally, suggest what to do next.
-    folder = shown(shlex.quote(str(headline.folder)))
-    if causes and headline.lasts:
-        lines.append(f"look at it: worldgen report {folder} --out report.html")
-    if headline.no_answer and headline.lasts:
-        lines.append(f"give it more time: {shown(headline.remedy)}")
+    if causes and folder is not None:
+        place = shown(shlex.quote(str(folder)))
+        lines.append(f"look at it: worldgen report {place} --out report.html")
+    if numbers.answer == Answer.NONE and folder is not None:
+        lines.append(f"give it more time: {shown(remedy)}")
     return lines
 
 
+def _numbers(result: CampaignResult) -> Summary:
+    assert result.summary is not UNSET, "the terminal shows results with their numbers"
+    return result.summary
+
+
 def _others(
-    overview: Overview, more: Sequence[CauseTotals], causes: Sequence[CauseTotals]
+    result: CampaignResult, more: Sequence[CauseResult], causes: Sequence[CauseResult]
 ) -> list[str]:
     """Return at most one line, with the names of further causes and of those that do not count."""
     parts = []
     if more:
         names = ", ".join(cause.cause.value for cause in more)
         parts.append(f"and {counted(len(more), 'more cause')}: {names}")
-    others = [one for one in overview.causes if one not in causes]
+    others = [one for one in result.causes if one not in causes]
     if others:
         parts.append(f"not counted: {', '.join(map(_uncounted, others))}")
     return ["; ".join(parts)] if parts else []
 
 
-def _counted_causes(overview: Overview) -> list[CauseTotals]:
+def _counted_causes(result: CampaignResult) -> list[CauseResult]:
     """Return the causes that count: the controller's own, met in a world that nobody shrunk."""
-    return [
-        one for one in overview.causes if one.cause.severity != Severity.UNSENSED and one.is_met
-    ]
+    return [one for one in result.causes if one.cause.severity != Severity.UNSENSED and one.is_met]
 
 
-def _uncounted(cause: CauseTotals) -> str:
+def _uncounted(cause: CauseResult) -> str:
     """Return why a cause does not count, after its name."""
     if not cause.is_met:
         return f"{cause.cause} (only in worlds that shrinking made)"
@@ -133,14 +120,10 @@ def _uncounted(cause: CauseTotals) -> str:
     return f"{cause.cause}{f' ({met})' if met else ''}"
 
 
-def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> str:
+def describe_rate(natural: NaturalResult) -> str:
     """Return how often the robot arrives, with its interval, and what it does otherwise.
 
     ``arrives in 72 % of 900 natural worlds (95 %: 69 to 75 %); goes through walls in 6; ...``
-
-    Args:
-        natural: The runs.
-        causes: The causes, to count those of each severity.
     """
     low, high = (round(100 * share) for share in natural.interval)
     if natural.arrived == natural.worlds:
@@ -151,7 +134,8 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
             f"(95 %: {low} to {high} %)"
         )
     for severity in Severity:
-        found = {cause: n for cause, n in natural.causes.items() if cause.severity == severity}
+        causes = {Cause(name): number for name, number in natural.causes.items()}
+        found = {cause: n for cause, n in causes.items() if cause.severity == severity}
         # That it does not arrive in the rest need not be said.
         is_rest = sum(found.values()) == natural.worlds - natural.arrived
         if found and not (is_rest and severity == Severity.NEVER_ARRIVES):
@@ -164,15 +148,15 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
     return text
 
 
-def describe_coverage(natural: NaturalRuns) -> str:
+def describe_coverage(natural: NaturalResult) -> str:
     """Return which natural worlds were tried, and which were not."""
-    tried = [name for name, (worlds, _) in natural.families.items() if worlds]
-    never = never_tried(natural.table())
+    tried = [name for name, tally in natural.families.items() if tally.worlds]
+    never = never_tried(natural)
     text = f"natural worlds: {counted(len(tried), 'family', 'families')} at default settings"
     return text + (f"; never tried: {'; '.join(never)}" if never else "")
 
 
-def never_tried(natural: NaturalRow) -> list[str]:
+def never_tried(natural: NaturalResult) -> list[str]:
     """Return which gaps and turns did not occur in any natural world."""
     clearances = [name for name, row in natural.clearances.items() if not row.worlds]
     turns = [name for name, row in natural.turns.items() if not row.worlds]
@@ -184,39 +168,40 @@ def never_tried(natural: NaturalRow) -> list[str]:
     return never
 
 
-def _verdict_line(overview: Overview, headline: Headline) -> str:
+def _verdict_line(result: CampaignResult) -> str:
     """Return in a few words whether it works."""
+    numbers = _numbers(result)
+    controller = shown(f"{numbers.controller} under {numbers.motion}")
+    decisive = numbers.answer_numbers or AnswerNumbers()
     # Hazards that the robot cannot sense are not its own failures.
-    own = _counted_causes(overview)
-    searched = f"{counted(headline.worlds, 'world')} searched"
-    if headline.no_answer:
+    own = _counted_causes(result)
+    searched = f"{counted(numbers.worlds, 'world')} searched"
+    if numbers.answer == Answer.NONE:
         open_still = styled("no answer", "33;1")
-        return joined(
-            f"{shown(headline.who)}: ", open_still, f": {shown(headline.no_answer)}; {searched}"
-        )
+        reason = shown(str(numbers.answer_reason))
+        return joined(f"{controller}: ", open_still, f": {reason}; {searched}")
     # Without failures, mention the runs that the search did not count as failures.
-    if not headline.is_failing:
-        what = "new failure" if headline.is_known else "failure"
-        pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
+    if not decisive.failures:
+        what = "new failure" if numbers.known else "failure"
+        pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in result.causes)
         beyond = "sense or withstand" if pushed else "sense"
-        others = len(own) < len(overview.causes)
+        others = len(own) < len(result.causes)
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
-        found = f"no {what} of {shown(headline.who)} found{hazards}"
-        if headline.unjudged and not headline.is_known:
+        found = f"no {what} of {controller} found{hazards}"
+        if decisive.searched_unjudged and not numbers.known:
             searched += (
-                f"; it did not arrive in {headline.unjudged}, and none of these is proved to "
-                "be a failure"
+                f"; it did not arrive in {decisive.searched_unjudged}, and none of these is proved "
+                "to be a failure"
             )
         return joined(styled(found, "32;1"), f"; {searched}")
     # Otherwise the worst cause determines the verdict.
-    own = own or [one for one in overview.causes if one.is_met] or list(overview.causes)
-    who = styled(headline.who, "1")
+    own = own or [one for one in result.causes if one.is_met] or result.causes
+    who = styled(f"{numbers.controller} under {numbers.motion}", "1")
     worst = own[0].cause.severity
     words = own[0].cause.phrase
     if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
         # It does not arrive in the failures, but that is not what it does in general.
-        natural = None if overview.natural is None else overview.natural.table()
-        often = how_often_it_arrives(natural)
+        often = how_often_it_arrives(result.natural)
         words = f"{often}, and {words}" if worst == Severity.HARMED else often
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
@@ -225,7 +210,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     return joined(who, ": ", failed, found)
 
 
-def how_often_it_arrives(natural: NaturalRow | None) -> str:
+def how_often_it_arrives(natural: NaturalResult | None) -> str:
     """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
         if not natural.arrived:
@@ -239,13 +224,13 @@ def how_often_it_arrives(natural: NaturalRow | None) -> str:
     return "does not always arrive"
 
 
-def _title(cause: CauseTotals, natural: NaturalRuns | None) -> str:
+def _title(cause: CauseResult, natural: NaturalResult | None) -> str:
     name = styled(cause.cause.value, f"{_COLOURS[cause.cause.severity]};1")
     new = (" ", styled("NEW", "35;1")) if cause.state == "new" else ()
     return joined(name, *new, f": {_how_often(cause, natural)}")
 
 
-def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
+def _how_often(cause: CauseResult, natural: NaturalResult | None) -> str:
     parts = []
     if natural is not None and natural.worlds and cause.natural is not None:
         of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
@@ -260,25 +245,27 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     return "; ".join(parts)
 
 
-def _verdicts(cause: CauseTotals) -> str:
+def _verdicts(cause: CauseResult) -> str:
     return ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
 
 
-def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
+def _in_full(cause: CauseResult, overview: Overview, folder: Path | None) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
-    lines = [joined("1. ", _title(cause, natural)), f"   {cause.sentence} {cause.diagnosis.advice}"]
-    path = shown(shlex.quote(str(headline.folder / cause.file)))
+    title = _title(cause, overview.result.natural)
+    lines = [joined("1. ", title), f"   {cause.sentence} {cause.advice}"]
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
-    has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
-    if has_file:
+    path = ""
+    if folder is not None and cause.file and not cause.file.startswith(MEMORY):
+        path = shown(shlex.quote(str(folder / cause.file)))
         lines.append(f"   worldgen replay {path} --show")
-    known = [cause.shown.repeats, "" if cause.why is None else cause.why.describe(_MOST_CHANGES)]
+    why = describe_changes(cause.changes, _MOST_CHANGES) if cause.changes else cause.why
+    known = [one for one in (cause.repeats, why) if one]
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
-    elif any(known):
-        is_fleet = cause.failure is not None and bool(cause.failure.world.others)
-        who = "the fleet" if is_fleet else "it"
-        lines.append(f"   In this world {who} {shown('. It '.join(filter(None, known)))}.")
-    elif has_file and cause.cause.severity in _EXPLAINED:
+    elif known:
+        example = overview.examples.get(cause.cause)
+        who = "the fleet" if example is not None and example.world.is_fleet else "it"
+        lines.append(f"   In this world {who} {shown('. It '.join(known))}.")
+    elif path and cause.cause.severity in _EXPLAINED:
         lines.append(f"   what the failure depends on: worldgen explain {path}")
     return lines

@@ -53,7 +53,7 @@ def drawn_others(world: World) -> list[dict[str, Any]]:
     side = world.cell_size
     proof = world.certificate
     found = []
-    for number, robot in enumerate(world.others, start=1):
+    for number, robot in enumerate(world.robots[1:], start=1):
         start = robot.start
         target = robot.target
         path = proof.paths[number] if isinstance(proof, JointWitness) else None

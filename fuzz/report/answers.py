@@ -7,21 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
+from msgspec import structs
 
-from fuzz.cause import Severity
+from fuzz.cause import Cause, Severity
 from fuzz.corpus import CorpusEntry
-from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, with_worlds
+from fuzz.overview.building import with_worlds
 from fuzz.overview.causes import causes_of
-from fuzz.overview.natural import whole_percent
-from fuzz.overview.overview import read_overview
-from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
+from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult, read_overview
 from fuzz.overview.terminal import how_often_it_arrives, never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.diagnosis import cause_of
-from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 
 
@@ -32,42 +28,35 @@ class ControllerSummary:
     Args:
         controller: With its options.
         motion: Name of the motion model.
-        causes: Its causes, the worst first; their files are paths.
-        natural: Its results in natural worlds, if a campaign ran some.
-        comparison: What changed since an earlier campaign, if one was compared.
-        campaign: Index of the campaign on the page; -1 for none.
+        result: The result of its campaign, or the causes of its failures; their files are paths.
+        campaign: The campaign, if there is one.
     """
 
     controller: str
     motion: str
-    causes: Sequence[CauseRow]
-    natural: NaturalRow | None = None
-    comparison: ComparisonRow | None = None
-    campaign: int = -1
+    result: CampaignResult
+    campaign: ReportedCampaign | None = None
 
     def table(self) -> dict[str, Any]:
         """Return the contents of the page."""
+        natural = self.result.natural
+        comparison = self.result.comparison
         return {
             "controller": self.controller,
             "motion": self.motion,
-            "causes": [_shown(cause) for cause in self.causes],
-            "natural": None if self.natural is None else _natural(self.natural),
-            "comparison": None if self.comparison is None else plain(self.comparison),
-            "arrives": how_often_it_arrives(self.natural),
-            "campaign": self.campaign,
+            "causes": [_shown(cause) for cause in self.result.causes],
+            "natural": None if natural is None else _natural(natural),
+            "comparison": None if comparison is None else plain(comparison),
+            "arrives": how_often_it_arrives(natural),
         }
 
 
-def _natural(natural: NaturalRow) -> dict[str, Any]:
+def _natural(natural: NaturalResult) -> dict[str, Any]:
     """Return natural worlds with what follows from them, so that page and terminal agree."""
-    return {
-        **plain(natural),
-        "percent": whole_percent(natural.arrived, natural.worlds),
-        "never": never_tried(natural),
-    }
+    return {**plain(natural), "percent": natural.percent, "never": never_tried(natural)}
 
 
-def _shown(cause: CauseRow) -> dict[str, Any]:
+def _shown(cause: CauseResult) -> dict[str, Any]:
     """Return a cause without the facts about its run, which the page has from running it again."""
     facts = ("inside", "reactions")
     return {name: value for name, value in plain(cause).items() if name not in facts}
@@ -87,21 +76,14 @@ def answers_for(
     """
     answers = []
     told: set[tuple[str, str]] = set()
-    for index, campaign in enumerate(campaigns):
-        overview = read_overview(campaign.folder)
-        if overview is None:
+    for campaign in campaigns:
+        result = read_overview(campaign.folder)
+        if result is None:
             continue
         summary = campaign.summary
-        answers.append(
-            ControllerSummary(
-                summary.controller,
-                summary.motion,
-                [_placed(cause, campaign.folder) for cause in overview.causes],
-                overview.natural,
-                overview.comparison,
-                index,
-            )
-        )
+        causes = [_placed(cause, campaign.folder) for cause in result.causes]
+        result = structs.replace(result, causes=causes)
+        answers.append(ControllerSummary(summary.controller, summary.motion, result, campaign))
         told.add((summary.controller, summary.motion))
     others: dict[tuple[str, str], list[CorpusEntry]] = {}
     for entry in entries:
@@ -115,23 +97,15 @@ def answers_for(
 def _worst(answer: ControllerSummary) -> int:
     """Return the severity of the worst cause, so that the worst controller comes first."""
     words = [severity.word for severity in Severity]
-    found = [words.index(cause.severity) for cause in answer.causes[:1]]
+    found = [words.index(cause.severity) for cause in answer.result.causes[:1]]
     return found[0] if found else len(words)
 
 
-def entry_of(path: Path) -> CorpusEntry | None:
-    """Return the entry of a failure's file; ``None`` if it does not exist or cannot be read."""
-    try:
-        return CorpusEntry(path, Facts.of(Failure.read(path), str(path)))
-    except WorldgenError:
-        return None
-
-
-def _placed(cause: CauseRow, folder: Path) -> CauseRow:
+def _placed(cause: CauseResult, folder: Path) -> CauseResult:
     """Return a cause with the folder added to its files."""
     file = str(folder / cause.file) if cause.file else ""
     smallest = str(folder / cause.smallest) if cause.smallest else ""
-    return msgspec.structs.replace(cause, file=file, smallest=smallest)
+    return structs.replace(cause, file=file, smallest=smallest)
 
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> ControllerSummary:
@@ -139,14 +113,20 @@ def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) ->
 
     The page shows the code of each failure's controller, so the causes need not.
     """
-    files = [
-        WorldFile(Failure.read(entry.path), str(entry.path))
-        for entry in entries
-        if entry.path.is_file()
-    ]
-    causes = with_worlds(
-        causes_of([one.failure for one in files]),
-        lambda cause: [one for one in files if cause_of(one.failure) == cause],
+    failures = {entry.path: Failure.read(entry.path) for entry in entries if entry.path.is_file()}
+    causes, examples = with_worlds(
+        causes_of(failures.values()),
+        lambda cause: [one for one in failures.values() if cause_of(one) == cause],
         with_code=False,
     )
-    return ControllerSummary(controller, motion, [one.table() for one in causes])
+    paths = {failure.id: str(path) for path, failure in failures.items()}
+    smallest: dict[Cause, Failure] = {}
+    for failure in sorted(failures.values(), key=lambda one: one.order):
+        smallest.setdefault(cause_of(failure), failure)
+    placed = [
+        structs.replace(
+            one, file=paths[examples[one.cause].id], smallest=paths[smallest[one.cause].id]
+        )
+        for one in causes
+    ]
+    return ControllerSummary(controller, motion, CampaignResult(causes=placed))

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fuzz.campaign.store import MEMORY, Summary, controller_change, read_summary
-from fuzz.corpus import CorpusEntry, distinct, read_corpus
+from fuzz.corpus import Corpus, distinct, read_corpus
 from fuzz.failure import Failure
 from fuzz.overview.describe import run_to_draw
-from fuzz.triage.judging import Replay, replay
+from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.files.archives import Member, archive_in, members
-from worldgen.files.grid.disk import expansion_limit, unpack_world
-from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.grid.disk import read_packed, unpack
 from worldgen.files.worlds import Skip
 
 # More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
@@ -24,40 +22,27 @@ MOST_FAILURES = 1_000
 
 @dataclass(frozen=True, eq=False)
 class ReplayedFailure:
-    """A failure's file, and the result of running it again.
+    """A failure of the report, and the result of running it again.
 
     Args:
-        name: The file's name, without folders.
-        data: Its bytes, unchanged.
+        path: Its file.
+        data: The file's bytes, unchanged.
         failure: The failure in it.
         replay: Whether verdict, evidence and certificate are as recorded.
         shown: The run to draw; a breach's run ignores walls. ``None`` if it cannot be run.
         words: What happened, to follow the verdict; empty if the replay is not confirmed.
+        original: The failure as found, before shrinking, if the campaign kept it.
+        campaign: The campaign that found it, if known.
     """
 
-    name: str
+    path: Path
     data: bytes
     failure: Failure
     replay: Replay
     shown: Episode | None
     words: str
-
-
-@dataclass(frozen=True, eq=False)
-class Reported:
-    """A failure of a corpus as it appears in the report.
-
-    Args:
-        entry: Its file and its facts.
-        seen: The failure and its run.
-        original: The failure as found, before shrinking, if the campaign kept it.
-        campaign: Index of the campaign that found it; -1 if unknown.
-    """
-
-    entry: CorpusEntry
-    seen: ReplayedFailure
-    original: ReplayedFailure | None
-    campaign: int
+    original: ReplayedFailure | None = None
+    campaign: ReportedCampaign | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,20 +60,10 @@ class ReportedCampaign:
     change: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class ReportSubject:
-    """The contents of a report.
-
-    ``others`` is the number of worlds without a failure, which are ignored.
-    """
-
-    entries: list[CorpusEntry]
-    campaigns: list[ReportedCampaign]
-    others: int
-
-
-def gather(paths: Sequence[Path], skip: Skip | None = None) -> ReportSubject:
-    """Find the failures and campaigns to report on.
+def gather(
+    paths: Sequence[Path], skip: Skip | None = None
+) -> tuple[Corpus, list[ReportedCampaign]]:
+    """Return the different failures, and the campaigns, to report on.
 
     Args:
         paths: Folders, archives and files. Campaigns keep their state in hidden folders, so read
@@ -124,7 +99,7 @@ def gather(paths: Sequence[Path], skip: Skip | None = None) -> ReportSubject:
             count=len(entries),
             most=MOST_FAILURES,
         )
-    return ReportSubject(entries, campaigns, corpus.others)
+    return Corpus(tuple(entries), corpus.others), campaigns
 
 
 def _campaign_folders(path: Path) -> Iterable[Path]:
@@ -134,18 +109,18 @@ def _campaign_folders(path: Path) -> Iterable[Path]:
     )
 
 
-def look_at(entry: CorpusEntry, campaigns: Sequence[ReportedCampaign]) -> Reported:
+def look_at(path: Path, campaigns: Sequence[ReportedCampaign]) -> ReplayedFailure:
     """Read a failure and its original from before shrinking, and run both again.
 
     Raises:
         FormatError: If a file can no longer be read.
     """
-    # Campaigns may be nested, so take the innermost folder that contains the entry.
-    around = [k for k, one in enumerate(campaigns) if one.folder in entry.path.parents]
-    campaign = max(around, key=lambda k: len(campaigns[k].folder.parts), default=-1)
-    seen = _seen(entry.path)
-    original = _original(seen.failure, campaigns[campaign].folder) if around else None
-    return Reported(entry, seen, original, campaign)
+    # Campaigns may be nested, so take the innermost folder that contains the file.
+    around = [one for one in campaigns if one.folder in path.parents]
+    campaign = max(around, key=lambda one: len(one.folder.parts), default=None)
+    seen = _seen(path)
+    original = None if campaign is None else _original(seen.failure, campaign.folder)
+    return replace(seen, original=original, campaign=campaign)
 
 
 def _original(failure: Failure, folder: Path) -> ReplayedFailure | None:
@@ -157,9 +132,8 @@ def _original(failure: Failure, folder: Path) -> ReplayedFailure | None:
 
 
 def _seen(path: Path) -> ReplayedFailure:
-    data = _bytes_of(path)
-    packed = Member(path.name, len(data), lambda limit: data if len(data) <= limit else None)
-    failure = Failure.found_in(unpack_world(packed, str(path)))
+    data = read_packed(path)
+    failure = Failure.found_in(unpack(data, str(path)))
     if failure is None:
         raise FormatError(
             "file-changed",
@@ -171,23 +145,5 @@ def _seen(path: Path) -> ReplayedFailure:
     try:
         shown, words = run_to_draw(failure)
     except WorldgenError:
-        return ReplayedFailure(path.name, data, failure, found, None, "")
-    return ReplayedFailure(path.name, data, failure, found, shown, words if found.confirmed else "")
-
-
-def _bytes_of(path: Path) -> bytes:
-    """Return a file's bytes, even if it is in an archive."""
-    place = None if path.is_file() else archive_in(path)
-    if place is None:
-        with path.open("rb") as stream:
-            return stream.read(MAX_FILE_BYTES + 1)
-    for member in members(place[0]):
-        data = member.read(expansion_limit(member.packed)) if member.name == place[1] else None
-        if data is not None:
-            return data
-    raise FormatError(
-        "file-changed",
-        "no longer exists",
-        "do not change the archive while the report is written",
-        source=str(path),
-    )
+        return ReplayedFailure(path, data, failure, found, None, "")
+    return ReplayedFailure(path, data, failure, found, shown, words if found.confirmed else "")

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from typing import NamedTuple, TypeAlias
 
 from fuzz.boundary import describe_boundaries
-from fuzz.campaign.store import Summary
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
 from fuzz.failure import SHRINKING, ShrinkState
 from fuzz.overview.describe import describe_seeds
-from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
+from fuzz.report.gather import ReplayedFailure
 from sim.evidence import JointLoopEvidence, LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
@@ -52,16 +51,15 @@ _SHRUNK = {
 }
 
 
-def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[FactGroup]:
+def groups(seen: ReplayedFailure) -> list[FactGroup]:
     """Return everything known about a failure, as rows of name and value under headings."""
     # Groups without rows are left out.
-    campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
-    record = reported.seen.failure.record
+    record = seen.failure.record
     found = [
-        FactGroup("Failure", _of_the_failure(reported)),
-        FactGroup("Run", _of_the_run(reported.seen)),
-        FactGroup("World", _of_the_world(reported.seen.failure.world)),
-        FactGroup("Search", _of_the_search(reported, campaign)),
+        FactGroup("Failure", _of_the_failure(seen)),
+        FactGroup("Run", _of_the_run(seen)),
+        FactGroup("World", _of_the_world(seen.failure.world)),
+        FactGroup("Search", _of_the_search(seen)),
         FactGroup("Options", _as_written(record.parameters), is_raw=True),
         FactGroup("Evidence", _as_written(record.evidence), is_raw=True),
     ]
@@ -72,17 +70,15 @@ def _as_written(table: Mapping[str, Value]) -> list[Row]:
     return [(name, describe_value(value)) for name, value in table.items()]
 
 
-def _of_the_failure(reported: Reported) -> list[Row]:
-    facts = reported.entry.facts
-    seen = reported.seen
+def _of_the_failure(seen: ReplayedFailure) -> list[Row]:
     record = seen.failure.record
     rows = [
         ("verdict", record.verdict),
-        ("cause", facts.group),
-        ("controller", facts.controller),
+        ("cause", seen.failure.group),
+        ("controller", seen.failure.label),
         (
             "motion model",
-            f"{facts.motion}, version {record.details.get('motion_version', 'unknown')}",
+            f"{record.motion}, version {record.details.get('motion_version', 'unknown')}",
         ),
         ("seed of the run", str(record.seed)),
         ("replayed for this report", _replayed(seen)),
@@ -166,14 +162,15 @@ def _of_the_world(world: World) -> list[Row]:
     return rows
 
 
-def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
-    details = reported.seen.failure.record.details
+def _of_the_search(seen: ReplayedFailure) -> list[Row]:
+    details = seen.failure.record.details
     rows = []
     if "found_by" in details:
         rows.append(("found by strategy", describe_value(details["found_by"])))
     # The campaign knows how often and when the cause was met.
-    if campaign is not None:
-        group = reported.entry.facts.group
+    if seen.campaign is not None:
+        campaign = seen.campaign.summary
+        group = seen.failure.group
         if group in campaign.met:
             rows.append(("cause met", counted(campaign.met[group], "time")))
         first = next((find for find in campaign.found if find.cause == group), None)

@@ -3,35 +3,31 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import shlex
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from fuzz.corpus import places
+from fuzz.corpus import Corpus, places
+from fuzz.failure import Failure
 from fuzz.overview.counterfactual import named_cells
-from fuzz.overview.table import CauseRow
+from fuzz.overview.result import CauseResult
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.one_file import modules
-from fuzz.report.answers import answers_for, entry_of
-from fuzz.report.gather import (
-    ReplayedFailure,
-    Reported,
-    ReportedCampaign,
-    ReportSubject,
-    gather,
-    look_at,
-)
+from fuzz.report.answers import answers_for
+from fuzz.report.gather import ReplayedFailure, ReportedCampaign, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
 from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.reactions import Reactions
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.controllers import CONTROLLERS
+from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.files.worlds import Skip
@@ -73,51 +69,59 @@ def write_report(
     """
     # Refuse before the work rather than after it: replaying a corpus may take minutes.
     check_output(out, force)
-    subject = gather(paths, skip)
-    answers = answers_for(subject.entries, subject.campaigns)
-    causes = {cause.file: cause for answer in answers for cause in answer.causes}
+    corpus, campaigns = gather(paths, skip)
+    answers = answers_for(corpus.entries, campaigns)
+    causes = {cause.file: cause for answer in answers for cause in answer.result.causes}
     failures = []
     reactions: defaultdict[tuple[str, str], Reactions] = defaultdict(Reactions)
-    place = places(subject.entries)
+    place = places(corpus.entries)
+    index = {None: -1} | {campaign: number for number, campaign in enumerate(campaigns)}
+
+    def shown_failure(seen: ReplayedFailure) -> dict[str, Any]:
+        table = _failure(seen, causes.get(str(seen.path)), with_code=with_code)
+        return table | {"campaign": index[seen.campaign]}
+
     # Replay each entry, because the corpus stores no trajectories.
-    for done, entry in enumerate(subject.entries):
-        progress(done, len(subject.entries))
-        reported = look_at(entry, subject.campaigns)
-        _add_reactions(reported, reactions[entry.facts.controller, entry.facts.motion])
-        shown_entry = _failure(reported, subject.campaigns, causes, with_code=with_code)
-        failures.append(shown_entry | {"place": place[entry.facts.order]})
+    for done, entry in enumerate(corpus.entries):
+        progress(done, len(corpus.entries))
+        seen = look_at(entry.path, campaigns)
+        _add_reactions(seen, reactions[entry.facts.controller, entry.facts.motion])
+        failures.append(shown_failure(seen) | {"place": place[entry.facts.order]})
     # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
-    others = [entry_of(Path(name)) for name in causes if name and name not in shown]
-    extras = [
-        _failure(look_at(entry, subject.campaigns), subject.campaigns, causes, with_code=with_code)
-        for entry in others
-        if entry is not None
-    ]
-    heading = title or _heading(subject)
+    others = [Path(name) for name in causes if name and name not in shown]
+    extras = [shown_failure(look_at(path, campaigns)) for path in others if _is_readable(path)]
+    heading = title or _heading(corpus, campaigns)
     data = {
         "title": heading,
         "answers": [
-            answer.table() | {"reactions": reactions[answer.controller, answer.motion].table()}
+            answer.table()
+            | {
+                "campaign": index[answer.campaign],
+                "reactions": reactions[answer.controller, answer.motion].rows(),
+            }
             for answer in answers
         ],
         "failures": failures,
         "extras": extras,
-        "campaigns": list(map(_campaign, subject.campaigns)),
-        "others": subject.others,
+        "campaigns": list(map(_campaign, campaigns)),
+        "others": corpus.others,
     }
     write_bytes(out, _page(heading, data), force=force)
     return len(failures)
 
 
-def _heading(subject: ReportSubject) -> str:
+def _is_readable(path: Path) -> bool:
+    """Return True if a file has a failure that this version can run."""
+    with contextlib.suppress(WorldgenError):
+        return bool(Failure.read(path).label)
+    return False
+
+
+def _heading(corpus: Corpus, campaigns: Sequence[ReportedCampaign]) -> str:
     """Return ``turn-right under stepped``, or the number of controllers if there are several."""
-    names = {(entry.facts.controller, entry.facts.motion) for entry in subject.entries}
-    names |= {
-        (one.summary.controller, one.summary.motion)
-        for one in subject.campaigns
-        if not subject.entries
-    }
+    names = {(entry.facts.controller, entry.facts.motion) for entry in corpus.entries}
+    names = names or {(one.summary.controller, one.summary.motion) for one in campaigns}
     if len(names) == 1:
         ((controller, motion),) = names
         return f"{controller} under {motion}"
@@ -125,68 +129,59 @@ def _heading(subject: ReportSubject) -> str:
 
 
 def _failure(
-    reported: Reported,
-    campaigns: list[ReportedCampaign],
-    causes: Mapping[str, CauseRow],
-    *,
-    with_code: bool,
+    seen: ReplayedFailure, example: CauseResult | None, *, with_code: bool
 ) -> dict[str, Any]:
     """Return a failure as the page's script expects it.
 
     Args:
-        reported: The failure, run again.
-        campaigns: The campaigns whose folders were given.
-        causes: By file, the cause whose example it is.
+        seen: The failure, run again.
+        example: The cause whose example it is.
         with_code: False to leave out what runs inside its controller.
     """
-    seen = reported.seen
-    entry = reported.entry
-    facts = entry.facts
-    record = seen.failure.record
-    diagnosis = diagnosis_of(seen.failure)
+    failure = seen.failure
+    world = failure.world
+    record = failure.record
+    diagnosis = diagnosis_of(failure)
     cause = diagnosis.cause
-    example = causes.get(str(entry.path))
-    named = [] if example is None else named_cells(example.changes, seen.failure.world)
-    campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
+    campaign = seen.campaign
+    is_same_robot = campaign is not None and campaign.summary.controller == record.controller
     return {
-        "id": facts.digest[:_ID_DIGITS],
-        "group": facts.group,
-        "verdict": facts.verdict,
-        "controller": facts.controller,
-        "motion": facts.motion,
-        "solid": facts.solid,
-        "size": f"{facts.width} x {facts.height}",
-        "met": None if campaign is None else campaign.met.get(facts.group),
+        "id": failure.digest[:_ID_DIGITS],
+        "group": failure.group,
+        "verdict": record.verdict,
+        "controller": failure.label,
+        "motion": record.motion,
+        "solid": world.solid_cells,
+        "size": f"{world.width} x {world.height}",
+        "met": None if campaign is None else campaign.summary.met.get(failure.group),
         "strategy": str(record.details.get("found_by", "")),
-        "campaign": reported.campaign,
         "confirmed": seen.replay.confirmed,
         "words": f"{record.verdict}{seen.words}",
         "reason": seen.replay.reason,
-        "path": str(entry.path),
-        "replay": entry.replay_command,
-        "explain": f"worldgen explain {shlex.quote(str(entry.path))}",
+        "path": str(seen.path),
+        "replay": failure.replay_command(seen.path),
+        "explain": f"worldgen explain {shlex.quote(str(seen.path))}",
         "cause": cause.value,
-        "sentence": "" if cause.is_vague else diagnosis.sentence(seen.failure.world),
+        "sentence": "" if cause.is_vague else diagnosis.sentence(world),
         "advice": diagnosis.advice,
         "example": example is not None,
         "why": "" if example is None else example.why,
-        **_shown(seen, with_code=with_code).table(),
-        "shrinking": seen.failure.shrinking.value,
-        "changed": campaigns[reported.campaign].change
-        if campaign is not None and campaign.controller == record.controller
-        else "",
-        "test": snippet(seen.failure),
-        "groups": groups(reported, campaigns),
-        "now": _drawn(seen) | {"named": named},
-        "before": None if reported.original is None else _drawn(reported.original),
+        **plain(_shown(seen, with_code=with_code)),
+        "shrinking": failure.shrinking.value,
+        "changed": campaign.change if campaign is not None and is_same_robot else "",
+        "test": snippet(failure),
+        "groups": groups(seen),
+        "now": _drawn(seen)
+        | {"named": [] if example is None else named_cells(example.changes, world)},
+        "before": None if seen.original is None else _drawn(seen.original),
     }
 
 
-def _add_reactions(reported: Reported, to: Reactions) -> None:
+def _add_reactions(reported: ReplayedFailure, to: Reactions) -> None:
     """Add a failure's runs, also as it was found, where the robot has more around it."""
-    for seen in filter(None, (reported.seen, reported.original)):
+    for seen in filter(None, (reported, reported.original)):
         world = seen.failure.world
-        if seen.shown is not None and seen.shown.trace is not None and not world.others:
+        if seen.shown is not None and seen.shown.trace is not None and not world.is_fleet:
             to.add(world, seen.shown.trace)
 
 
@@ -213,7 +208,7 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
         )
         sensors = sensors_of(controller, failure.options, world.cell_size)
     return {
-        "name": seen.name,
+        "name": seen.path.name,
         "file": base64.b64encode(seen.data).decode("ascii"),
         "size": f"{world.width} x {world.height}",
         "solid": world.solid_cells,

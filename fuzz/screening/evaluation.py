@@ -16,17 +16,11 @@ from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
 from fuzz.screening.guarded import look_guarded
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
-from sim.controllers import (
-    CONTROLLERS,
-    CompiledController,
-    Controller,
-    ProcessController,
-    VectorController,
-)
+from sim.controllers import CONTROLLERS
 from sim.motion import LATTICE, MOTIONS
 from sim.options.run import MAX_STEPS, TARGET
 from sim.outcome import ENDINGS
-from sim.runners.core_calls import Driver, memory_for
+from sim.runners.controller_host import ControllerHost, host_of
 from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from sim.verdict import Verdict
@@ -348,7 +342,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 class _Packed:
     """A scenario in the form that the core expects."""
 
-    controller: Controller
+    host: ControllerHost
     runs: tuple[LatticeRun, ...]
     radii: tuple[float, ...]
 
@@ -360,22 +354,20 @@ class _Packed:
 
         The core replaces the parts that other layouts have.
         """
-        controller = CONTROLLERS.get(scenario.controller)
+        host = host_of(CONTROLLERS.get(scenario.controller))
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
         each = (scenario.with_run(time_step=time_step).options(world) for time_step in time_steps)
-        runs = tuple(LatticeRun(world, controller, options) for options in each)
-        return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
+        runs = tuple(LatticeRun(world, host, options) for options in each)
+        return cls(host, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
 
     def batch(self, layouts: Bytes, seeds: Words, kinds: Ints, budgets: Ints) -> Batch:
         """Return the runs of one call."""
-        # The memory of such a controller is not visible.
-        finds = not isinstance(self.controller, ProcessController)
         for run in self.runs:
-            run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
+            run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
             run.settings.digest = 0
-        patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
+        patience = _PATIENT if self.host.in_core else _BRISK
         settings = [run.settings for run in self.runs]
-        memory = memory_for(self.controller)
+        memory = self.runs[0].memory
         return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
 
     def run(self, batch: Batch, world: Callable[[int], World]) -> None:
@@ -383,10 +375,9 @@ class _Packed:
         if len(batch) == 0:
             return
         # Compiled controllers run inside the core.
-        if isinstance(self.controller, CompiledController):
-            memory = self.controller.memory
-            driver = Driver(self.controller, memory, self.runs[0].settings)
-            seat = Seat(batch, memory, driver)
+        if self.host.in_core:
+            driver = self.runs[0].driver()
+            seat = Seat(batch, self.host.begin(None), driver)
             if driver.cage is not None:
                 look_guarded(batch, seat, driver.guarded, driver.cage)
                 return
@@ -394,17 +385,17 @@ class _Packed:
                 pass
             return
         # Programs and vector classes act for many robots at once, unless they break a rule.
-        alone = OneByOne(self.controller, batch, world)
-        if isinstance(self.controller, ProcessController):
-            if self.controller.offer is None:
+        alone = OneByOne(self.host, batch, world)
+        if not self.host.in_python:
+            if self.host.controller.offer is None:
                 # Its first answer may offer to act for many robots.
                 alone.run(1)
             begun = batch.at
-            if screen_in_batch(self.controller, batch):
+            if screen_in_batch(self.host, batch):
                 return
             batch.at = begun
-        elif isinstance(self.controller, VectorController):
-            if screen_in_lockstep(self.controller, batch):
+        elif self.host.acts_for_many:
+            if screen_in_lockstep(self.host, batch):
                 return
             batch.at = 0
         alone.run(len(batch))

@@ -12,13 +12,11 @@ import numpy as np
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import Batch, Seat
 from sim.clock.stopping import OutOfTime, check_time
-from sim.controllers import ProcessController, VectorController
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
-from sim.runners.lockstep import ControllerRaised, its_own_fault
-from sim.runners.python_loop import begun_anew
+from sim.runners.controller_host import ControllerHost, Faults
 from worldgen.support.arrays import Floats
 from worldgen.support.ccall import writable
 from worldgen.support.results import only_results_on_stdout
@@ -82,11 +80,11 @@ Ask = Callable[[], None]
 """Fills in commands and memories of the occupied slots."""
 
 
-def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
+def screen_in_lockstep(host: ControllerHost, batch: Batch) -> bool:
     """Run a vector class in the worlds of a batch.
 
     Args:
-        controller: The controller.
+        host: The host of the controller.
         batch: The runs; their results are filled in.
 
     Returns:
@@ -95,36 +93,41 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
     """
 
     def asker(places: _Seats) -> Ask:
-        ask = its_own_fault()(
-            Asker(controller, places.observation, places.memory, places.command).ask
-        )
-        return lambda: ask(places.taken, places.after[: places.taken])
+        faults = Faults(host)
+        one = Asker(host.controller, places.observation, places.memory, places.command)
+
+        def ask() -> None:
+            with faults:
+                one.ask(places.taken, places.after[: places.taken])
+
+        return ask
 
     with only_results_on_stdout():
         try:
-            with its_own_fault():
-                controller, memory = begun_anew(controller, None)
+            with Faults(host):
+                memory = np.array(host.begin(None), np.float64)
             # If state outside the memory can't be compared, it might differ between robots.
-            before = hidden_state(controller)
+            before = hidden_state(host.controller)
             if before is None:
                 return False
-            _run(asker, np.array(memory, np.float64), batch, PLACES)
-        except ControllerRaised:
+            _run(asker, memory, batch, PLACES)
+        except ControllerError:
             return False
-    return hidden_state(controller) == before
+    return hidden_state(host.controller) == before
 
 
-def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
+def screen_in_batch(host: ControllerHost, batch: Batch) -> bool:
     """Run a program that supports it in the worlds of a batch, many at a time.
 
     Args:
-        controller: The program.
+        host: The host of the program.
         batch: The runs, starting at ``at``; their results are filled in.
 
     Returns:
         False if the program does not support it, or does anything wrong; then it must be run alone
             in each world.
     """
+    controller = host.controller
     offer = controller.offer
     if offer is None:
         return False

@@ -15,12 +15,10 @@ from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
-from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes
-from sim.controllers.programs.program import WantsMemory
+from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.python_act import Stops
-from sim.runners.python_loop import begun_anew, crash_of, driver_of, memory_at_start, plans
 from sim.verdict import Verdict
 from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
@@ -40,21 +38,17 @@ class OneByOne:
     """Runs a controller in the worlds of a batch, one after another.
 
     Args:
-        controller: A Python class or a program; a vector class acts for a single robot.
+        host: The host of a Python class or a program; a vector class acts for a single robot.
         batch: The runs; their results are filled in.
         world: Returns the world of a run, for a controller that plans first.
     """
 
-    def __init__(
-        self,
-        controller: PythonController | VectorController,
-        batch: Batch,
-        world: Callable[[int], World],
-    ) -> None:
-        self._controller = controller
+    def __init__(self, host: ControllerHost, batch: Batch, world: Callable[[int], World]) -> None:
+        self._host = host
+        self._faults = Faults(host)
         self._batch = batch
-        self._world = world if plans(controller) else None
-        attributes = own_attributes(controller)
+        self._world = world if host.plans else None
+        attributes = own_attributes(host.controller)
         self._is_light = sum(map(len, attributes.values())) <= _LIGHT
         self._by_memory: dict[int, Seat] = {}
         self._seat = self._seat_for(0)
@@ -83,31 +77,25 @@ class OneByOne:
 
     def _look(self, n: int) -> None:
         """Run the controller in a world, and keep watching it for a while if that reveals more."""
-        if isinstance(self._controller, ProcessController):
-            # Outside the guard, because a missing program is not a crash.
-            self._controller.start()
+        self._host.start()
         seat = None
         try:
-            world = self._world(n) if self._world else None
-            if self._is_light:
-                self._controller, memory = begun_anew(self._controller, world)
-            else:
-                memory = memory_at_start(self._controller, world)
-            seat = self._seated(n, len(memory))
-            seat.memory[:] = memory
-            seat.begin()
-            driver_of(self._controller)(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
+            with self._faults:
+                world = self._world(n) if self._world else None
+                memory = self._host.begin(world, anew=self._is_light)
+                seat = self._seated(n, len(memory))
+                seat.memory[:] = memory
+                seat.begin()
+                self._host.drive(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
         except OutOfTime:
             # Otherwise the ending is already known.
             if seat is None or seat.c.watch < 0:
                 raise
-        except (KeyboardInterrupt, WantsMemory):
-            raise
-        except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            self._hangs += _ending_of(error) == HANG
+        except ControllerError as fault:
+            self._hangs += fault.verdict == Verdict.HANG
             # Nothing that it does after its budget counts as a finding.
             if seat is None or seat.c.watch < 0:
-                self._fail(n, seat, error)
+                self._fail(n, seat, fault)
 
     def _seat_for(self, memory: int) -> Seat:
         """Return the seat for a memory of this many numbers, made once."""
@@ -123,7 +111,7 @@ class OneByOne:
             self._seat = seat
         return seat
 
-    def _fail(self, n: int, seat: Seat | None, error: BaseException) -> None:
+    def _fail(self, n: int, seat: Seat | None, fault: ControllerError) -> None:
         """Record a run in which the controller failed; without a seat, in ``reset``."""
         ended = self._batch.looks[n : n + 1]
         # If no episode began, no step counts.
@@ -132,21 +120,10 @@ class OneByOne:
                 ended[name] = 0
         else:
             self._batch.c.looks[n].report = seat.c.episode.robot.report
-        ending = _ending_of(error)
-        ended["ending"] = ending
+        ended["ending"] = _ENDINGS[fault.verdict]
         ended["overlap_step"] = -1
-        if ending == CRASH:
-            ended["hit_ix"] = self._number_of(error, int(ended["steps"][0]))
-
-    def _number_of(self, error: BaseException, step: int) -> int:
-        """Return a number that identifies what crashed.
-
-        This way, a frequent crash does not keep other failures from being proved.
-        """
-        fault = error if isinstance(error, ControllerError) else crash_of(error, self._controller)
-        bucket = crash_bucket(replace(fault.evidence, step=step))
-        return zlib.crc32(bucket.encode()) & CRASH_NUMBERS
-
-
-def _ending_of(error: BaseException) -> int:
-    return _ENDINGS[error.verdict if isinstance(error, ControllerError) else Verdict.CRASH]
+        if fault.verdict == Verdict.CRASH:
+            # Equal crashes share a number, so that a frequent one does not keep other failures from
+            # being proved.
+            bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
+            ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS

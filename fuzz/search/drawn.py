@@ -120,7 +120,7 @@ def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
         if world.certificate or scenario.run.task == COVER:
             budget = scenario.options(world).steps
         options = scenario.options(world, budget)
-        if world.others:
+        if world.is_fleet:
             verdict, steps = _ending_of_fleet(task, world, options)
             outcome = None
         else:

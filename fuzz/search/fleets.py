@@ -67,7 +67,7 @@ def _with_more_robots(
             unpaired.append(robot)
         placed.append(robot)
     try:
-        return world.with_robots(placed, certificate=None, provenance=None)
+        return replace(world, robots=tuple(placed), certificate=None, provenance=None)
     except InvalidWorld:  # two of them start or end in the same place
         reject()
 

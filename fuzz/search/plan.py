@@ -122,7 +122,9 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
         memory: State of the search, with each strategy's finds so far.
         prices: Cost of the campaign's work.
     """
-    yields = [_worth(name, memory.strategies.get(name, StrategyYield()), prices) for name in names]
+    yields = [
+        _worth(name, memory.strategies.get(name, StrategyYield(name)), prices) for name in names
+    ]
     total = sum(yields)
     return [_FLOOR / len(names) + (1.0 - _FLOOR) * one / total for one in yields]
 

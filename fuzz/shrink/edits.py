@@ -69,7 +69,7 @@ def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | 
     if not parts and tuple(robots) == world.robots:
         return None
     try:
-        return world.with_robots(robots, **parts)
+        return replace(world, robots=tuple(robots), **parts)
     except InvalidWorld:  # a robot is off the grid, or in another robot's place
         return None
 

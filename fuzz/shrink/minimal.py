@@ -39,7 +39,7 @@ def removed(
 
 def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
     robots = list(world.robots)
-    if world.others:
+    if world.is_fleet:
         for index in range(len(robots)):
             yield f"robot {index + 1}", _changed(world, robots[:index] + robots[index + 1 :])
     for iy, ix in np.argwhere(world.walls).tolist():
@@ -94,6 +94,6 @@ def _without_line(world: World, line: int, *, by_row: bool) -> World | None:
 def _changed(world: World, robots: Iterable[Robot], **parts: Any) -> World | None:
     """Return the world with other robots and parts; None if a robot is then off the grid."""
     try:
-        return world.with_robots(robots, **parts)
+        return replace(world, robots=tuple(robots), **parts)
     except InvalidWorld:
         return None

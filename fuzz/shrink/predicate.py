@@ -165,7 +165,7 @@ class StillFails:
             return True
         episode = simulate(world, self.controller, options, record=True)
         # Several robots may have to be told from one that fails alone.
-        others = OtherWorlds(self.scenario.controller, options) if world.others else None
+        others = OtherWorlds(self.scenario.controller, options) if world.is_fleet else None
         return cause_of_run(world, episode, others) == self.cause
 
     def _failing(self, candidate: World, scenario: Scenario) -> World | None:
@@ -200,7 +200,7 @@ class StillFails:
         self.simulations += 1
         if not self._seems_so(world, options):
             return False
-        if world.others:
+        if world.is_fleet:
             return True
         if self.verdict == Verdict.TUNNEL:
             return self._arrives(world, options)
@@ -212,7 +212,7 @@ class StillFails:
 
     def _seems_so(self, world: World, options: RunOptions) -> bool:
         """Return True if a run ends as it should, with its proof if there are several robots."""
-        if not world.others:
+        if not world.is_fleet:
             takes_several = self.verdict in (*JOINT_LOOPS, Verdict.COLLISION)
             return not takes_several and self._ends_so(self._run(world, options))
         episode = simulate(world, self.controller, options)

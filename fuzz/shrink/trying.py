@@ -101,7 +101,7 @@ class Trying:
         """Return the compiled runner for edits, or ``None`` if this case does not allow it."""
         controller = self._still_fails.controller
         budget = self._still_fails.least_budget
-        if case.world.others or not (self._screens_quickly(case) and self._on_lattice):
+        if case.world.is_fleet or not (self._screens_quickly(case) and self._on_lattice):
             return None
         if not isinstance(controller, CompiledController):
             return None
@@ -143,7 +143,7 @@ class Trying:
         world = candidate.world
         if isinstance(edit, CellEdit) and edit.frees:
             return True  # reachable before, and now with one more free cell
-        if world.others:
+        if world.is_fleet:
             # If one robot is removed, the paths of the others remain valid.
             fewer = len(world.robots) < len(case.world.robots)
             return fewer or certified(world) is not None

@@ -251,7 +251,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         is as exact and as repeatable as any other.
         """
         world = restored(field(message, "world", dict))
-        if world.others:
+        if world.is_fleet:
             raise InvalidParameter(
                 "world-of-several-robots",
                 "you can drive only in worlds with one robot; this one has {robots}",
@@ -361,7 +361,7 @@ def _decision(world: World) -> Decision:
     """Decide a world, unless it has several robots and its file has a valid proof."""
     proof = world.certificate
     # Deciding for many robots takes long; checking their paths does not.
-    if not world.others or proof is None:
+    if not world.is_fleet or proof is None:
         return decide(world)
     report = check_certificate(world)
     if not report.valid:
@@ -453,6 +453,6 @@ def _decided(world: World, decision: Decision) -> dict[str, Any]:
     if isinstance(proof, JointWitness):
         facts["others"] = drawn_others(replace(world, certificate=proof))
     # With several robots, the reason names the one that the ring stops.
-    if isinstance(proof, Cut) and not world.others and len(proof.cells) > 1:
+    if isinstance(proof, Cut) and not world.is_fleet and len(proof.cells) > 1:
         facts["ring"] = len(proof.cells)
     return {"result": decision.result, "reason": decision.reason, **facts}

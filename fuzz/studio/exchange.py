@@ -29,13 +29,13 @@ from fuzz.studio.requests.refusals import describe_note, hide
 from fuzz.studio.requests.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.whole import check_output
-from worldgen.files.worlds import is_world_file, read_whole_world
+from worldgen.files.worlds import SIDECAR, is_world_file, read_whole_world
 from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
 
 _MOST_FILES = 20  # files that can be dropped on the page at once
 # Suffixes of files that accompany a map but are not maps themselves.
-_BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")
+_BESIDE = (SIDECAR, ".worldgen.toml", ".scen", ".tsx", ".inc")
 # Pictures are maps only if no other file refers to them.
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")
 

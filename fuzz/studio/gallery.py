@@ -8,11 +8,11 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.boundary import describe_boundaries
-from fuzz.cause import CAUSE, Cause, Diagnosis
+from fuzz.cause import Diagnosis
 from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.facts.changed_worlds import OtherWorlds
-from fuzz.failure import Failure, ShrinkState, regardless_of_walls
+from fuzz.failure import Failure, regardless_of_walls
 from fuzz.overview.counterfactual import named_cells
 from fuzz.overview.describe import describe_seeds
 from fuzz.player import drawn_robots, drawn_world, sensors_of
@@ -49,9 +49,6 @@ class WallAnswers(Opened):
     _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _recorded: dict[str, tuple[str, str]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
 
     def failures(self, message: Request, part: SendPart) -> dict[str, Any]:
         """Return the failures in and below a folder; unreadable ones are reported, not raised."""
@@ -68,13 +65,15 @@ class WallAnswers(Opened):
             self._packed(place, faults, part) if packed else self._entries(below, faults, part)
         )
         place_of = places(entries)
-        rank_of = ranks(map(self._cause, entries), {entry.path.parent for entry in entries})
+        rank_of = ranks(
+            (entry.facts.cause for entry in entries), {entry.path.parent for entry in entries}
+        )
         return {
             "failures": [
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
                     "group": entry.facts.group,
-                    "shrinking": self._record(entry)[1],
+                    "shrinking": entry.facts.shrinking,
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,
                     "motion": entry.facts.motion,
@@ -83,7 +82,7 @@ class WallAnswers(Opened):
                     "solid": entry.facts.solid,
                     "events": entry.facts.events,
                     "place": place_of[entry.facts.order],
-                    "rank": rank_of[self._cause(entry)],
+                    "rank": rank_of[entry.facts.cause],
                     "seen": entry.seen or 0,
                     "digest": entry.facts.digest,
                     "known": entry.facts.key in known,
@@ -92,26 +91,6 @@ class WallAnswers(Opened):
             ],
             "faults": faults,
         }
-
-    def _cause(self, entry: CorpusEntry) -> str:
-        """Return the cause that a failure's record names; empty if it names none."""
-        return self._record(entry)[0]
-
-    def _record(self, entry: CorpusEntry) -> tuple[str, str]:
-        """Return the cause in a failure's record, and how far shrinking got.
-
-        No run is needed for it, because a folder may hold thousands of failures.
-        """
-        key = entry.facts.digest
-        if key not in self._recorded:
-            try:
-                failure = Failure.found_in(read_world(entry.path))
-            except (OSError, WorldgenError):  # replaced a moment ago
-                return "", ShrinkState.NONE
-            cause = "" if failure is None else _recorded_cause(failure)
-            shrinking = ShrinkState.NONE if failure is None else failure.shrinking
-            self._recorded[key] = (cause, shrinking)
-        return self._recorded[key]
 
     def look(self, message: Request, part: object) -> dict[str, Any]:
         """Return a failure's world and run, to be drawn, and a description of what happened."""
@@ -124,7 +103,7 @@ class WallAnswers(Opened):
             "sensors": None,
             "error": None,
         }
-        diagnosis = diagnosis_of(failure) if _recorded_cause(failure) else None
+        diagnosis = diagnosis_of(failure) if failure.recorded_cause else None
         example = example_in(path)
         answer |= {
             "why": "" if example is None else example.why,
@@ -267,12 +246,6 @@ class WallAnswers(Opened):
             entries = read_corpus([path]).entries
             self._read[key] = entries[0] if entries else None
         return self._read[key]
-
-
-def _recorded_cause(failure: Failure) -> str:
-    """Return the cause that a failure's record names; empty if it names none."""
-    cause = str(failure.record.details.get(CAUSE, ""))
-    return cause if cause in set(Cause) else ""
 
 
 def _texts(diagnosis: Diagnosis | None, world: World) -> dict[str, str]:

@@ -70,14 +70,6 @@ class Inside:
     reads: list[str] = field(default_factory=list)
     state: list[tuple[str, str]] = field(default_factory=list)
 
-    def table(self) -> dict[str, object]:
-        """Return the form of this record in JSON."""
-        return {
-            **vars(self),
-            "lines": list(map(list, self.lines)),
-            "state": list(map(list, self.state)),
-        }
-
     def text(self) -> list[str]:
         """Return the lines for the terminal."""
         found = []
@@ -112,7 +104,7 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
         OutOfTime: If there is no more time.
     """
     part = last_part(episode)
-    if part is None or failure.world.others:
+    if part is None or failure.world.is_fleet:
         return None
     found = watched_part(
         failure.world, failure.record.controller, failure.options, episode, part.first
@@ -130,7 +122,7 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
             if one not in ran and one.name not in _AT_THE_START
         ],
         reads=[name for name in Observation._fields if any(name in one.fields for one in ran)],
-        state=_state(found),
+        state=_state(found, part.first),
     )
 
 
@@ -210,18 +202,42 @@ def _without_middles(lines: list[CodeLine], *, unused_only: bool) -> list[CodeLi
     return found
 
 
-def _state(found: WatchedPart) -> list[tuple[str, str]]:
-    """Return what the state did: first what changes, then what no longer changes; then the senses."""
-    changing = [one for one in found.state if not one.is_constant]
-    settled = [one for one in found.state if one.is_constant and one.since]
+def _state(found: WatchedPart, first: int) -> list[tuple[str, str]]:
+    """Return what the state did, that which probably decides first; then the senses.
+
+    What the lines read that run in the part comes before what they don't read, and what changed
+    last just before the part comes before what had settled long ago.
+    """
     fixed = [one for one in found.state if one.is_constant and not one.since]
-    words = [(one.name, _change(one)) for one in changing]
-    words += [(one.name, f"is {one.values[0]} since step {one.since:,}") for one in settled]
-    words = words[:_MOST_STATE]
+    read = frozenset[str]().union(
+        *(found.code.reads[line] for line in found.code.statements if found.counts[line])
+    )
+    others = sorted(
+        (one for one in found.state if not (one.is_constant and not one.since)),
+        key=lambda one: (not _is_read(one.name, read), abs(one.since - first)),
+    )
+    words = [
+        (
+            one.name,
+            f"is {one.values[0]} since step {one.since:,}" if one.is_constant else _change(one),
+        )
+        for one in others[:_MOST_STATE]
+    ]
+    if len(others) > _MOST_STATE:
+        words.append(("and", f"{len(others) - _MOST_STATE} more that change"))
     if fixed:
         same = ", ".join(f"{one.name} = {one.values[0]}" for one in fixed[:_MOST_STATE])
         words.append(("the same in the whole run:", same))
     return words + [(one.name, _change(one)) for one in found.senses][:_MOST_STATE]
+
+
+def _is_read(name: str, read: frozenset[str]) -> bool:
+    """Return True if the statements that run read a part of the state."""
+    # ``self.filter.gain`` is read as ``gain``, ``side (memory)`` as ``side``.
+    own = name.removeprefix("len(").removesuffix(")").removesuffix(" (memory")
+    if own.startswith("memory["):
+        return own in read or any(one.startswith("memory[") and ":" in one for one in read)
+    return own.rpartition(".")[2] in read
 
 
 def _change(values: StateValues) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,8 +52,7 @@ _SITUATIONS = ("touching a wall", "near a wall", "no wall near, target")
 _SIDES = ("ahead", "on its left", "on its right", "behind")
 
 
-@dataclass(frozen=True)
-class Reaction:
+class Reaction(NamedTuple):
     """What a robot does in one situation.
 
     Args:
@@ -127,10 +127,6 @@ class Reactions:
             for side, there in zip(_SIDES, _by_side(bearing), strict=True):
                 if (chosen & there).any():
                     self.found[situation, side].append(moves[chosen & there])
-
-    def table(self) -> list[list[str | int]]:
-        """Return the form of the rows in JSON."""
-        return [list(vars(one).values()) for one in self.rows()]
 
     def rows(self) -> list[Reaction]:
         """Return what the robot does in each situation that occurred, in a fixed order."""

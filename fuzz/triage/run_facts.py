@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from fuzz.failure import Failure
 from fuzz.triage.inside import Inside, inside
-from fuzz.triage.reactions import Reactions
+from fuzz.triage.reactions import Reaction, Reactions
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
@@ -18,6 +17,8 @@ from sim.episode import Episode
 class RunFacts:
     """What a run shows: what the robot repeats, what runs inside its controller, how it reacts.
 
+    ``docs/reference/verdicts.md`` describes its form in JSON.
+
     Args:
         repeats: What it repeats, to follow ``it``; empty if it doesn't.
         inside: The lines that run and its state; ``None`` for a controller that isn't in Python.
@@ -26,24 +27,15 @@ class RunFacts:
 
     repeats: str = ""
     inside: Inside | None = None
-    reactions: Reactions = field(default_factory=Reactions)
-
-    def table(self) -> dict[str, Any]:
-        """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
-        found = self.inside
-        return {
-            "repeats": self.repeats,
-            "inside": None if found is None else found.table(),
-            "reactions": self.reactions.table(),
-        }
+    reactions: list[Reaction] = field(default_factory=list)
 
     def text(self) -> list[str]:
         """Return the lines for the terminal."""
         found = [f"It {self.repeats}."] if self.repeats else []
         found += [] if self.inside is None else self.inside.text()
-        if rows := self.reactions.rows():
+        if self.reactions:
             found.append("what it does by what is around it:")
-            found += [f"  {one.text()}" for one in rows]
+            found += [f"  {one.text()}" for one in self.reactions]
         return found
 
 
@@ -57,12 +49,14 @@ def run_facts(failure: Failure, episode: Episode, *, with_code: bool = True) -> 
     """
     # A run that arrives, and that of several robots, has no part that goes wrong in this sense.
     facts = RunFacts()
-    if failure.is_breach or failure.oracle is not None or failure.world.others:
+    if failure.is_breach or failure.oracle is not None or failure.world.is_fleet:
         return facts
     with contextlib.suppress(OutOfTime):
         facts = replace(facts, repeats=describe_period(failure.world, episode))
         if episode.trace is not None:
-            facts.reactions.add(failure.world, episode.trace)
+            seen = Reactions()
+            seen.add(failure.world, episode.trace)
+            facts = replace(facts, reactions=seen.rows())
         if with_code:
             facts = replace(facts, inside=inside(failure, episode))
     return facts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections import Counter
 from typing import Any
 
@@ -15,7 +16,7 @@ from fuzz.triage.judging import judge
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import NO_DEADLINE, Deadline
 from fuzz.unit.live import count_live
-from fuzz.unit.result import UnitResult
+from fuzz.unit.result import FailureKey, FirstMet, UnitResult
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
@@ -51,11 +52,21 @@ class Triage:
         self._failed: Counter[tuple[str, str]] = Counter()
         self._examined: Counter[tuple[str, str]] = Counter()
         self._settled: Counter[tuple[str, str]] = Counter()
+        # By key, the worlds and steps until the first failure, and the time.
+        self._first_met: dict[FailureKey, tuple[int, int, float]] = {}
         controller = CONTROLLERS.get(config.scenario.controller)
         self._proof_steps = _PROOF_STEPS // config.slower
         # The memory of a program is unknown, so that its loops cannot be proved.
         if isinstance(controller, ProcessController):
             self._proof_steps = 0
+
+    def end(self) -> None:
+        """Record when failures were met, once the unit is over."""
+        now = time.monotonic()
+        self.result.first_met = {
+            key: FirstMet(worlds, steps, round(now - at, 3))
+            for key, (worlds, steps, at) in self._first_met.items()
+        }
 
     def stop(self) -> None:
         """End the unit soon after Ctrl-C; until then, failures found so far may still be proved."""
@@ -228,6 +239,9 @@ class Triage:
                 f"{', '.join(violated)}"
             )
         self.result.met[failure.group, failure.verdict] += 1
+        self._first_met.setdefault(
+            failure.key, (self.result.worlds, self.result.steps, time.monotonic())
+        )
         before = self.result.failures.get(failure.key)
         if before is None or failure.order < before.order:
             self.result.failures[failure.key] = failure

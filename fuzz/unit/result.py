@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from dataclasses import dataclass, field
+from typing import Annotated, NamedTuple, TypeAlias
+
+import msgspec
 
 from fuzz.failure import Failure
 from sim.clock.controller_time import Effort
+
+_Count = Annotated[int, msgspec.Meta(ge=0, le=(1 << 63) - 1)]
 
 FailureKey: TypeAlias = tuple[str, str]
 """See :attr:`fuzz.failure.Failure.key`."""
@@ -29,6 +33,25 @@ class Elite:
     verdict: str
 
 
+class FirstMet(NamedTuple):
+    """When a unit first met a failure of one key.
+
+    Args:
+        worlds: Scenarios that the unit had simulated by then, with this one.
+        steps: Steps by then.
+        seconds_left: Seconds from then to the unit's end.
+    """
+
+    worlds: int
+    steps: int
+    seconds_left: float
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """A sort key by time."""
+        return self.worlds, -self.seconds_left
+
+
 @dataclass
 class UnitResult:
     """The result of one unit.
@@ -40,6 +63,7 @@ class UnitResult:
         verdicts: Counts of verdicts in screening; if the target is walled off, ``breach`` for a
             robot that got there, ``sealed`` for one that did not.
         failures: By key, the smallest failure, with witness, evidence and cause.
+        first_met: By key, when the unit first met such a failure.
         judged: Number of runs that did not arrive and were judged: proved to be failures, or known
             not to be any.
         met: Number of examined failures, by group and verdict.
@@ -58,6 +82,7 @@ class UnitResult:
     verdicts: Counter[str] = field(default_factory=Counter)
     judged: int = 0
     failures: dict[FailureKey, Failure] = field(default_factory=dict)
+    first_met: dict[FailureKey, FirstMet] = field(default_factory=dict, compare=False)
     met: Counter[tuple[str, str]] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
     cut: bool = False
@@ -66,11 +91,11 @@ class UnitResult:
     stored_at: float | None = None
 
 
-@dataclass(frozen=True)
-class StrategyYield:
+class StrategyYield(msgspec.Struct, frozen=True):
     """The yield of a strategy so far.
 
     Args:
+        strategy: Its name.
         units: Units it was given.
         worlds: Scenarios simulated.
         steps: Steps simulated.
@@ -78,11 +103,12 @@ class StrategyYield:
         variants: Keys of failures that it was the first to find.
     """
 
-    units: int = 0
-    worlds: int = 0
-    steps: int = 0
-    failures: int = 0
-    variants: int = 0
+    strategy: Annotated[str, msgspec.Meta(min_length=1)]
+    units: _Count = 0
+    worlds: _Count = 0
+    steps: _Count = 0
+    failures: _Count = 0
+    variants: _Count = 0
 
 
 @dataclass(frozen=True)
@@ -103,8 +129,8 @@ class SearchState:
 
     def after(self, result: UnitResult) -> SearchState:
         """Return the search state with one more unit's result."""
-        had = self.strategies.get(result.strategy, StrategyYield())
-        strategy = replace(
+        had = self.strategies.get(result.strategy, StrategyYield(result.strategy))
+        strategy = msgspec.structs.replace(
             had,
             units=had.units + 1,
             worlds=had.worlds + result.worlds,

@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
-from worldgen.files.whole import read_stream, read_text
+from worldgen.files.whole import decoded, read_stream, read_text
 from worldgen.support.arrays import Floats, Ints
 
 COLUMNS = ("t", "x", "y")
@@ -43,9 +43,8 @@ def read_trajectories(
         FormatError: If it cannot be read, or is not a trajectory.
     """
     if str(path) == "-":
-        return parse_trajectories(
-            read_stream(sys.stdin.buffer, "stdin", _MOST_BYTES), "stdin", robots, only
-        )
+        data = read_stream(sys.stdin.buffer, "stdin", _MOST_BYTES)
+        return parse_trajectories(decoded(data, "stdin"), "stdin", robots, only)
     return parse_trajectories(read_text(path, _MOST_BYTES), str(path), robots, only)
 
 

@@ -160,7 +160,7 @@ def draw(world: World, recorded: Mapping[int, tuple[Trajectory, Audit]], name: s
             trails.append(render.Trail(*here, None, []))
     audits = [audit for _, audit in recorded.values()]
     return render.draw_png(
-        world, trail=trails if world.others else trails[0], title=f"{name}: {_verdict(*audits)}"
+        world, trail=trails if world.is_fleet else trails[0], title=f"{name}: {_verdict(*audits)}"
     )
 
 

@@ -107,7 +107,7 @@ def audit(
             robots=len(world.robots),
         )
     trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
-    driven = {number: world.alone(number) if world.others else world for number in trajectories}
+    driven = {number: world.alone(number) if world.is_fleet else world for number in trajectories}
     judge = partial(
         audit_trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
     )

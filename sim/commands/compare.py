@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
+    motion_option,
     note,
     say,
     skip_bad_file,
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from sim.compare.comparison import Comparison, NamedWorld
-    from sim.compare.published import PublishedRow
     from sim.scenario import Scenario
     from worldgen.world import World
 
@@ -38,12 +37,8 @@ EXAMPLES = (
     "\b\n  worldgen compare worlds/ --controller turn-left,turn-right,./mine.py:Robot\n"
     "  worldgen compare worlds/ --controller thesis-1,thesis-1+repaired --motion stepped --picture "
     "sheet.png\n"
-    "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against "
-    "old.csv"
+    "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv"
 )
-PUBLISHED = "published.csv"
-# Seconds; most of the thesis's endless runs are proved to be loops by then.
-_TIME_FOR_NEVER = 300.0
 
 
 @click.command(epilog=EXAMPLES)
@@ -56,10 +51,7 @@ _TIME_FOR_NEVER = 300.0
     metavar="A,B,C",
     help="Controllers to compare; see above. May be repeated.",
 )
-@click.option(
-    "--motion",
-    help="Motion model.  [default: swept, or the model of published figures for these worlds]",
-)
+@motion_option
 @time_step_option
 @click.option(
     "--seeds",
@@ -71,12 +63,6 @@ _TIME_FOR_NEVER = 300.0
 @click.option("--seed", type=SEED, default=0, show_default=True, help="First seed.")
 @steps_option
 @click.option(
-    "--against",
-    type=PATH,
-    metavar="CSV",
-    help="Earlier figures to compare with.  [default: published.csv next to the worlds]",
-)
-@click.option(
     "--csv", "table", type=PATH, metavar="OUT", help="Write one line for each world and controller."
 )
 @click.option(
@@ -87,12 +73,11 @@ _TIME_FOR_NEVER = 300.0
 def compare(
     paths: tuple[Path, ...],
     controllers: tuple[str, ...],
-    motion: str | None,
+    motion: str,
     time_step: float | None,
     seeds: int,
     seed: int,
     steps: int | None,
-    against: Path | None,
     table: Path | None,
     picture: Path | None,
     as_json: bool,
@@ -106,7 +91,6 @@ def compare(
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison
-    from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
     from sim.scenario.unused import ineffective
@@ -116,62 +100,31 @@ def compare(
     check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; use two names")
-    # Read the figures, the controllers and the worlds.
-    figures = _figures(paths, against)
-    scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
+    # Read the controllers and the worlds.
+    scenarios = _scenarios(controllers, motion, time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
         raise click.UsageError(
             f"--picture can distinguish {MAX_CONTROLLERS} controllers, not {len(scenarios)}; name "
             f"fewer"
         )
-    worlds = [_with_time(world, figures) for world in _worlds(paths)]
-    _note_strangers(figures, worlds, scenarios)
+    worlds = _worlds(paths)
     for sentence in ineffective(scenarios.values(), seeds=typed("seed", "seeds")):
         note(f"note: {sentence}")
     # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     _note_unreachable(comparison)
-    agreed = agreement(comparison, figures) if figures else None
     # Print the table, then write the files.
     if as_json:
-        emit_json(plain(comparison, agreed))
+        emit_json(plain(comparison))
     else:
-        say(as_text(comparison, agreed), nl=False)
+        say(as_text(comparison), nl=False)
     if table is not None:
         write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:
         with working(f"drawing {picture}"):
             drawn = draw_comparison(comparison)
         write_out(picture, drawn, force=force)
-
-
-def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Return earlier figures, from ``--against`` or from next to the worlds."""
-    from sim.compare.published import read_figures
-    from worldgen.files.whole import read_text
-
-    if against is not None:
-        return read_figures(read_text(against), str(against))
-    found: list[PublishedRow] = []
-    for path in dict.fromkeys(paths):
-        place = (path if path.is_dir() else path.parent) / PUBLISHED
-        if place.is_file():
-            folder = str(path) if path.is_dir() else ""
-            figures = read_figures(read_text(place), str(place), folder)
-            found += [one for one in figures if path.is_dir() or one.world == _stem(path)]
-    return tuple(found)
-
-
-def _motion(motion: str | None, figures: Sequence[PublishedRow]) -> str:
-    if motion is not None:
-        return motion
-    named = {figure.motion for figure in figures if figure.motion}
-    if len(named) != 1:
-        return "swept"
-    (found,) = named
-    note(f"motion {found}, as in the published figures; --motion overrides it")
-    return found
 
 
 def _scenarios(
@@ -224,30 +177,19 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
 
-    found = [
-        (file, world, str(path) if path.is_dir() else "")
-        for path in paths
-        for file, world in _read(path)
-    ]
-    stems = Counter(_stem(file) for file, _, _ in found)
-    resolved = Counter(file.resolve() for file, _, _ in found)
+    found = [named for path in paths for named in _read(path)]
+    stems = Counter(_stem(file) for file, _ in found)
+    resolved = Counter(file.resolve() for file, _ in found)
     worlds = []
-    for file, world, folder in found:
+    for file, world in found:
         if resolved[file.resolve()] > 1:
             raise InvalidParameter(
                 "twice", "{file} is given twice", "give each world once", file=file
             )
         stem = _stem(file)
         name = stem if stems[stem] == 1 else str(file.with_name(stem))
-        worlds.append(NamedWorld(name, world, stem, folder))
+        worlds.append(NamedWorld(name, world))
     return worlds
-
-
-def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld:
-    """Return the world with a budget of twice the published time, or enough to prove "never"."""
-    own = [figure for figure in figures if figure.is_of(world)]
-    times = [_TIME_FOR_NEVER if figure.never else 2.0 * (figure.time or 0.0) for figure in own]
-    return replace(world, least_time=max(times, default=0.0))
 
 
 def _read(path: Path) -> Iterator[tuple[Path, World]]:
@@ -291,28 +233,4 @@ def _note_unreachable(comparison: Comparison) -> None:
             more = f" and {len(names) - 5} more" if len(names) > 5 else ""
             note(
                 f"note: the failures include worlds in which {words}: {', '.join(names[:5])}{more}"
-            )
-
-
-def _note_strangers(
-    figures: Sequence[PublishedRow], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]
-) -> None:
-    """Report published figures that have no world here, or belong to another motion model."""
-    from sim.compare.published import figures_of
-
-    strange = sorted(
-        {figure.world for figure in figures if not any(figure.is_of(world) for world in worlds)}
-    )
-    if strange:
-        more = f" and {len(strange) - 5} more" if len(strange) > 5 else ""
-        note(f"published figures of worlds that are not here: {', '.join(strange[:5])}{more}")
-    for label, scenario in scenarios.items():
-        used = {
-            figure.motion for world in worlds for figure in figures_of(figures, world, scenario)
-        }
-        other = sorted(used - {"", scenario.run.motion})
-        if other:
-            note(
-                f"{label} runs under {scenario.run.motion}, but its published figures are for "
-                f"{', '.join(other)}"
             )

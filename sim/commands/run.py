@@ -217,7 +217,7 @@ def _simulated(
 
     began = Effort.so_far()
     options = [one.options(world, steps) for one in scenarios]
-    if world.others:
+    if world.is_fleet:
         names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
         episode: Episode = simulate_fleet(world, names, options, record=record)
     else:

@@ -22,7 +22,7 @@ from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS, THESIS
-from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
+from sim.options.run import MAX_RECORDED, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -45,16 +45,10 @@ class NamedWorld:
     Args:
         name: Name in tables, unique among the worlds.
         world: The world.
-        stem: Name of its file without folder and extension; other tables may use it.
-        folder: Folder of its file.
-        least_time: Minimum budget of a run, s, if the witness's time alone gives less.
     """
 
     name: str
     world: World
-    stem: str = ""
-    folder: str = ""
-    least_time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -188,14 +182,6 @@ class ComparisonCell:
         arrived = self.arrivals
         place = max(math.ceil(len(arrived) * percent / 100), 1)
         return arrived[place - 1].time if arrived else None
-
-    def share_until(self, time: float) -> float:
-        """Return the fraction of all runs that arrived no later than ``time``, s."""
-        return sum(run.time <= time + _SAME for run in self.arrivals) / len(self.runs)
-
-    def share_before(self, time: float) -> float:
-        """Return the fraction of all runs that arrived earlier than ``time``, s."""
-        return sum(run.time < time - _SAME for run in self.arrivals) / len(self.runs)
 
 
 @dataclass(frozen=True)
@@ -377,7 +363,7 @@ class _Column:
         for all seeds.
         """
         # Without a declaration, all worlds must be tried before it is known if seeds matter.
-        options = [self._options(world, steps) for world in worlds]
+        options = [self.scenario.options(world.world, steps) for world in worlds]
         trials = [] if self.declared_random else list(map(self._try, worlds, options))
         random = self.declared_random or any(trial.draws for trial in trials)
         cells = []
@@ -394,13 +380,6 @@ class _Column:
             if progress is not None:
                 progress(f"{self.label}: {row + 1} of {len(worlds)} worlds")
         return cells
-
-    def _options(self, world: NamedWorld, steps: int | None) -> RunOptions:
-        options = self.scenario.options(world.world, steps)
-        if steps is not None:
-            return options
-        least = math.ceil(world.least_time / options.time_step)
-        return replace(options, steps=min(max(options.steps, least), MAX_STEPS))
 
     def _over_seeds(
         self, world: NamedWorld, options: RunOptions, first: _TriedRun, seeds: int
@@ -426,7 +405,7 @@ class _Column:
 
     def _try_unnamed(self, world: World, options: RunOptions) -> _TriedRun:
         """Run without recording; simulate in full only runs that need a proof or an explanation."""
-        if world.others:
+        if world.is_fleet:
             fleet = simulate_fleet(world, self.controller, options)
             return _TriedRun(_compared(options, fleet), fleet.evidence, fleet.random_draws)
         outcome = prepare(world, self.controller, options).run(

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 from sim.compare.comparison import PERCENTILES, Comparison, ComparisonCell, Total, standing
-from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
 from sim.verdict import NEVER, STUCK, without_arrival
 from worldgen.support.plain_text import Styled, aligned, joined
@@ -77,73 +75,29 @@ def describe_detail(cell: ComparisonCell) -> str:
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
-def as_text(comparison: Comparison, agreed: Agreement | None = None) -> Styled:
-    """Return the table, the totals and the agreement with a published table, as aligned text."""
-    parts = [_main_table(comparison, agreed), _totals_table(comparison)]
-    if agreed is not None:
-        parts.append(_agreement_text(agreed))
-    return joined("\n\n".join(parts), "\n")
+def as_text(comparison: Comparison) -> Styled:
+    """Return the table and the totals, as aligned text."""
+    return joined("\n\n".join((_main_table(comparison), _totals_table(comparison))), "\n")
 
 
-def _main_table(comparison: Comparison, agreed: Agreement | None) -> str:
-    # One row per world, with a row of published figures below it if there are any.
+def _main_table(comparison: Comparison) -> str:
     several = len(comparison.labels) > 1
     rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
     for index, cells in enumerate(comparison.cells):
         ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
         rows.append([comparison.worlds[index].name, *map(describe_outcome, cells), *ranks])
-        figures = {} if agreed is None else agreed.figures
-        known = {c: own for (row, c), own in figures.items() if row == index}
-        if known:
-            row_below = _published_row(cells, known)
-            rows.append(["  published", *row_below, *_published_ranks(comparison, known)])
 
     # Explain the notation that the table uses.
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
         keys.append("(k/n): k of n seeds arrive; the time is their median.")
-    if agreed is not None and agreed.figures:
-        keys.append(
-            "In brackets after a published time: our time minus the published one; for random "
-            "controllers, the share of seeds that are no later."
-        )
     return text + "\n" + _wrapped(" ".join(keys))
 
 
 def _ranks(times: Sequence[float], labels: Sequence[str]) -> list[str]:
     best, worst = standing(times)
     return [", ".join(labels[index] for index in places) or "-" for places in (best, worst)]
-
-
-def _published_row(
-    cells: Sequence[ComparisonCell], known: Mapping[int, tuple[PublishedRow, ...]]
-) -> list[str]:
-    return [
-        "; ".join(_describe_figure(cell, figure) for figure in known.get(c, ()))
-        for c, cell in enumerate(cells)
-    ]
-
-
-def _published_ranks(
-    comparison: Comparison, known: Mapping[int, tuple[PublishedRow, ...]]
-) -> list[str]:
-    """Return the best and the worst by the first figure of each cell."""
-    if len(known) < 2:
-        return []
-    return _ranks(
-        [own[0].rank_time for own in known.values()],
-        [comparison.labels[column] for column in known],
-    )
-
-
-def _describe_figure(cell: ComparisonCell, figure: PublishedRow) -> str:
-    if figure.time is None:
-        return figure.verdict
-    time = f"{figure.time:.3f}"
-    if cell.random:
-        return f"{time} ({cell.share_until(figure.time):.0%})"
-    return time if cell.time is None else f"{time} ({cell.time - figure.time:+.3f})"
 
 
 def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list[list[str]]:
@@ -207,33 +161,6 @@ def _arrived(total: Total) -> str:
     return f"{text} ({100 * low:.1f} to {100 * high:.1f} %)"
 
 
-def _agreement_text(agreed: Agreement) -> str:
-    if not agreed.figures:
-        return "There are no published figures for these worlds and controllers."
-    parts = []
-    if agreed.rankings[1]:
-        parts.append(f"same ranking in {agreed.rankings[0]} of {agreed.rankings[1]} worlds")
-    if agreed.never[1]:
-        parts.append(
-            f'both have no arrival, which they call "never", in {agreed.never[0]} of '
-            f"{agreed.never[1]} cells"
-        )
-    if agreed.within[1]:
-        parts.append(
-            f"{agreed.within[0]} of {agreed.within[1]} figures are within the middle 95 % of our "
-            f"seeds"
-        )
-    if agreed.largest is not None:
-        far = agreed.largest
-        parts.append(
-            f"largest deviation without randomness {far.relative:+.1%} "
-            f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
-        )
-    if not parts:
-        return "None of the published figures for these worlds and controllers can be compared."
-    return _wrapped("Against the published figures: " + "; ".join(parts) + ".")
-
-
 def _wrapped(text: str) -> str:
     return textwrap.fill(text, _WIDTH, break_long_words=False, break_on_hyphens=False)
 
@@ -283,9 +210,8 @@ def _csv_row(cell: ComparisonCell) -> list[object]:
     ]
 
 
-def as_json(comparison: Comparison, agreed: Agreement | None = None) -> dict[str, Any]:
+def as_json(comparison: Comparison) -> dict[str, Any]:
     """Return the comparison as plain data."""
-    figures = {} if agreed is None else agreed.figures
     worlds = []
     for index, cells in enumerate(comparison.cells):
         best, worst = standing([cell.rank_time for cell in cells])
@@ -293,9 +219,7 @@ def as_json(comparison: Comparison, agreed: Agreement | None = None) -> dict[str
             {
                 "world": comparison.worlds[index].name,
                 **_json_robots(comparison.worlds[index].world),
-                "cells": [
-                    _json_cell(cell, figures.get((index, c), ())) for c, cell in enumerate(cells)
-                ],
+                "cells": list(map(_json_cell, cells)),
                 "best": [comparison.labels[place] for place in best],
                 "worst": [comparison.labels[place] for place in worst],
             }
@@ -305,16 +229,15 @@ def as_json(comparison: Comparison, agreed: Agreement | None = None) -> dict[str
         "worlds": worlds,
         "totals": [_json_total(total) for total in comparison.totals()],
         "common_worlds": [comparison.worlds[index].name for index in comparison.common],
-        "agreement": None if agreed is None else _json_agreement(agreed),
     }
 
 
 def _json_robots(world: World) -> dict[str, int]:
     """Return the number of robots; rows of worlds with one robot omit it."""
-    return {"robots": len(world.robots)} if world.others else {}
+    return {"robots": len(world.robots)} if world.is_fleet else {}
 
 
-def _json_cell(cell: ComparisonCell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
+def _json_cell(cell: ComparisonCell) -> dict[str, Any]:
     scenario = cell.scenario
     return {
         "controller": cell.label,
@@ -333,45 +256,9 @@ def _json_cell(cell: ComparisonCell, figures: Sequence[PublishedRow]) -> dict[st
         "steps": cell.steps,
         "area_covered": cell.area_covered,
         "percentiles": {f"p{p}": cell.percentile(p) for p in PERCENTILES} if cell.random else None,
-        "published": [_json_figure(cell, figure) for figure in figures],
-    }
-
-
-def _json_figure(cell: ComparisonCell, figure: PublishedRow) -> dict[str, Any]:
-    difference = None
-    if figure.time is not None and cell.time is not None and not cell.random:
-        difference = round(cell.time - figure.time, 9)
-    return {
-        "time": figure.time,
-        "verdict": figure.verdict,
-        "motion": figure.motion or None,
-        "source": figure.source,
-        "note": figure.note,
-        "difference": difference,
-        "share_no_later": cell.share_until(figure.time)
-        if cell.random and figure.time is not None
-        else None,
     }
 
 
 def _json_total(total: Total) -> dict[str, Any]:
     figures = asdict(total)
     return {"controller": figures.pop("label"), **figures}
-
-
-def _json_agreement(agreed: Agreement) -> dict[str, Any]:
-    far = agreed.largest
-    return {
-        "same_ranking": list(agreed.rankings),
-        "never": list(agreed.never),
-        "within_middle_95": list(agreed.within),
-        "largest_deviation": None
-        if far is None
-        else {
-            "world": far.world,
-            "controller": far.label,
-            "ours": far.ours,
-            "published": far.theirs,
-            "relative": far.relative if math.isfinite(far.relative) else None,
-        },
-    }

@@ -18,12 +18,13 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import lib
-from sim.controllers.base import CompiledController, Controller, VectorController
+from sim.controllers.base import Controller
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import simulate
 from sim.motion import LATTICE, MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
+from sim.runners.controller_host import ControllerHost, host_of
 from sim.runners.lattice import LatticeRun
 from sim.runners.lockstep import LockstepRun
 from sim.runners.many import run_many
@@ -127,18 +128,24 @@ class _RunBlock:
     """Runs of one controller in one world, and the rows of the results that they fill."""
 
     world: World
-    controller: Controller
+    host: ControllerHost
     rows: range
     starts: tuple[Pose, ...]
     options: RunOptions
 
     @property
-    def kind(self) -> type | None:
-        """Class of the controller, if its runs can be made together."""
-        kinds = (CompiledController, VectorController)
-        on_lattice = MOTIONS.get(self.options.motion).kernel == LATTICE
-        found = (kind for kind in kinds if on_lattice and isinstance(self.controller, kind))
-        return next(found, None)
+    def in_core(self) -> bool:
+        """Whether the core makes all of its runs in one call."""
+        return self._is_on_lattice and self.host.in_core
+
+    @property
+    def in_lockstep(self) -> bool:
+        """Whether one call of the controller acts in all of its runs."""
+        return self._is_on_lattice and self.host.acts_for_many
+
+    @property
+    def _is_on_lattice(self) -> bool:
+        return MOTIONS.get(self.options.motion).kernel == LATTICE
 
 
 def simulate_many(
@@ -181,13 +188,13 @@ def simulate_many(
     found = worlds_of(worlds)
     if isinstance(controllers, str) or not isinstance(controllers, Sequence):
         controllers = [controllers]
-    drivers = [controller_of(one) for one in controllers]
+    hosts = [host_of(controller_of(one)) for one in controllers]
     numbers = seeds_of(seeds)
     poses = None if starts is None else poses_of(starts)
     threads = (
         os.cpu_count() or 1 if workers is None else whole("workers", workers, 1, _MOST_WORKERS)
     )
-    if not found or not drivers or not len(numbers) or poses == ():
+    if not found or not hosts or not len(numbers) or poses == ():
         raise InvalidParameter(
             "nothing-given",
             "nothing to run",
@@ -203,14 +210,14 @@ def simulate_many(
     # everything else runs one at a time.
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in controllers], places, numbers)
-    jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
-    threaded = [job for job in jobs if job.kind is CompiledController]
+    jobs = list(_jobs(found, hosts, poses, len(numbers), options, settings))
+    threaded = [job for job in jobs if job.in_core]
     _run_side_by_side(
         threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest
     )
-    _run_in_lockstep([job for job in jobs if job.kind is VectorController], runs, digest)
+    _run_in_lockstep([job for job in jobs if job.in_lockstep], runs, digest)
     for job in jobs:
-        if job.kind is None:
+        if not (job.in_core or job.in_lockstep):
             _run_each(job, job.rows, runs, digest)
     return runs
 
@@ -250,7 +257,7 @@ def _empty(worlds: int, names: Sequence[str], starts: int, seeds: Words) -> Runs
 
 def _jobs(
     worlds: Sequence[World],
-    controllers: Sequence[Controller],
+    hosts: Sequence[ControllerHost],
     poses: tuple[Pose, ...] | None,
     seeds: int,
     given: RunOptions | None,
@@ -260,14 +267,14 @@ def _jobs(
     # Check all starts before the first run: replace() raises if a pose is outside its world.
     for world, pose in itertools.product(worlds, poses or ()):
         replace(world, start=pose)
-    for world, controller in itertools.product(worlds, controllers):
+    for world, host in itertools.product(worlds, hosts):
         starts = poses or (world.start,)
         options = options_from(world, given, settings)
         rows = range(first, first + len(starts) * seeds)
         first = rows.stop
         for begin in range(rows.start, rows.stop, _MOST_AT_ONCE):
             part = range(begin, min(begin + _MOST_AT_ONCE, rows.stop))
-            yield _RunBlock(world, controller, part, starts, options)
+            yield _RunBlock(world, host, part, starts, options)
 
 
 def _at_once(most: int, steps: Iterable[int]) -> int:
@@ -279,8 +286,8 @@ def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> Non
     """Run jobs together where possible: those of one controller, in worlds of one shape."""
     kinds: dict[tuple[int, Any, Any], list[tuple[_RunBlock, LatticeRun]]] = {}
     for job in jobs:
-        run = LatticeRun(replace(job.world, start=job.starts[0]), job.controller, job.options)
-        kinds.setdefault((id(job.controller), *run.shapes), []).append((job, run))
+        run = LatticeRun(replace(job.world, start=job.starts[0]), job.host, job.options)
+        kinds.setdefault((id(job.host), *run.shapes), []).append((job, run))
     for alike in kinds.values():
         _run_alike(alike, runs, digest)
 
@@ -290,9 +297,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
 
     If the controller cannot act for many robots, fall back to one run at a time.
     """
-    controller = alike[0][0].controller
-    if not isinstance(controller, VectorController):
-        raise TypeError("only controllers that act for many robots can run in lockstep")
+    host = alike[0][0].host
 
     # Lay out one row per robot: its row of the results, its world and its pose on the lattice.
     starts = []
@@ -314,12 +319,12 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)
         group = LockstepRun(
-            controller, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]]
+            host, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]]
         )
         found = group.run(digest=digest)
         if found is None:
             warnings.warn(
-                f"{called(controller)} raised an exception for some of its robots, or changed "
+                f"{called(host.controller)} raised an exception for some of its robots, or changed "
                 "something outside its memory; it now runs for one robot at a time, which takes "
                 "far longer",
                 stacklevel=2,
@@ -334,15 +339,10 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
 
 def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
     """Run a job in one call of the core; if the controller raises, run each of its runs alone."""
-    controller = job.controller
-    if not isinstance(controller, CompiledController):
-        raise TypeError("only compiled controllers can run in a batch")
-    run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
+    run = LatticeRun(replace(job.world, start=job.starts[0]), job.host, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
-    reports = run_many(
-        run, controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop
-    )
+    reports = run_many(run, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop)
     if len(reports) and reports["ending"][-1] == lib.WG_CRASH:
         _run_each(job, job.rows, runs, digest)
         return
@@ -384,7 +384,9 @@ def _fill(
 def _run_each(job: _RunBlock, rows: range, runs: Runs, digest: bool) -> None:
     for row in rows:
         world = replace(job.world, start=job.starts[runs.start[row]])
-        episode = simulate(world, job.controller, replace(job.options, seed=int(runs.seed[row])))
+        episode = simulate(
+            world, job.host.controller, replace(job.options, seed=int(runs.seed[row]))
+        )
         runs.verdict[row] = _CODE[episode.verdict]
         for name in ("steps", "time", "path_length", "collisions", "area_covered"):
             getattr(runs, name)[row] = getattr(episode, name)

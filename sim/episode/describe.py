@@ -39,9 +39,9 @@ def describe_unreachable(world: World, *, undecided: bool, proof: str = "") -> s
         proof: One word for the proof, used only for several robots; empty to omit it.
     """
     if undecided:
-        return _UNDECIDED_TOGETHER if world.others else _UNDECIDED
+        return _UNDECIDED_TOGETHER if world.is_fleet else _UNDECIDED
     # One robot's note does not name the proof: it is a cut unless the world changes.
-    if not world.others:
+    if not world.is_fleet:
         return _BLOCKED
     return f"{_BLOCKED_TOGETHER} (proved by a {proof})" if proof else _BLOCKED_TOGETHER
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sim.controllers.base import CompiledController, Controller
+from sim.controllers.base import Controller
 from sim.controllers.catalogue import controller_of
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.evidence import (
@@ -28,6 +28,7 @@ from sim.options.run import (
     switch_sets,
 )
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
+from sim.runners.controller_host import host_of
 from sim.runners.lattice import LatticeRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
@@ -72,7 +73,7 @@ def simulate(
     """
     check_world(world)
     options = options_from(world, options, settings)
-    if world.others:
+    if world.is_fleet:
         from sim.fleet.episode import simulate_fleet  # noqa: PLC0415 - loaded for fleets only
 
         return simulate_fleet(world, controller, options, record=record)
@@ -82,9 +83,7 @@ def simulate(
     # Slow controllers record in their first run, to be run only once. Compiled ones are fast enough
     # to run again, and record only the steps that the verdict needs.
     run = prepare(world, found, options, lean=lean)
-    at_once = (
-        record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
-    )
+    at_once = record and options.steps <= _RECORDED_AT_ONCE and not host_of(found).in_core
     outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == Verdict.LOOP:
         return _loop(run, world, outcome, options, record, named[0])
@@ -106,7 +105,8 @@ def prepare(
     )
     if motion.kernel != THESIS:
         return LatticeRun(world, found, options, lean=lean)
-    if not isinstance(found, CompiledController) or not found.thesis_rule:
+    rule = host_of(found).thesis_rule
+    if not rule:
         raise InvalidParameter(
             "motion-is-the-thesis-robots",
             "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
@@ -116,7 +116,7 @@ def prepare(
         )
     from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
 
-    return ThesisRun(world, found.thesis_rule, options)
+    return ThesisRun(world, rule, options)
 
 
 def _loop(

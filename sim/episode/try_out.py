@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from sim.clock.stopping import OutOfTime, stopping_when
-from sim.controllers.base import Command, CompiledController, Memory, Observation
+from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.contract import check_contract
-from sim.controllers.programs.process import ProcessController
 from sim.episode import prepare
 from sim.outcome import Outcome
+from sim.runners.controller_host import host_of
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Target, World
@@ -55,7 +55,7 @@ def try_out(
         InvalidWorld: If the robot cannot stand at the start.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if seconds is None or isinstance(controller, CompiledController | ProcessController):
+    if seconds is None or not host_of(controller).in_python:
         outcome = _two_steps(scenario, controller, world)
     else:
         # Load the simulator first, with a controller that costs nothing.

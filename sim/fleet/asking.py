@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 from collections.abc import Sequence
 from typing import Any
@@ -11,26 +10,17 @@ import numpy as np
 
 from sim._core import lib
 from sim.clock.controller_time import timed
-from sim.clock.stopping import OutOfTime, breakable, check_time
-from sim.controllers.base import (
-    CompiledController,
-    Controller,
-    Memory,
-    Observation,
-    VectorController,
-)
+from sim.clock.stopping import breakable, check_time
+from sim.controllers.base import Controller, Memory, Observation
 from sim.controllers.contract import ContractBroken
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.instances import origin_of
-from sim.controllers.programs.process import ProcessController
-from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
 from sim.fleet.core_calls import CoreFleet
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
+from sim.runners.controller_host import ControllerHost, Faults, host_of
 from sim.runners.core_calls import Workspace
 from sim.runners.python_act import settled
-from sim.runners.python_loop import crash_of
 from sim.verdict import Verdict
 from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import counted
@@ -39,45 +29,26 @@ from worldgen.support.plain_text import counted
 _CHECKED_EVERY = 16
 
 
-def own_controllers(controllers: Sequence[Controller]) -> list[Controller]:
-    """Give each robot its own copy of its controller, so that robots share nothing.
+def own_hosts(controllers: Sequence[Controller]) -> list[ControllerHost]:
+    """Give each robot its own controller, so that robots share nothing; return their hosts.
 
-    A program is started once for each robot. A vector controller acts for all of its robots in one
-    call, so it is not copied.
+    A controller that acts for all of its robots in one call, or has no state, is shared.
     """
-    # A controller that is used twice needs a copy, unless it has no state.
-    taken: set[int] = set()
-    own: list[Controller] = []
+    taken: dict[int, ControllerHost] = {}
+    own: list[ControllerHost] = []
     for controller in controllers:
-        again = id(controller) in taken
-        taken.add(id(controller))
-        if not again or isinstance(controller, CompiledController):
-            own.append(controller)
-        elif isinstance(controller, ProcessController):
-            own.append(controller.another())
-        elif isinstance(controller, VectorController):
-            own.append(controller)
-        else:
-            own.append(_copy_of(controller))
+        first = taken.get(id(controller))
+        own.append(host_of(controller) if first is None else first.another())
+        taken.setdefault(id(controller), own[-1])
     return own
-
-
-def _copy_of(controller: Any) -> Any:
-    # Earlier runs may have left something in an instance, so a new one is better than a copy.
-    if (origin := origin_of(controller)) is not None:
-        return origin.another()
-    try:
-        return copy.deepcopy(controller)
-    except Exception:  # noqa: BLE001 - an object that cannot be copied is shared
-        return controller
 
 
 class FleetAskers:
     """Calls the controllers of a fleet that are not in the core, until the run is over.
 
     Args:
-        controllers: (n,) each robot's controller.
-        memories: (n,) their memories at reset; ``None`` for controllers in the core.
+        hosts: (n,) the host of each robot's controller.
+        memories: (n,) their memories at reset.
         channels: (n,) how many numbers each robot may send.
 
     Attributes:
@@ -85,13 +56,10 @@ class FleetAskers:
     """
 
     def __init__(
-        self,
-        controllers: Sequence[Controller],
-        memories: Sequence[Memory | None],
-        channels: Sequence[int],
+        self, hosts: Sequence[ControllerHost], memories: Sequence[Memory], channels: Sequence[int]
     ) -> None:
-        self._controllers = controllers
-        self._memories = list(memories)
+        self._hosts = hosts
+        self._memories = memories
         self._channels = channels
         self.faults: dict[int, ControllerError] = {}
 
@@ -121,19 +89,16 @@ class FleetAskers:
         alone: list[_One] = []
         many: dict[int, list[int]] = {}
         # Vector controllers act for all their robots together.
-        for number, controller in enumerate(self._controllers):
-            memory = self._memories[number]
-            if memory is None:
-                continue
-            if isinstance(controller, VectorController):
-                many.setdefault(id(controller), []).append(number)
-            else:
-                channel = _Channel(controller, self._channels[number])
-                alone.append(_One(fleet, number, controller, memory, channel))
+        for number, host in enumerate(self._hosts):
+            if host.acts_for_many:
+                many.setdefault(id(host), []).append(number)
+            elif not host.in_core:
+                channel = _Channel(host.controller, self._channels[number])
+                alone.append(_One(fleet, number, host, self._memories[number], channel))
         groups = []
         for numbers in many.values():
-            shared = self._controllers[numbers[0]]
-            channel = _Channel(shared, self._channels[numbers[0]])
+            shared = self._hosts[numbers[0]]
+            channel = _Channel(shared.controller, self._channels[numbers[0]])
             groups.append(_Many(fleet, shared, numbers, channel))
         return alone, groups
 
@@ -143,26 +108,20 @@ class FleetAskers:
         for one in alone:
             if one.member.c.waits:
                 try:
-                    one.ask()
+                    with one.faults:
+                        one.ask()
                 except ControllerError as fault:
                     self.faults[one.number] = fault
-                except (KeyboardInterrupt, OutOfTime, WantsMemory):
-                    raise
-                except BaseException as error:  # noqa: BLE001 - anything may be raised
-                    self.faults[one.number] = crash_of(error, one.controller)
         # Call the others in groups.
         for group in groups:
             waiting = [number for number in group.numbers if fleet.members[number].c.waits]
             if not waiting:
                 continue
             try:
-                group.ask(waiting)
+                with group.faults:
+                    group.ask(waiting)
             except ControllerError as fault:
                 self.faults[waiting[0]] = fault
-            except (KeyboardInterrupt, OutOfTime):
-                raise
-            except BaseException as error:  # noqa: BLE001 - same
-                self.faults[waiting[0]] = crash_of(error, group.controller)
 
 
 def message_not_finite() -> ControllerError:
@@ -211,17 +170,16 @@ class _One:
     """A controller that acts for one robot."""
 
     def __init__(
-        self, fleet: CoreFleet, number: int, controller: Any, memory: Memory, channel: _Channel
+        self, fleet: CoreFleet, number: int, host: ControllerHost, memory: Memory, channel: _Channel
     ) -> None:
         self._channel = channel
         self.number = number
-        self.controller = controller
+        self.faults = Faults(host)
         self.member = fleet.members[number]
         self._workspace = Workspace(self.member)
         self._memory = memory
-        # For a program, the code that waits for its answer measures the time.
-        is_program = isinstance(controller, ProcessController)
-        self._act = controller.act if is_program else timed(controller.act)
+        act = host.controller.act
+        self._act = timed(act) if host.in_python else act
 
     @breakable
     def ask(self) -> None:
@@ -268,10 +226,10 @@ class _Many:
     """A controller that acts for many robots at once."""
 
     def __init__(
-        self, fleet: CoreFleet, controller: Any, numbers: list[int], channel: _Channel
+        self, fleet: CoreFleet, host: ControllerHost, numbers: list[int], channel: _Channel
     ) -> None:
         self._channel = channel
-        self.controller = controller
+        self.faults = Faults(host)
         self.numbers = numbers
         self._members = {number: fleet.members[number] for number in numbers}
         self._workspaces = {number: Workspace(fleet.members[number]) for number in numbers}
@@ -279,7 +237,7 @@ class _Many:
         self._seen = np.zeros((len(numbers), first.observation.size))
         self._kept = np.zeros((len(numbers), first.memory.size))
         self._command = np.zeros((len(numbers), first.command.size))
-        self._asker = Asker(controller, self._seen, self._kept, self._command)
+        self._asker = Asker(host.controller, self._seen, self._kept, self._command)
 
     def ask(self, waiting: list[int]) -> None:
         """Let it act for some of its robots, and pass its answers to the core."""

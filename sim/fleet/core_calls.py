@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController, Neighbour
+from sim.controllers.base import Neighbour
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle, run_in_portions
@@ -178,16 +178,6 @@ class CoreFleet:
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them; all controllers are compiled."""
         run_in_portions(lambda steps: self.run(steps) == lib.WG_GOES_ON, _FIRST_PORTION)
-
-
-def driver_in_core(run: LatticeRun) -> Driver | None:
-    """Return the driver of a compiled controller; ``None`` for one that acts outside the core."""
-    controller = run.controller
-    return (
-        Driver(controller, controller.memory, run.settings)
-        if isinstance(controller, CompiledController)
-        else None
-    )
 
 
 def _in_the_same_cells(run: LatticeRun, first: CoreArena) -> CoreArena:

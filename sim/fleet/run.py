@@ -5,27 +5,21 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from sim._core import ffi, lib
-from sim.clock.stopping import OutOfTime
-from sim.controllers.base import CompiledController, Controller
-from sim.controllers.catalogue.renewal import has_shared_state_changed
+from sim._core import lib
+from sim.controllers.base import Controller, Memory
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.core_act import CoreAct, controller_error_of
-from sim.controllers.hidden_state import HiddenState, hidden_state
-from sim.controllers.programs.process import ProcessController
 from sim.fleet.apart import separate_loops
-from sim.fleet.asking import FleetAskers, message_not_finite, own_controllers
-from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.fleet.asking import FleetAskers, message_not_finite, own_hosts
+from sim.fleet.core_calls import CoreFleet
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
-from sim.runners.core_calls import Driver, memory_for
+from sim.runners.controller_host import Faults
+from sim.runners.core_calls import memory_for
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
-from sim.runners.python_loop import begun_anew, crash_of, plans
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
@@ -106,16 +100,16 @@ class FleetRun:
         self, world: World, controllers: Sequence[Controller], options: Sequence[RunOptions]
     ) -> None:
         self.world = world
-        self.controllers = own_controllers(controllers)
-        memory = memory_for(*self.controllers)
+        self.hosts = own_hosts(controllers)
+        memory = memory_for(*controllers)
         self.runs = [
             LatticeRun(
                 world.alone(number + 1),
-                controller,
+                host,
                 replace(one, seed=robot_seed(world, number, one.seed)),
                 memory=memory,
             )
-            for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
+            for number, (host, one) in enumerate(zip(self.hosts, options, strict=True))
         ]
         self._words = 0  # words of all robots' states; known after a run
         self._place_robots()
@@ -154,12 +148,11 @@ class FleetRun:
     @property
     def can_loop(self) -> bool:
         """True if a joint state can recur and be seen: no clock, no fresh noise, no program."""
-        programs = any(isinstance(one, ProcessController) for one in self.controllers)
-        return not programs and all(run.can_loop for run in self.runs)
+        return all(run.can_loop for run in self.runs)
 
     @property
     def _is_compiled(self) -> bool:
-        return all(isinstance(one, CompiledController) for one in self.controllers)
+        return all(host.in_core for host in self.hosts)
 
     def run(self, steps: int, *, find_loop: bool, record: bool) -> FleetOutcome:
         """Simulate up to ``steps`` steps from the start.
@@ -318,72 +311,46 @@ class FleetRun:
             if faults:
                 return self._failed_in_reset(faults), None
             # Remember the hidden memory, to notice if the run changes it.
-            hidden = [self._hidden(one) for one in self.controllers]
-            fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
+            hidden = [host.hidden() for host in self.hosts]
+            drivers = [
+                host.driver(memory, run.settings)
+                for host, memory, run in zip(self.hosts, memories, self.runs, strict=True)
+            ]
+            fleet = CoreFleet(self.runs, drivers, steps, find_loop, entry)
             self._words = sum(member.words for member in fleet.members)
             recordings = [] if sizes is None else self._recordings(fleet, sizes)
-            askers = FleetAskers(self.controllers, memories, self._channels())
+            askers = FleetAskers(self.hosts, memories, self._channels())
             if self._is_compiled:
                 fleet.run_to_the_end()
             else:
                 askers.run(fleet)
         # Collect the outcome.
         complete = all(
-            before is not None and self._hidden(one) == before
-            for one, before in zip(self.controllers, hidden, strict=True)
+            before is not None and host.hidden() == before
+            for host, before in zip(self.hosts, hidden, strict=True)
         )
         outcome = self._outcome(fleet, complete, {**askers.faults, **fleet.faults}, recordings)
         if like is not None:
             outcome = replace(outcome, ending=like.ending, period=like.period, entry=like.entry)
         return outcome, fleet
 
-    @staticmethod
-    def _hidden(controller: Controller) -> HiddenState | None:
-        """Return the state outside a controller's memory.
-
-        ``None`` if not all of it can be seen, or earlier runs have changed it.
-        """
-        if isinstance(controller, CompiledController):
-            return HiddenState(b"", b"", b"")
-        if isinstance(controller, ProcessController):
-            return None
-        state = hidden_state(controller)
-        return None if has_shared_state_changed(controller, state) else state
-
-    def _reset(self) -> tuple[list[Any], dict[int, ControllerError]]:
-        """Return the memories of controllers outside the core, and their faults in ``reset``."""
-        memories: list[Any] = []
+    def _reset(self) -> tuple[list[Memory], dict[int, ControllerError]]:
+        """Return the controllers' memories, and their faults in ``reset``."""
+        memories: list[Memory] = []
         faults: dict[int, ControllerError] = {}
-        # Robots that share a controller still do if it is renewed.
-        renewed: dict[int, Controller] = {}
-        # A controller may fail while it prepares.
-        for number, controller in enumerate(self.controllers):
-            memories.append(None)
-            if isinstance(controller, CompiledController):
-                continue
-            if isinstance(controller, ProcessController):
-                controller.start()
-            world = self.runs[number].world if plans(controller) else None
+        for number, host in enumerate(self.hosts):
+            host.start()
+            memories.append(())
             try:
-                taken, memories[-1] = begun_anew(renewed.get(id(controller), controller), world)
-                renewed[id(controller)] = self.controllers[number] = taken
+                with Faults(host):
+                    memories[-1] = host.begin(self.runs[number].world)
             except ControllerError as fault:
                 faults[number] = fault
-            except (KeyboardInterrupt, OutOfTime):
-                raise
-            except BaseException as error:  # noqa: BLE001 - anything may be raised; it is the finding
-                faults[number] = crash_of(error, controller)
         return memories, faults
 
     def _channels(self) -> list[int]:
         """Return how many numbers each robot can send."""
         return [run.options.robot.message for run in self.runs]
-
-    def _drivers(self, memories: Sequence[Any]) -> list[Driver]:
-        return [
-            driver_in_core(run) or Driver(None, memory or ())
-            for run, memory in zip(self.runs, memories, strict=True)
-        ]
 
     def _recordings(self, fleet: CoreFleet, sizes: Sequence[Outcome]) -> Recordings:
         found = []
@@ -408,7 +375,7 @@ class FleetRun:
         ending: Ending = ENDINGS[int(report.ending)]
         robot = int(report.robot)
         if ending == Verdict.CRASH and robot not in faults:
-            faults = {robot: self._fault_of(robot, fleet.members[robot].report.error)}
+            faults = {robot: self.hosts[robot].fault_of(fleet.members[robot].report.error)}
         if ending == Verdict.CRASH:
             ending = faults[robot].verdict
         elif ending == Verdict.INVALID_COMMAND and not np.isfinite(fleet.members[robot].sent).all():
@@ -436,14 +403,6 @@ class FleetRun:
             members=tuple(members),
             complete=complete,
         )
-
-    def _fault_of(self, robot: int, error: Any) -> ControllerError:
-        """Return the fault of a compiled controller that has reported an error."""
-        controller = self.controllers[robot]
-        act = controller.act if isinstance(controller, CompiledController) else None
-        if isinstance(act, CoreAct):
-            return act.fault_of(error)
-        return controller_error_of(ffi.string(error).decode("utf-8", "replace"))
 
     def _failed_in_reset(self, faults: dict[int, ControllerError]) -> FleetOutcome:
         first = min(faults)

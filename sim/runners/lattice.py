@@ -22,6 +22,7 @@ from sim.controllers.shared.guarded import CoreMemory
 from sim.kernels import layout
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
+from sim.runners.controller_host import ControllerHost, host_of
 from sim.runners.core_calls import (
     EVENT_FIELDS,
     STATE_WORDS,
@@ -38,6 +39,7 @@ from sim.runners.core_calls import (
 )
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
+from sim.runners.python_loop import PythonLoop
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
 from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
@@ -59,7 +61,7 @@ class LatticeRun:
 
     Args:
         world: The world to drive in.
-        controller: The controller.
+        controller: The controller, or its host.
         options: Options of the run.
         lean: Whether the recording of a compiled controller omits its memory if that is large.
         memory: Where the core will look for everything; chosen by the controller if None.
@@ -72,14 +74,14 @@ class LatticeRun:
     def __init__(
         self,
         world: World,
-        controller: Controller,
+        controller: Controller | ControllerHost,
         options: RunOptions,
         *,
         lean: bool = False,
         memory: CoreMemory | None = None,
     ) -> None:
         # Without this, callers that do not handle fleets would ignore all robots but one.
-        if world.others:
+        if world.is_fleet:
             raise InvalidParameter(
                 "world-of-several-robots",
                 "this runs one robot, but the world has {robots}",
@@ -87,12 +89,13 @@ class LatticeRun:
                 at_terminal=True,
                 robots=len(world.robots),
             )
-        robot = robot_for(controller, options.robot)
+        self.host = host_of(controller)
+        self.controller: Any = self.host.controller
+        robot = robot_for(self.controller, options.robot)
         self.world = world
-        self.controller = controller
         self.options = replace(options, robot=robot)
         self._lean = lean
-        self.memory = memory_for(controller) if memory is None else memory
+        self.memory = memory_for(self.controller) if memory is None else memory
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = self.memory.own(_event_rows(world, options.time_step))
@@ -100,7 +103,7 @@ class LatticeRun:
         self.settings: Any = kept(ffi, self.memory.new("WgSettings *"), self._disturbances)
         # Fill the settings first: the tables depend on the speed and the sensors.
         settings = self.settings
-        fill_settings(settings, world, controller, self.options)
+        fill_settings(settings, world, self.host, self.options)
         settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
         self._disturbances.fill(settings)
         self._near = self.memory.own(near_masks(self._cells))
@@ -211,11 +214,9 @@ class LatticeRun:
         self.settings.find_loop = (
             lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
         )
-        if isinstance(self.controller, CompiledController):
-            return self._run_compiled(self.controller, record)
-        from sim.runners.python_loop import PythonLoop  # noqa: PLC0415 - loaded for Python only
-
-        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
+        if self.host.in_core:
+            return self._run_compiled(record)
+        loop = PythonLoop(self.host, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
         recording = loop.recording()
         return self.outcome_of(loop.episode, recording, loop.complete, loop.fault), loop.episode
@@ -230,8 +231,7 @@ class LatticeRun:
             InvalidParameter: If the controller itself fails.
         """
         outcome, ended = self._run(steps, find_loop=find_loop, record=False, digest=False)
-        in_python = not isinstance(self.controller, CompiledController)
-        if ended is None or (outcome.fault is not None and in_python):
+        if ended is None or (outcome.fault is not None and not self.host.in_core):
             raise InvalidParameter(
                 "code-failed",
                 "the controller fails in training: {reason}",
@@ -246,14 +246,14 @@ class LatticeRun:
         A controller that is not compiled may have hidden state, so it must repeat a second period
         too.
         """
-        if not isinstance(self.controller, CompiledController):
+        if not self.host.in_core:
             return self._prove_by_recording(entry, period, record)
         settings = self.settings
         settings.steps = entry + period
         settings.digest = 1
         settings.find_loop = lib.WG_PROVE_LOOP
         settings.loop_entry = entry
-        outcome, episode = self._run_compiled(self.controller, record)
+        outcome, episode = self._run_compiled(record)
         return (outcome, episode.known_words()) if outcome.ending == Verdict.LOOP else None
 
     def _prove_by_recording(
@@ -291,15 +291,16 @@ class LatticeRun:
     def can_loop(self) -> bool:
         """True if the recorded state, with the controller's memory, decides the future.
 
-        It does not if the controller reads the clock, or noise that is new in each step. Senses
-        that a controller does not declare are not computed, so noise in them does not matter.
+        It does not if that memory cannot be seen, or the controller reads the clock, or noise that
+        is new in each step. Senses that a controller does not declare are not computed, so noise in
+        them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
         # Disturbances show in the odometry, which is not part of the state.
         is_displaced = self.options.robot.moved
         reads_wrong_pose = is_displaced and bool(self.settings.senses & lib.WG_SENSE_ODOMETRY)
         noisy = is_noisy(self.controller, self.options)
-        return not (reads_clock or reads_wrong_pose or noisy)
+        return self.host.shows_memory and not (reads_clock or reads_wrong_pose or noisy)
 
     def sensed_of_walls(self, states: Ints) -> Floats:
         """Return what the controller senses of the walls at some poses, before the first event.
@@ -341,24 +342,22 @@ class LatticeRun:
             self.memory,
         )
 
-    def _run_compiled(
-        self, controller: CompiledController, record: bool
-    ) -> tuple[Outcome, CoreEpisode]:
+    def _run_compiled(self, record: bool) -> tuple[Outcome, CoreEpisode]:
         # Run once for the verdict. Only if a recording is wanted, run again with room for exactly
         # the steps and path points that there are.
-        episode = self.episode(controller)
+        episode = self.episode()
         episode.run_to_the_end()
-        fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
+        fault = self._fault(episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
             return self.outcome_of(episode, None, fault=fault), episode
         done = int(episode.report.steps)
         points = int(episode.report.points)
         if self._lean and 8 * (done + 1) * (FIRST_OF_STATE + episode.words) > MOST_HELD:
             outcome = self.outcome_of(episode, None, fault=fault)
-            return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
+            return replace(outcome, trace=self._lean_trace(done, points)), episode
         rows = self.memory.zeros((done + 1, FIRST_OF_STATE + episode.words), np.int64)
         path = self.memory.zeros((points, POINT_FIELDS), np.int64)
-        episode = self.episode(controller)
+        episode = self.episode()
         rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
@@ -368,18 +367,20 @@ class LatticeRun:
             path = path[(path[:, 0] > 0) & (path[:, 0] < done)]
         return self.outcome_of(episode, (rows, path), fault=fault), episode
 
-    def episode(self, controller: CompiledController, settings: Any = None) -> CoreEpisode:
-        """Return an episode of the run at its start.
+    def episode(self, settings: Any = None) -> CoreEpisode:
+        """Return an episode of a compiled controller at its start.
 
         Args:
-            controller: The controller.
             settings: WgSettings other than the run's own.
         """
         settings = settings or self.settings
-        driver = Driver(controller, controller.memory, settings)
-        return CoreEpisode(self.arena(), settings, driver)
+        return CoreEpisode(self.arena(), settings, self.driver(settings))
 
-    def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
+    def driver(self, settings: Any = None) -> Driver:
+        """Return a compiled controller in the form in which the core calls it."""
+        return self.host.driver(self.host.begin(None), settings or self.settings)
+
+    def _fault(self, failed: CoreEpisode) -> ControllerError:
         """Return the fault of an episode's last step.
 
         A function compiled by numba reports only that it raised. To find out what, the last step is
@@ -387,12 +388,12 @@ class LatticeRun:
         """
         if failed.fault is not None:
             return failed.fault
-        if isinstance(controller.act, CoreAct):
-            return controller.act.fault_of(failed.report.error)
+        if isinstance(self.controller.act, CoreAct):
+            return self.host.fault_of(failed.report.error)
         # Repeat the run up to the step before that.
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
-        episode = self.episode(controller, settings)
+        episode = self.episode(settings)
         while int(episode.report.steps) < int(failed.report.steps) - 1:
             episode.run(int(failed.report.steps) - 1 - int(episode.report.steps))
         # Without a function, the episode stops whenever the controller must act.
@@ -400,21 +401,22 @@ class LatticeRun:
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
         workspace = Workspace(episode)
-        act = compiled_act(controller.act)
+        act = compiled_act(self.controller.act)
         command = np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE)
         try:
             act(workspace.observation, workspace.memory, command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
-            facts = crash_facts(error, controller) or {"message": str(error)}
+            facts = crash_facts(error, self.controller) or {"message": str(error)}
             name = type(error).__name__
             return ControllerError(Verdict.CRASH, f"{name}: {error}", {"exception": name, **facts})
         return ControllerError(
             Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace")
         )
 
-    def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
+    def _lean_trace(self, steps: int, points: int) -> Trace:
         """Return the recording without the memory, which another run can restore."""
         # Run in portions, and keep everything but the memories of each.
+        controller: CompiledController = self.controller
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-from bdb import BdbQuit
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.clock.stopping import OutOfTime
-from sim.controllers.base import VectorController
-from sim.controllers.catalogue.renewal import has_shared_state_changed
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
+from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import REPORT, Driver
 from sim.runners.lattice import LatticeRun
-from sim.runners.python_loop import begun_anew
 from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
@@ -32,7 +29,7 @@ class LockstepRun:
     """Many episodes in worlds of one shape.
 
     Args:
-        controller: Acts for all robots.
+        host: The host of a controller that acts for all robots.
         runs: One run per world; their options are equal except for the number of steps.
         world: (n,) index of each robot's world.
         starts: (n, 3) starts from :meth:`sim.runners.lattice.LatticeRun.start_of`.
@@ -41,13 +38,13 @@ class LockstepRun:
 
     def __init__(
         self,
-        controller: VectorController,
+        host: ControllerHost,
         runs: Sequence[LatticeRun],
         world: Ints,
         starts: Ints,
         seeds: Words,
     ) -> None:
-        self._controller = controller
+        self._host = host
         self._runs = runs
         self._world = world
         self._starts = starts
@@ -63,16 +60,15 @@ class LockstepRun:
         """
         with only_results_on_stdout():
             try:
-                with its_own_fault():
-                    self._controller, memory = begun_anew(self._controller, None)
-                self._memory = np.array(memory)
-                before = hidden_state(self._controller)
-                if before is None or has_shared_state_changed(self._controller, before):
+                with Faults(self._host):
+                    self._memory = np.array(self._host.begin(None))
+                before = self._host.hidden()
+                if before is None:
                     return None
                 found = self._run(digest)
-            except ControllerRaised:
+            except ControllerError:
                 return None
-        return found if hidden_state(self._controller) == before else None
+        return found if hidden_state(self._host.controller) == before else None
 
     def _run(self, digest: bool) -> Reports:
         # Run every robot with its whole budget, looking for loops.
@@ -133,12 +129,13 @@ class LockstepRun:
         # Alternate between the core, which moves the robots, and the controller.
         with contextlib.closing(group):
             group.begin()
-            asker = Asker(self._controller, group.observation, group.memory, group.command)
+            faults = Faults(self._host)
+            asker = Asker(self._host.controller, group.observation, group.memory, group.command)
             after = np.zeros((0, self._memory.size))
             count = group.step(len(robots), after)
             while count:
                 after = np.empty((count, self._memory.size))
-                with its_own_fault():
+                with faults:
                     asker.ask(count, after)
                 count = group.step(count, after)
             return group.reports()
@@ -229,25 +226,3 @@ class _Group:
     def close(self) -> None:
         """Free the episodes."""
         lib.wg_lockstep_free(self._episodes, len(self.settings))
-
-
-class ControllerRaised(Exception):
-    """The controller raised an exception."""
-
-
-@contextlib.contextmanager
-def its_own_fault() -> Iterator[None]:
-    """Tell exceptions of the controller apart from those raised elsewhere.
-
-    Raises:
-        ControllerRaised: If the block raises anything except ``KeyboardInterrupt``, which leaving
-            the debugger counts as, and :class:`OutOfTime`.
-    """
-    try:
-        yield
-    except (KeyboardInterrupt, OutOfTime):
-        raise
-    except BdbQuit:
-        raise KeyboardInterrupt from None
-    except BaseException as error:
-        raise ControllerRaised from error

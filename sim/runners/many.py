@@ -1,4 +1,4 @@
-"""Run many episodes of one world and controller in few calls of the core."""
+"""Run many episodes of one world and compiled controller in few calls of the core."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController
 from sim.controllers.shared.guarded import ControllerDied
 from sim.runners.core_calls import REPORT, copy_of
 from sim.runners.lattice import LatticeRun
@@ -22,19 +21,12 @@ _MANY = 64
 
 
 def run_many(
-    run: LatticeRun,
-    controller: CompiledController,
-    starts: Ints,
-    seeds: Words,
-    *,
-    digest: bool,
-    stop: Ints | None = None,
+    run: LatticeRun, starts: Ints, seeds: Words, *, digest: bool, stop: Ints | None = None
 ) -> Reports:
     """Run many episodes in few calls of the core; several threads may do so at the same time.
 
     Args:
         run: The world and options.
-        controller: The controller of the run.
         starts: (n, 3) starts from :meth:`~sim.runners.lattice.LatticeRun.start_of`.
         seeds: (n,) uint64 seeds.
         digest: Whether to compute the traces' digests.
@@ -50,7 +42,7 @@ def run_many(
     settings.steps = run.options.steps
     settings.digest = int(digest)
     settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
-    episode = run.episode(controller, settings)
+    episode = run.episode(settings)
     fresh = run.arena()
     reports = memory.zeros(len(seeds), REPORT)
     own_starts = memory.own(np.ascontiguousarray(starts))

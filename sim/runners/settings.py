@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController, Controller, senses_of
+from sim.controllers.base import senses_of
 from sim.controllers.shared.guarded import CoreMemory
 from sim.motion import MOTIONS
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.robot import SIGNALS, RobotOptions
 from sim.options.run import RunOptions
+from sim.runners.controller_host import ControllerHost
 from sim.runners.core_calls import headings
 from sim.runners.packing import disc_numbers, target_sq
 from worldgen.errors import InvalidParameter
@@ -27,7 +28,7 @@ _SCALE_BITS = 30  # scale of the table of headings
 _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic comes near the limit of 64 bits
 
 
-def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:
+def fill_settings(settings: Any, world: World, host: ControllerHost, options: RunOptions) -> None:
     """Fill in all that does not depend on the walls, in the core's units.
 
     The caller sets the rest: the start, which must be clear of walls, disturbances, and the
@@ -36,7 +37,7 @@ def fill_settings(settings: Any, world: World, controller: Controller, options: 
     Args:
         settings: The core's ``WgSettings``, all zero.
         world: The world; only the robot's disc, its speed, target and cell size matter.
-        controller: The controller, which decides the senses that are computed.
+        host: The controller's host; the controller decides the senses that are computed.
         options: Options of the run, with the robot that this controller needs.
     """
     # Target and disc, in lattice units.
@@ -58,11 +59,9 @@ def fill_settings(settings: Any, world: World, controller: Controller, options: 
     settings.top_speed = world.robot_speed
     settings.radius = world.robot_radius
     settings.tolerance = motion.overlap_tolerance * UNIT
-    # A compiled controller may set its own initial speed.
-    if isinstance(controller, CompiledController):
-        settings.start_speed = min(controller.start_speed, world.robot_speed)
+    settings.start_speed = min(host.start_speed, world.robot_speed)
     _fill_dynamics(settings, options)
-    _fill_sensors(settings, options, senses_of(controller))
+    _fill_sensors(settings, options, senses_of(host.controller))
 
 
 def _fill_dynamics(settings: Any, options: RunOptions) -> None:

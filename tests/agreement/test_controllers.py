@@ -147,6 +147,7 @@ TUNED = {
 }
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", TUNED)
 def test_a_controller_with_numbers_of_one_s_own_is_its_plain_python(name):
     made, module, tuned, room = TUNED[name]

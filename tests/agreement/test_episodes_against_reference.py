@@ -194,6 +194,7 @@ def _counts(observation, memory, command):
     memory[0] = (memory[0] + 1.0) % memory[1]
 
 
+@pytest.mark.gate
 def test_a_claim_is_proved_only_where_the_state_comes_back():
     controller = CompiledController("counts", _counts, (0.0, 7.0), senses=("bump",))
     run = prepare(cup(), controller, RunOptions("swept", STEPS))

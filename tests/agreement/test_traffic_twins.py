@@ -26,6 +26,7 @@ def circle(count, radius=1.5):
     return fleet_world(hall(44, 44), *robots)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("name", TWINS)
 def test_a_controller_drives_as_its_plain_python_does(name, seed):

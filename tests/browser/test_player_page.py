@@ -203,6 +203,7 @@ _LOOK_AT = """async (film) => {
 }"""
 
 
+@pytest.mark.gate
 def test_the_timeline_is_zoomed_with_its_marks_whether_or_not_the_plots_are_shown(
     browser, tmp_path
 ):
@@ -239,6 +240,7 @@ def width_of_period(page):
     return float(page.locator(".scrub .period").get_attribute("width"))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("height", [1050, 560], ids=["a-wall-a-pixel", "several-walls-a-pixel"])
 def test_a_large_maze_has_no_pattern_of_its_own(browser, tmp_path, height):
     page, _ = page_of(browser, tmp_path, large_maze(), "turn-right", steps=5)

@@ -323,6 +323,7 @@ def test_the_document_lists_every_parameter_with_its_default(name):
     }
 
 
+@pytest.mark.gate
 @an_example_of_every_family
 def test_several_robots_have_a_joint_witness_in_every_family(name, shape):
     alone = generate(name, 3, **shape | {"robots": 1})
@@ -330,7 +331,7 @@ def test_several_robots_have_a_joint_witness_in_every_family(name, shape):
     assert len(world.robots) == 3
     assert check_certificate(world).valid
     assert generate(name, 3, **world.provenance.params) == world
-    assert not alone.others
+    assert not alone.is_fleet
 
 
 @every_family

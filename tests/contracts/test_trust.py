@@ -20,9 +20,10 @@ import pytest
 from fuzz.campaign.configure import configure
 from fuzz.ci.place import place_of
 from fuzz.failure import Failure
-from fuzz.replay.regression import fixed
+from fuzz.regression.regression import fixed
 from fuzz.studio.campaigns.answers import fuzz_command
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.options import CampaignOptions
 from sim.episode import simulate
 from sim.scenario import Scenario
@@ -214,6 +215,7 @@ def test_a_command_that_needs_a_strangers_code_says_how_to_trust_it(
     assert (ran(), file.exists()) == (0, True)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("command", RUNNERS)
 def test_the_corrected_command_runs_it(stranger, ran, record, command):
     file = naming(record, KINDS["file"])
@@ -251,6 +253,7 @@ def test_an_archive_is_a_strangers_file_as_well(stranger, ran, record, command):
     assert (ran(), done.code) == (0, 2), done.err
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("place", ["controller", "families", "oracles"])
 @pytest.mark.parametrize("kind", some(KINDS))
 def test_a_campaigns_folder_is_resumed_without_its_code(stranger, ran, place, kind):
@@ -385,6 +388,7 @@ def test_what_was_run_from_the_command_line_runs_again_even_after_an_edit(strang
     assert "not run" not in done.err and ran() >= 1
 
 
+@pytest.mark.gate
 def test_fuzz_then_replay_asks_nothing_and_no_process_loads_a_file_twice(stranger, ran, tmp_path):
     arguments = ("--units", 2, "--examples", 2, "--seed", 1, "--workers", 2)
     worldgen("fuzz", "--controller", "./odd.py:X", *arguments, "--out", "found")
@@ -400,6 +404,7 @@ def test_a_name_on_this_command_line_is_a_reason(stranger, ran, record):
     assert (ran(), "not run" in done.err) == (1, False)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("table", ["fuzz", "run", "explain"])
 def test_the_projects_settings_are_a_reason_for_every_command(stranger, ran, record, table):
     file = naming(record, "./odd.py:X")
@@ -650,6 +655,7 @@ def test_workers_import_nothing_from_the_current_folder(stranger, ran):
     assert ran() == 0
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("stored", "code"), [("./odd.py:X", 1), ("odd_pack.odd:X", 2)])
 def test_the_studio_resumes_a_campaign_with_no_code_but_the_controller_it_checked(
     stranger, ran, stored, code

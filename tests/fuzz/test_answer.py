@@ -11,14 +11,14 @@ from fuzz.ci import Report
 from fuzz.ci.junit import junit
 from fuzz.ci.markdown import markdown
 from fuzz.ci.sarif import sarif
-from fuzz.overview import Cause, CauseTotals, Overview
+from fuzz.overview import CampaignResult, Cause, CauseResult
 from fuzz.overview.building import answer_numbers
-from fuzz.overview.natural import NaturalRuns
 from fuzz.triage.triage import Triage
 from fuzz.unit.answer import FEWEST, AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import UnitResult
 from sim.scenario import Scenario
+from tests.helpers.campaign_results import natural_worlds
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
 from worldgen import generate
@@ -84,22 +84,25 @@ def test_the_numbers_decide_the_answer(numbers, answer):
 )
 def test_the_search_counts_where_natural_worlds_are_not_defined(config, natural):
     numbers = answer_numbers(
-        CampaignConfig(Scenario("bug2"), **config), CampaignState(worlds=7), Overview(()), ()
+        CampaignConfig(Scenario("bug2"), **config),
+        CampaignState(worlds=7),
+        CampaignResult(causes=[]),
+        (),
     )
     assert (numbers.natural, numbers.searched) == (natural, 7)
 
 
 def test_hazards_that_a_robot_cannot_sense_are_neither_failures_nor_unjudged():
-    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("a",), {"burned": 4}, natural=3)
-    unproved = CauseTotals(Cause.CRASHES, (), natural=2)
-    overview = Overview((hazard, unproved), NaturalRuns(worlds=9, arrived=7))
-    numbers = answer_numbers(CampaignConfig(Scenario("bug2")), CampaignState(), overview, ())
+    hazard = CauseResult.of(Cause.HARMED_UNSENSED, ("a",), {"burned": 4}, natural=3)
+    unproved = CauseResult.of(Cause.CRASHES, natural=2)
+    result = CampaignResult(causes=[hazard, unproved], natural=natural_worlds(9, 7))
+    numbers = answer_numbers(CampaignConfig(Scenario("bug2")), CampaignState(), result, ())
     assert (numbers.failures, numbers.known, numbers.natural_unjudged) == (0, 0, 2)
 
 
 def test_an_all_clear_says_how_many_worlds_a_hazard_ended():
-    overview = Overview((), NaturalRuns(worlds=1, arrived=1, unsensed=8))
-    numbers = answer_numbers(CampaignConfig(Scenario("bug2")), CampaignState(), overview, ())
+    result = CampaignResult(causes=[], natural=natural_worlds(1, 1, unsensed=8))
+    numbers = answer_numbers(CampaignConfig(Scenario("bug2")), CampaignState(), result, ())
     answer, reason = answer_of(numbers)
     assert answer == "clean" and reason.endswith("cannot sense ended 8 of them")
 
@@ -185,6 +188,7 @@ def test_reports_without_an_answer_are_valid():
     read_sarif(sarif(report, Path.cwd()))
 
 
+@pytest.mark.gate
 def test_a_campaign_too_slow_for_one_world_has_no_answer(tmp_path):
     (tmp_path / "slow.py").write_text(
         "import time\n\nfrom sim import Command\n\n\nclass Slow:\n    def reset(self):\n"

@@ -12,7 +12,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.layouts.features import decode_scene
 from fuzz.screening import evaluate
 from fuzz.search.archive import archive_table
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import Elite, SearchState
 from sim.scenario import Scenario

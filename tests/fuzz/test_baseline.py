@@ -97,6 +97,7 @@ def test_a_class_that_the_baseline_has_not_is_found_still(found, tmp_path):
     assert (tmp_path / "out" / f"{missing}.grid").is_file()
 
 
+@pytest.mark.gate
 def test_the_terminal_says_how_often_known_classes_were_met(found, tmp_path):
     text = worldgen(*FUZZ, "--out", tmp_path / "out", "--baseline", found[0], "--verbose").out
     assert (

@@ -25,7 +25,8 @@ from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign.unit import run_unit
 from fuzz.find import AxisScan
 from fuzz.shrink.queue import shrunk_or_same
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import SearchState
 from sim import simulate

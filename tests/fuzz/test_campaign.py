@@ -8,7 +8,7 @@ import pytest
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import Discovery
 from fuzz.campaign.unit import run_unit
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from worldgen import check_certificate

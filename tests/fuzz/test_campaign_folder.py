@@ -22,6 +22,7 @@ from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import (
     Budget,
     FolderStore,
+    Status,
     begin,
     fingerprint_of,
     read_error,
@@ -29,7 +30,7 @@ from fuzz.campaign.store import (
     stored_seed,
 )
 from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, append_line
-from fuzz.campaign.summary import describe_units
+from fuzz.campaign.summary import describe_units, summary_of
 from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
 from fuzz.shrink.queue import Shrinking
@@ -182,7 +183,7 @@ def test_units_that_lack_the_findings_of_a_cut_one_are_counted_apart(monkeypatch
     # Unit 3 knows what unit 1 found.
     state = campaign.state
     assert (state.units, state.cut, state.too_early) == (2, 2, 1)
-    assert describe_units(state) == (
+    assert describe_units(summary_of(campaign.config, state, Status.STOPPED)) == (
         "2 whole units and 1 cut short and 1 that learned too little from them"
     )
 

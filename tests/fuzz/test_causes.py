@@ -12,7 +12,8 @@ from fuzz.evidence_checks import check_breach, check_evidence
 from fuzz.facts.signature import failure_class
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, Trial
-from fuzz.triage.judging import failure_of, oracle_of, replay, violation_in
+from fuzz.triage.judging import failure_of, oracle_of, violation_in
+from fuzz.triage.replaying import replay
 from sim import simulate
 from sim.episode import prepare
 from sim.evidence import BudgetEvidence

@@ -37,6 +37,7 @@ def hall(target=(1.05, 0.25)):
     return World(np.zeros((5, 12), bool), Pose(0.35, 0.25, 0.0), Target(*target, 0.05))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("target", "share"), [((1.05, 0.25), [27, 40]), ((1.05, 0.45), [40, 40])])
 def test_seeds_that_choose_the_wrong_end_are_counted(target, share):
     counted = seeds_that_fail(hall(target), Scenario(f"{HERE}:choose"))

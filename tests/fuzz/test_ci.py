@@ -44,6 +44,12 @@ def finding(path, state=FindingState.NEW, **changes):
     return replace(CiFinding.of(Failure.read(path), file, state), **changes)
 
 
+def driven_by(controller, state=FindingState.NEW):
+    found = finding(LOOP, state)
+    record = replace(found.failure.record, controller=controller)
+    return replace(found, failure=replace(found.failure, record=record))
+
+
 def report(*findings, command="fuzz"):
     return Report(command, findings, {"controller": "thesis-1", "motion": "stepped", "seed": "1"})
 
@@ -78,28 +84,8 @@ def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
 
 
 def test_sarif_is_as_it_was(project):
-    known = CiFinding(
-        state=FindingState.KNOWN,
-        file=project / "failures" / "tunnel.grid",
-        controller="thesis-1",
-        who="thesis-1 under stepped",
-        verdict="tunnel",
-        group="tunnel-slide-post",
-        what="tunnel (step 3, wall cell (1, 2))",
-        size="4 x 3 cells, 1 solid",
-        picture="....\n.S#G\n....",
-        world_id="5a" * 32,
-        seed=7,
-        replay="worldgen replay failures/tunnel.grid",
-    )
-    new = replace(
-        known,
-        state=FindingState.NEW,
-        file=project / "a b.grid",
-        verdict="loop",
-        group="loop-bumps",
-        what="loop forever {}",
-    )
+    new = finding(LOOP, file=project / "a b.grid", what="loop forever {}")
+    known = finding(TUNNEL, FindingState.KNOWN, file=project / "failures" / "tunnel.grid")
     text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")
     assert text == (GOLDEN / "two.sarif").read_text(encoding="utf-8")
 
@@ -159,14 +145,14 @@ def test_a_failure_stands_at_its_controllers_source(controller, uri, line, proje
     (project / "src").mkdir()
     (project / "src/mine.py").write_text(SOURCE)
     monkeypatch.syspath_prepend(project / "src")
-    result = read_sarif(sarif(report(finding(LOOP, controller=controller)), project))["results"][0]
+    result = read_sarif(sarif(report(driven_by(controller)), project))["results"][0]
     place = result["locations"][0]["physicalLocation"]
     assert (place["artifactLocation"]["uri"], place["region"]["startLine"]) == (uri, line)
 
 
 def test_a_file_that_does_not_replay_stands_at_itself(project):
     (project / "mine.py").write_text(SOURCE)
-    stale = finding(LOOP, FindingState.NOT_CONFIRMED, controller="./mine.py:Robot")
+    stale = driven_by("./mine.py:Robot", FindingState.NOT_CONFIRMED)
     [result] = read_sarif(sarif(report(stale), project))["results"]
     uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
     assert uri == f"failures/{LOOP.name}"
@@ -268,6 +254,7 @@ def test_a_controller_that_is_not_here_is_reported_without_its_way(project):
     )
 
 
+@pytest.mark.gate
 def test_a_campaign_reports_the_worst_cause_first_and_its_example_with_what_it_depends_on(project):
     options = ("--units", 1, "--examples", 40, "--seed", 1, "--no-shrink", "--out", "out")
     found = worldgen("fuzz", "--controller", "vfh", *options, "--junit", "j.xml", "--json")
@@ -301,6 +288,7 @@ def test_two_reports_in_one_file_are_refused_before_the_work(one, other, project
     assert result.error_code == "same-output-twice"
 
 
+@pytest.mark.gate
 def test_fuzz_writes_what_it_found_also_into_the_folder_that_it_makes(project):
     options = (
         "--motion",

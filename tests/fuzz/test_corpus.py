@@ -137,7 +137,7 @@ def test_a_record_with_unknown_options_is_one_line(tmp_path):
 def test_the_index_spares_parsing(tmp_path, monkeypatch):
     failure(tmp_path, "a")
     before = read(tmp_path)
-    monkeypatch.setattr("fuzz.corpus.reading.unpack_world", lambda *_: pytest.fail("parsed again"))
+    monkeypatch.setattr("fuzz.corpus.reading.unpack", lambda *_: pytest.fail("parsed again"))
     assert read(tmp_path) == before
 
 
@@ -461,6 +461,7 @@ def test_words_from_a_strangers_file_cannot_steer_the_terminal(tmp_path):
     assert all("\x1b" not in worldgen(*command, tmp_path).out for command in commands)
 
 
+@pytest.mark.gate
 def test_show_draws_a_corpus_on_one_sheet(tmp_path):
     result = worldgen("corpus", "show", FAULTS, "--picture", tmp_path / "sheet.png")
     assert result.code == 0 and (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")

@@ -76,6 +76,7 @@ def test_the_cause_comes_before_the_changes():
     assert lines[2].startswith("  It arrives if cell (")
 
 
+@pytest.mark.gate
 def test_a_crash_is_explained_by_its_error(crashed):
     lines = worldgen("explain", "--trust", crashed).out.splitlines()
     assert "crash (ValueError: too far, breaks.py:9)" in lines[0]
@@ -128,6 +129,7 @@ def test_another_controller_has_not_the_recorded_cause_of_a_breach():
     assert explain_failure(failure, "turn-left").diagnosis.cause != "crashes"
 
 
+@pytest.mark.gate
 def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tmp_path):
     out = tmp_path / "found"
     assert campaign(breaks, out).code == 1
@@ -155,6 +157,7 @@ def test_a_controller_that_was_edited_since_its_campaign_is_mentioned(breaks, tm
     assert "has changed" not in worldgen("explain", file, "--controller", "vfh").err
 
 
+@pytest.mark.gate
 def test_a_campaign_and_its_report_can_leave_out_the_code(breaks, tmp_path):
     out = tmp_path / "found"
     page = tmp_path / "page.html"

@@ -8,9 +8,9 @@ import pytest
 import fuzz.shrink.run
 from fuzz.corpus import distinct, read_corpus, smallest
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, with_worlds
-from fuzz.overview.causes import causes_of
+from fuzz.overview import building
 from fuzz.overview.clearest import clearest
+from fuzz.report.answers import answers_for
 from fuzz.shrink import Shrunk, shrink_class
 from fuzz.shrink.queue import ShrinkQueue
 from fuzz.triage.judging import JudgedRun
@@ -103,8 +103,11 @@ def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(e
     assert begun == equal and best.failure is equal[0]
 
 
-def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(equal):
-    files = [WorldFile(failure, f"{9 - number}.grid") for number, failure in enumerate(equal)]
-    causes = with_worlds(causes_of(equal), lambda _: files, end=0.0)
-    assert [(one.file, one.smallest) for one in causes] == [("9.grid", "9.grid")]
+def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(
+    equal, corpus, monkeypatch
+):
+    monkeypatch.setattr(building, "explained", lambda *_: None)
+    (answer,) = answers_for(corpus[::-1], [])
+    names = [(Path(one.file).name, Path(one.smallest).name) for one in answer.result.causes]
+    assert names == [("9.grid", "9.grid")]
     assert clearest(reversed(equal)) is equal[0]

@@ -157,6 +157,7 @@ def test_a_number_of_steps_is_met_exactly(tmp_path):
     ) == ("reached", 200)
 
 
+@pytest.mark.gate
 def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
     wanted = f"{mine}:Straight=loop, turn-left=reached"
     result = worldgen("find", "--outcome", wanted, *QUICK, "--out", tmp_path / "w.grid")
@@ -183,6 +184,7 @@ def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_
     assert result.code == 1 and "no run ended before the search did; allow more time" in result.err
 
 
+@pytest.mark.gate
 def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
     wanted = "thesis-1=reached@100, thesis-1=reached@200"
     result = worldgen(

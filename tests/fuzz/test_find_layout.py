@@ -117,6 +117,7 @@ def test_a_world_that_is_not_square_has_no_mirror():
         Layout.of(world, mirror=True)
 
 
+@pytest.mark.gate
 @given(st.integers(0, 2**32), st.integers(1, 4))
 def test_obstacles_that_stay_together_stay_in_one_piece_and_apart(seed, leash):
     walls = np.zeros((30, 30), bool)

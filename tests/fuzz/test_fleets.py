@@ -24,7 +24,8 @@ from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.diagnosis import cause_of_run, diagnosis_of, diagnosis_of_run
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.options import CampaignOptions
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
@@ -53,11 +54,13 @@ def alley(*, third: bool = False) -> World:
     walls = np.ones((4, 15), bool)
     walls[:2] = False
     walls[2:, 6:8] = False
-    others = [Robot(Pose(1.25, 0.1, math.pi), Target(0.35, 0.1, 0.05))]
+    robots = [
+        Robot(Pose(0.35, 0.1), Target(1.25, 0.1, 0.05)),
+        Robot(Pose(1.25, 0.1, math.pi), Target(0.35, 0.1, 0.05)),
+    ]
     if third:
-        others.append(Robot(Pose(0.08, 0.1), Target(0.08, 0.1, 0.05)))
-    world = World(walls, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=tuple(others))
-    proved = certified(world)
+        robots.append(Robot(Pose(0.08, 0.1), Target(0.08, 0.1, 0.05)))
+    proved = certified(World(walls, robots=robots))
     assert proved is not None
     return proved
 
@@ -157,7 +160,7 @@ def test_loops_of_robots_that_could_touch_in_a_step_are_not_apart() -> None:
     steps = evidence.entry + 2 * evidence.driven_period
     traces = fleet_traces(world, scenario.controller, scenario.options(world), steps)
     found = [trace for trace in traces if trace is not None]
-    fast = replace(world, others=(replace(world.others[0], speed=200.0),))
+    fast = replace(world, robots=(world.robots[0], replace(world.robots[1], speed=200.0)))
     said = check_fleet(fast, found, Verdict.LIVELOCK, evidence, MOTIONS.get("swept"))
     assert "come within" in said
 
@@ -231,6 +234,7 @@ class CountingStraight(Straight):
 HELD_UP = Diagnosis(Cause.HELD_UP_BY_ROBOTS)
 
 
+@pytest.mark.gate
 def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> None:
     world = alley()
     episode = simulate(world, CountingStraight, record=True)
@@ -242,7 +246,7 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
     walls = np.zeros((20, 30), bool)
     walls[:, 14:16] = True
     ends = [(Pose(0.3, 0.3), Target(2.7, 0.3, 0.05)), (Pose(2.7, 1.7), Target(0.3, 1.7, 0.05))]
-    apart = World(walls, *ends[0], others=(Robot(*ends[1]),))
+    apart = World(walls, robots=[Robot(*of_one) for of_one in ends])
     episode = simulate(apart, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
     assert cause_of_run(apart, episode, arrives(True)) == Cause.PUSHES_A_WALL
@@ -255,12 +259,16 @@ def test_robots_that_never_meet_do_not_give_way() -> None:
     # The same room twice, with a wall between: each robot loops on its own.
     wall = np.ones((room.height, 3), bool)
     right = (room.width + 3) * room.cell_size
-    start = replace(room.start, x=room.start.x + right)
-    target = replace(room.target, x=room.target.x + right)
+    (first,) = room.robots
+    second = replace(
+        first,
+        start=replace(room.start, x=room.start.x + right),
+        target=replace(room.target, x=room.target.x + right),
+    )
     rooms = replace(
         room,
         walls=np.hstack([room.walls, wall, room.walls]),
-        others=(Robot(start, target, room.robot_radius, room.robot_speed),),
+        robots=(first, second),
         certificate=None,
     )
     episode = simulate(rooms, "turn-right", failure.options, record=True)
@@ -276,8 +284,9 @@ def test_robots_that_never_meet_do_not_give_way() -> None:
 def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     # In a room of 4 x 4 cells, pibt's robots of 1.4 cells stop before they touch.
     room = np.zeros((4, 4), bool)
-    other = Robot(Pose(0.25, 0.15), Target(0.15, 0.25, 0.05))
-    polite = World(room, Pose(0.15, 0.25), Target(0.25, 0.15, 0.05), others=(other,))
+    first = Robot(Pose(0.15, 0.25), Target(0.25, 0.15, 0.05))
+    second = Robot(Pose(0.25, 0.15), Target(0.15, 0.25, 0.05))
+    polite = World(room, robots=(first, second))
     episode = simulate(polite, "pibt", record=True)
     assert episode.verdict == Verdict.DEADLOCK and episode.evidence.blocked == ()
     assert diagnosis_of_run(polite, episode, arrives(True)) == HELD_UP
@@ -287,7 +296,8 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     passage = np.ones((4, 15), bool)
     passage[:2] = False
     parked = Robot(Pose(0.75, 0.1), Target(0.8, 0.1, 0.05))
-    closed = World(passage, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=(parked,))
+    driver = Robot(Pose(0.35, 0.1), Target(1.25, 0.1, 0.05))
+    closed = World(passage, robots=(driver, parked))
     episode = simulate(closed, "pibt", record=True)
     assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
     found = diagnosis_of_run(closed, episode, arrives(True))
@@ -307,6 +317,7 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     )
 
 
+@pytest.mark.gate
 def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
     shrunk = shrink(deadlock(third=True))
     world = shrunk.failure.world
@@ -331,6 +342,7 @@ def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) ->
     assert all(replay(failure).confirmed for failure in failures)
 
 
+@pytest.mark.gate
 def test_a_campaign_keeps_only_the_two_robots_that_block_each_other(tmp_path) -> None:
     out = tmp_path / "f"
     result = worldgen(
@@ -349,13 +361,14 @@ def test_shrinking_drops_a_robot_that_only_waits_behind_the_two_that_are_needed(
     bare = alley().bare
     # The third robot follows the first one, and stops behind it.
     follower = Robot(Pose(0.15, 0.1), Target(1.1, 0.1, 0.05))
-    failure = failure_of(bare.with_robots([*bare.robots, follower]), STRAIGHT)
+    failure = failure_of(replace(bare, robots=(*bare.robots, follower)), STRAIGHT)
     assert failure is not None and failure.evidence.waiting == (1, 2, 3)
     shrunk = shrink(failure).failure
     assert shrunk.signature == failure.signature == "deadlock-face-to-face"
     assert len(shrunk.world.robots) == 2
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("family", "robots"),
     [
@@ -397,9 +410,9 @@ def test_worlds_drawn_for_many_robots_have_room_for_them() -> None:
 def fleet_map(tmp_path: Path) -> Path:
     """A maze for three robots, of which the last is smaller and slower."""
     world = generate("maze", seed=5, robots=3)
-    last = replace(world.others[1], radius=0.05, speed=1.0)
+    last = replace(world.robots[2], radius=0.05, speed=1.0)
     path = tmp_path / "fleet.grid"
-    write_world(world.bare.with_robots([*world.robots[:2], last]), path)
+    write_world(replace(world.bare, robots=(*world.robots[:2], last)), path)
     return path
 
 
@@ -435,6 +448,7 @@ def test_fewer_robots_than_the_map_has_are_refused(robots, tmp_path) -> None:
     assert result.code == 2 and "has 3 robots, not 1; omit --robots" in result.err
 
 
+@pytest.mark.gate
 def test_a_map_without_space_for_the_robots_asks_for_fewer(tmp_path) -> None:
     command = ["fuzz", "--world", fleet_map(tmp_path), "--controller", "naive", "--robots", "90"]
     command += ["--units", "1", "--examples", "2", "--seed", "1"]
@@ -446,12 +460,7 @@ def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> 
     starts = [(0.5 * x + 0.25, 0.5 * y + 0.25) for x in range(11) for y in range(10)]
     robots = [Robot(Pose(*place), Target(*place, 0.05)) for place in starts[:101]]
     path = tmp_path / "fleet.grid"
-    write_world(
-        World(
-            np.zeros((60, 60), bool), robots[0].start, robots[0].target, others=tuple(robots[1:])
-        ),
-        path,
-    )
+    write_world(World(np.zeros((60, 60), bool), robots=robots), path)
     with raises(InvalidParameter, code="too-many-robots", own=101):
         configure(CampaignOptions(controller="naive", world=path), 1)
 

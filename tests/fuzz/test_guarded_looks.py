@@ -54,6 +54,7 @@ def alone(looks, n):
     )
 
 
+@pytest.mark.gate
 def test_each_crash_of_a_batch_is_that_of_its_world(library):
     looks = looks_of(f"lib:{library}:segfault")
     ran = np.flatnonzero(looks.ran).tolist()
@@ -65,6 +66,7 @@ def test_each_crash_of_a_batch_is_that_of_its_world(library):
         assert n not in crashed or episode.steps == looks.steps[n]
 
 
+@pytest.mark.gate
 def test_a_batch_with_crashes_has_the_same_bytes_twice(library):
     first, second = (looks_of(f"lib:{library}:segfault") for _ in range(2))
     assert first.raw.tobytes() == second.raw.tobytes()
@@ -106,6 +108,7 @@ def test_a_long_run_that_touches_nothing_is_not_taken_for_a_hang(library, monkey
     assert (outcome.ending, outcome.steps) == (LIMIT, 300_000)
 
 
+@pytest.mark.gate
 def test_crashes_of_two_kinds_have_two_keys(library):
     keys = [
         {int(key) for key in looks.key[looks.verdict == "crash"]}
@@ -123,12 +126,14 @@ def test_a_batch_ends_with_its_second_hang(library):
     )
 
 
+@pytest.mark.gate
 def test_what_a_library_keeps_of_one_unit_is_not_there_in_the_next(library):
     config = CampaignConfig(scenario=Scenario(f"lib:{library}:wear_out"), examples=10)
     first, second = (run_unit(config, 0) for _ in range(2))
     assert first.verdicts == second.verdicts and first.steps == second.steps
 
 
+@pytest.mark.gate
 def test_what_a_library_keeps_of_one_run_is_not_there_in_the_next_that_is_judged(library):
     world = generate("maze", 3, size=20)
     name = f"lib:{library}:wear_out"

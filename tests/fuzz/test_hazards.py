@@ -15,7 +15,8 @@ from fuzz.failure import Failure
 from fuzz.overview.natural import _run
 from fuzz.shrink import shrink
 from fuzz.simplicity import Case
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.controllers.timeline_reads import noting_reads, world_to_read
@@ -51,7 +52,7 @@ class Copies(Ahead):
         larger = replace(world, robot_radius=world.robot_radius * 1.1)
         assert larger != world and copy.deepcopy(world) == copy.copy(world) == world
         assert isinstance(larger, World) and isinstance(world.timeline, Timeline)
-        self.world = larger.with_robots(larger.robots)
+        self.world = replace(larger, robots=larger.robots)
         self.gap = bottleneck(world, world.walls)
         return ()
 class Looks(Ahead):
@@ -210,6 +211,7 @@ def gap_that_moves():
     return World(walls, Pose(0.25, 0.55, 0.0), Target(1.75, 0.55, 0.05), timeline=timeline)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("controller", "unsensed"),
     [("Plans", True), ("Plans+beams=36", True), ("HasBeams+beams=36", False), ("Waits", False)],
@@ -273,6 +275,7 @@ def test_hazards_count_where_that_is_asked_for(met):
     assert again.code == 1 and said["failures"] and not said["hazards"]
 
 
+@pytest.mark.gate
 def test_the_summary_says_that_there_are_no_failures_but_hazards(met):
     again = worldgen("fuzz", "--resume", met[0], "--workers", 1)
     assert again.code == 0 and "--count-hazards makes failures of" in again.err

@@ -9,7 +9,7 @@ import pytest
 
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.overview.building import WorldFile, with_worlds
+from fuzz.overview.building import with_worlds
 from fuzz.overview.causes import causes_of
 from fuzz.triage.inside import inside
 from sim.controllers import CONTROLLERS
@@ -334,6 +334,7 @@ def run(kind):
     assert counts["return 1"] == 0
 
 
+@pytest.mark.gate
 def test_commands_show_lines_and_state_and_a_report_can_leave_them_out(robot, tmp_path):
     file = tmp_path / "failures" / "failure.grid"
     file.parent.mkdir()
@@ -361,11 +362,33 @@ def test_counts_do_not_depend_on_the_runs_before(robot):
 
 def test_an_overview_has_what_the_run_of_each_cause_shows(robot):
     failure = failing(robot(BOUNCES)).noting(cause="wanders")
-    file = WorldFile(failure, "a.grid")
-    (cause,) = with_worlds(causes_of([failure]), lambda _: [file])
-    row = cause.table()
-    assert [0, None, "..."] in row.inside["lines"] and row.inside["unused"] == ["never_called"]
-    assert row.repeats and row.reactions[0][0] == "touching a wall ahead"
+    ((row,), _) = with_worlds(causes_of([failure]), lambda _: [failure])
+    assert (0, None, "...") in row.inside.lines and row.inside.unused == ["never_called"]
+    assert row.repeats and row.reactions[0].situation == "touching a wall ahead"
+
+
+# Keeps a long list of counters; only its last number decides how the robot turns.
+LONG_MEMORY = """
+from sim import Command
+
+
+class Robot:
+    def reset(self):
+        return (0.0,) * 31
+
+    def act(self, observation, memory):
+        decisive = memory[27] + observation.bump
+        turn = decisive % 2 * 3.0
+        counters = tuple(number + 1 for number in memory)
+        memory = (*counters[:27], decisive, *counters[28:])
+        return Command(observation.top_speed, turn / observation.time_step), memory
+"""
+
+
+def test_state_that_the_lines_read_comes_first_however_much_there_is(robot):
+    state = seen(robot(LONG_MEMORY)).state
+    assert state[0][0] == "memory[27]"
+    assert ("and", "21 more that change") in state
 
 
 def test_values_that_differ_each_time_or_run_code_when_looked_at_are_not_state(robot):

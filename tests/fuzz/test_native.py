@@ -12,7 +12,8 @@ from fuzz.facts.proofs import certified
 from fuzz.layouts.features import decode_scene, decode_world
 from fuzz.layouts.layout_bytes import LAYOUT_BYTES, SCENE_BYTES
 from fuzz.screening import evaluate
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim import CompiledController
 from sim.controllers import CONTROLLERS

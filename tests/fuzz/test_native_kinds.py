@@ -15,7 +15,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search.native import scenes as drawn
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim import Command, Commands
 from sim.controllers import CONTROLLERS
@@ -274,6 +274,7 @@ def test_a_vector_class_that_remembers_outside_its_memory_is_run_alone(monkeypat
     assert alone == [12]
 
 
+@pytest.mark.gate
 def test_a_program_that_offers_it_drives_many_robots_at_once():
     offering = program(PROGRAM_OF_MANY.replace("OFFER", "True"))
     one = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 40, 60)

@@ -11,7 +11,7 @@ from fuzz.layouts.variation import Variation
 from fuzz.screening import evaluate
 from fuzz.search.native import Few, fits, scenes
 from fuzz.search.plan import planned_strategy, strategies_for
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import SearchState
 from sim.options.run import RunOptions

@@ -13,10 +13,11 @@ from fuzz.failure import Failure
 from fuzz.oracles import ORACLES, NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
-from fuzz.replay.regression import CONFIRMED, check
+from fuzz.regression.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.options.run import RunOptions
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
@@ -282,6 +283,7 @@ def test_a_controller_that_knows_of_walls_which_it_cannot_sense_is_seen(spy):
     assert said["kind"] == "then-loop" and said["walls"] > 10
 
 
+@pytest.mark.gate
 def test_an_objection_to_walls_that_nobody_senses_is_replayed_and_shrunk(spy):
     small = shrink(failing("wall", spy, WIDE)).failure
     assert small.record.details["class"] == "wall-then-loop" and small.record.details["one_minimal"]

@@ -6,32 +6,34 @@ from types import SimpleNamespace
 
 import click
 import pytest
+from msgspec import structs
 
 from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.state import CampaignState, DiscoveryTotals
-from fuzz.campaign.store import FolderStore
+from fuzz.campaign.state import CampaignState
+from fuzz.campaign.store import Find, FolderStore
 from fuzz.cause import Severity
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.corpus.baseline import _key
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.overview import Cause, CauseTotals, building, causes_of, read_overview
-from fuzz.overview.building import Conclusion, WorldFile, build_overview, files_of, with_worlds
+from fuzz.overview import Cause, CauseResult, building, causes_of, read_overview
+from fuzz.overview.building import Conclusion, build_overview, files_of, with_worlds
 from fuzz.overview.causes import in_order, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare, with_states
-from fuzz.overview.natural import NaturalRuns, describe_fall, natural_families, natural_runs
-from fuzz.overview.overview import Overview, write_overview
-from fuzz.overview.table import NaturalTally
-from fuzz.overview.terminal import Headline, overview_lines
+from fuzz.overview.counterfactual import Change
+from fuzz.overview.natural import describe_fall, natural_families, natural_runs
+from fuzz.overview.result import CampaignResult, NaturalTally, write_overview
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of
+from fuzz.unit.answer import AnswerNumbers
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import CampaignOptions
 from fuzz.unit.result import SearchState
 from sim.clock.stopping import is_out_of_time, stopping_when
 from sim.scenario import Scenario
+from tests.helpers.campaign_results import natural_worlds, numbers, terminal
 from tests.helpers.command_line import worldgen
 from tests.helpers.faulty_robots import HERE, certified_hall, found_by, hall
 from tests.helpers.raising import raises
@@ -39,11 +41,13 @@ from worldgen.errors import FormatError
 from worldgen.files.json_file import plain
 from worldgen.support.plain_text import Styled
 
+FAILING = AnswerNumbers(failures=1)
+
 
 def test_causes_come_by_severity_and_frequency_in_natural_worlds():
-    rare = CauseTotals(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 900})
-    often = CauseTotals(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
-    worst = CauseTotals(Cause.GOES_THROUGH_A_WALL, ("c",), {"tunnel": 1})
+    rare = CauseResult.of(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 900})
+    often = CauseResult.of(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
+    worst = CauseResult.of(Cause.GOES_THROUGH_A_WALL, ("c",), {"tunnel": 1})
     assert in_order([often, rare, worst]) == [worst, rare, often]
     ordered = with_natural([often, rare, worst], {Cause.PUSHES_A_WALL: 5, Cause.WANDERS: 1})
     assert [one.cause for one in ordered] == [
@@ -55,9 +59,9 @@ def test_causes_come_by_severity_and_frequency_in_natural_worlds():
 
 
 def test_a_cause_that_no_natural_world_shows_comes_late():
-    burned = CauseTotals(Cause.DRIVES_INTO_A_HAZARD, ("a",), {"burned": 4})
-    tunnel = CauseTotals(Cause.GOES_THROUGH_A_WALL, ("b",), {"tunnel": 1})
-    pushes = CauseTotals(Cause.PUSHES_A_WALL, ("c",), {"loop": 145})
+    burned = CauseResult.of(Cause.DRIVES_INTO_A_HAZARD, ("a",), {"burned": 4})
+    tunnel = CauseResult.of(Cause.GOES_THROUGH_A_WALL, ("b",), {"tunnel": 1})
+    pushes = CauseResult.of(Cause.PUSHES_A_WALL, ("c",), {"loop": 145})
     assert in_order([pushes, burned, tunnel]) == [tunnel, burned, pushes]
     # An error that breaks the rules of the simulation is one wherever it happens.
     found = with_natural([pushes, burned, tunnel], {Cause.PUSHES_A_WALL: 45})
@@ -71,28 +75,29 @@ def test_failures_are_grouped_with_how_often_they_were_met():
     met = {("pushes-a-wall", "loop"): 7, ("stands-still", "loop"): 1, ("crash-a", "crash"): 3}
     causes = causes_of(failures, met)
     assert [(one.cause, one.groups, one.met) for one in causes] == [
-        (Cause.PUSHES_A_WALL, ("pushes-a-wall",), 7),
-        (Cause.STANDS_STILL, ("stands-still",), 1),
+        (Cause.PUSHES_A_WALL, ["pushes-a-wall"], 7),
+        (Cause.STANDS_STILL, ["stands-still"], 1),
     ]
 
 
 def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
     runs = [natural_runs(Scenario("bug2"), ["trap", "maze"], 6, seed=3) for _ in range(2)]
-    assert runs[0] == runs[1] and runs[0].worlds == 6 and runs[0].is_complete
-    low, high = runs[0].interval
-    assert 0.0 <= low <= runs[0].arrived / 6 <= high <= 1.0
-    assert runs[0].families.keys() == {"trap", "maze"}
+    (result, _), (again, _) = runs
+    assert result == again and result.worlds == 6 and result.complete
+    low, high = result.interval
+    assert 0.0 <= low <= result.arrived / 6 <= high <= 1.0
+    assert result.families.keys() == {"trap", "maze"}
 
 
 def test_natural_worlds_end_with_the_time_and_say_so():
-    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
-    assert runs.worlds == 0 and not runs.is_complete
+    runs, _ = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
+    assert runs.worlds == 0 and not runs.complete
 
 
 def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
-    runs = natural_runs(Scenario("bug2"), ["fire"], 4, seed=1)
+    runs, examples = natural_runs(Scenario("bug2"), ["fire"], 4, seed=1)
     assert runs.unsensed + runs.worlds == 4 and runs.unsensed > 0
-    assert Cause.HARMED_UNSENSED not in runs.causes
+    assert Cause.HARMED_UNSENSED not in {*runs.causes, *examples}
 
 
 def test_only_families_have_natural_worlds():
@@ -151,8 +156,7 @@ def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
 
     monkeypatch.setattr(building, "explained", lambda *_: None)
     monkeypatch.setattr(building, greedy, {"clearest": wait, "explained": explained}[greedy])
-    files = lambda cause: [WorldFile(failures[cause], f"{cause}.grid")]  # noqa: E731
-    with_worlds(causes, files, end=300, clock=lambda: seconds[0])
+    with_worlds(causes, lambda cause: [failures[cause]], end=300, clock=lambda: seconds[0])
     assert spent == [100, 100, 100]
 
 
@@ -162,8 +166,10 @@ def overview_of(best, found, known=None):
     Its file has ``best``, if any; the search met ``found``.
     """
     config = configure(CampaignOptions(controller=f"{HERE}:Still"), seed=1)
-    find = DiscoveryTotals(0, "drawn", found, 1, 1, 1.0)
-    state = CampaignState(best={} if best is None else {best.key: best}, finds=[find])
+    find = Find(
+        unit=0, strategy="drawn", cause=found.group, solid_cells=1, worlds=1, steps=1, seconds=1.0
+    )
+    state = CampaignState(best={} if best is None else {best.key: best}, finds=[(find, found)])
     state.memory = SearchState(failures={found.key: found})
     state.met[found.group, found.verdict] += 1
     return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
@@ -173,13 +179,14 @@ def test_the_clearest_world_of_a_cause_comes_first_and_the_smallest_after_it():
     wide = found_by("Still", certified(hall(40))).noting(**{"class": "a"})
     usual = found_by("Still").noting(**{"class": "b"})
     overview = overview_of(wide, usual)
-    (cause,) = overview.causes
-    assert (cause.file, cause.failure) == ("stands-still.grid", usual)
-    assert cause.files == ("stands-still.grid", "stands-still-2.grid")
+    (cause,) = overview.result.causes
+    assert cause.file == "stands-still.grid" and overview.examples == {cause.cause: usual}
+    assert cause.files == ["stands-still.grid", "stands-still-2.grid"]
     assert overview.files == {"stands-still": usual, "stands-still-2": wide}
     # A world that looks the same as a clearer one is not shown.
     same = overview_of(wide.noting(**{"class": "b"}), usual)
-    assert same.files == {"stands-still": usual} and same.causes[0].smallest == "stands-still.grid"
+    assert same.files == {"stands-still": usual}
+    assert same.result.causes[0].smallest == "stands-still.grid"
 
 
 def test_a_known_failure_does_not_hide_a_new_one_of_its_cause(tmp_path):
@@ -188,8 +195,10 @@ def test_a_known_failure_does_not_hide_a_new_one_of_its_cause(tmp_path):
     new = found_by("Still", certified(hall(40))).noting(**{"class": "crash-b"}, cause="crashes")
     baseline = Baseline({_key(known): (tmp_path / "a.grid", known)})
     assert known.order < new.order and baseline.has(known) and not baseline.has(new)
-    (cause,) = overview_of(new, known, baseline).causes
-    assert (cause.failure, cause.file, cause.files) == (new, "crash-b.grid", ("crash-b.grid",))
+    overview = overview_of(new, known, baseline)
+    (cause,) = overview.result.causes
+    assert (cause.file, cause.files) == ("crash-b.grid", ["crash-b.grid"])
+    assert overview.examples == {cause.cause: new}
     assert cause.state == "new"
 
 
@@ -204,9 +213,9 @@ def test_a_world_whose_cause_changes_while_it_is_shrunk_is_shown_as_found(monkey
         )
 
     (as_found,) = files(lambda _: other)
-    assert as_found.failure.world.walls.shape == case.world.walls.shape
-    small, _ = files(lambda _: other.noting(cause="stands-still"))
-    assert small.failure.world is other.world and small.original == as_found.failure
+    assert as_found.world.walls.shape == case.world.walls.shape
+    small, again = files(lambda _: other.noting(cause="stands-still"))
+    assert small.world is other.world and again == as_found
 
 
 def test_at_most_three_failures_of_a_cause_have_files():
@@ -225,18 +234,16 @@ def test_the_reason_of_an_error_may_end_in_a_number():
 
 
 def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
-    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
-    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {}, 0)
-    overview = Overview((hazard, shrunk_only), NaturalRuns(worlds=8, arrived=8))
-    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
-    numbered = [click.unstyle(line) for line in lines if line[:2] in ("1.", "2.")]
+    hazard = CauseResult.of(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    shrunk_only = CauseResult.of(Cause.STANDS_STILL, ("d",), {}, 0)
+    lines = terminal(tmp_path, [hazard, shrunk_only], natural_worlds(8, 8), worlds=9)
+    numbered = [line for line in lines if line[:2] in ("1.", "2.")]
     assert [line.partition(":")[0] for line in numbered] == ["1. harmed-by-what-it-cannot-sense"]
     assert "not counted: stands-still (only in worlds that shrinking made)" in lines
 
 
 def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
-    overview = Overview((), NaturalRuns(unsensed=9))
-    lines = overview_lines(overview, Headline("mine", tmp_path, 9, is_failing=False))
+    lines = terminal(tmp_path, [], natural_worlds(unsensed=9), worlds=9)
     assert (
         "  hazards that it cannot sense harmed it in 9 natural worlds, and no other was run"
         in lines
@@ -245,7 +252,7 @@ def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
 
 def test_a_cause_that_nothing_met_has_no_verdicts():
     (cause,) = causes_of([found_by("Still")], {})
-    assert (cause.table().met, cause.table().verdicts) == (0, {})
+    assert (cause.met, cause.verdicts) == (0, {})
 
 
 def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
@@ -253,8 +260,9 @@ def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
     found.write(tmp_path / "known.grid")
     known = Baseline.of(read_corpus([tmp_path]).entries, Scenario(f"{HERE}:Still"), print)
     overview = overview_of(None, found, known)
-    assert overview.causes[0].file.startswith(".campaign/failures/")
-    lines = overview_lines(overview, Headline("mine", tmp_path, 1, is_known=True))
+    causes = overview.result.causes
+    assert causes[0].file.startswith(".campaign/failures/")
+    lines = terminal(tmp_path, causes, known={"stands-still": 1})
     assert not any(".campaign" in line for line in lines)
 
 
@@ -279,6 +287,7 @@ class Far:
 """
 
 
+@pytest.mark.gate
 def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
     (tmp_path / "far.py").write_text(FAR)
     out = tmp_path / "out"
@@ -305,6 +314,7 @@ def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path)
     assert all((tmp_path / "again" / name).is_file() for name in named if name)
 
 
+@pytest.mark.gate
 def test_a_replay_of_stored_units_that_is_interrupted_leaves_the_folder_as_it_is(
     tmp_path, monkeypatch
 ):
@@ -340,50 +350,56 @@ def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):
 
 def test_a_comparison_tells_new_from_fixed_and_still_there():
     found = compare("baseline", now={"a", "b"}, still={"b"}, fixed={"c", "b"})
-    assert (found.new, found.still, found.fixed) == (("a",), ("b",), ("c",))
-    assert found.describe() == (
+    assert found.causes == {"new": ["a"], "still": ["b"], "fixed": ["c"]}
+    assert found.sentence == (
         "against the baseline, new: 1 cause (a); fixed: 1 cause (c); still there: 1 cause (b)"
     )
-    causes = [CauseTotals(Cause.CRASHES, groups) for groups in (("a", "b"), ("b",), ("d",))]
+    causes = [CauseResult.of(Cause.CRASHES, groups) for groups in (("a", "b"), ("b",), ("d",))]
     assert [one.state for one in with_states(causes, found)] == ["new", "still", ""]
 
 
 def test_a_fall_of_the_natural_rate_beyond_its_interval_is_said():
-    before = NaturalRuns(worlds=100, arrived=90).table()
-    assert describe_fall(NaturalRuns(worlds=100, arrived=80), before) == ""
-    fall = describe_fall(NaturalRuns(worlds=100, arrived=50), before)
+    before = natural_worlds(100, 90)
+    assert describe_fall(natural_worlds(100, 80), before) == ""
+    fall = describe_fall(natural_worlds(100, 50), before)
     assert fall == "it arrives in 50 % of natural worlds, and arrived in 90 % before"
     found = compare("baseline", set(), set(), set(), fall)
-    assert found.describe().endswith(f"; {fall}")
-    assert not describe_fall(NaturalRuns(worlds=100, arrived=95), before)
-    assert not describe_fall(None, before) and not describe_fall(NaturalRuns(worlds=9), None)
+    assert found.sentence.endswith(f"; {fall}")
+    assert not describe_fall(natural_worlds(100, 95), before)
+    assert not describe_fall(None, before) and not describe_fall(natural_worlds(9), None)
+
+
+CRASHES = structs.replace(
+    CauseResult.of(Cause.CRASHES, ["crash-a"], {"crash": 2}, 1), file="crash-a.grid"
+)
 
 
 def test_an_overview_that_is_read_is_the_one_that_was_written(tmp_path):
     (tmp_path / ".campaign").mkdir()
-    natural = natural_runs(Scenario("bug2"), ["trap"], 2, seed=1)
-    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
-    written = Overview((cause,), natural)
-    write_overview(written, tmp_path)
-    read = read_overview(tmp_path)
-    assert read == written.table() and read.natural.worlds == natural.worlds
+    natural, _ = natural_runs(Scenario("bug2"), ["trap"], 2, seed=1)
+    changes = [Change("cell", [1, 2]), Change("radius", 0.2, 0.25, "m")]
+    cause = structs.replace(CRASHES, changes=changes)
+    comparison = compare("baseline", {"crash-a"}, set(), set())
+    written = CampaignResult(causes=[cause], natural=natural, comparison=comparison)
+    write_overview(structs.replace(written, summary=numbers()), tmp_path)
+    assert read_overview(tmp_path) == written
 
 
 def test_an_overview_of_an_earlier_version_is_read(tmp_path):
     (tmp_path / ".campaign").mkdir()
-    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
-    write_overview(Overview((cause,)), tmp_path)
+    written = CampaignResult(causes=[CRASHES])
+    write_overview(written, tmp_path)
     file = tmp_path / ".campaign/overview.json"
     table = json.loads(file.read_text())
     del table["causes"][0]["fault"], table["causes"][0]["changes"], table["natural"]
     file.write_text(json.dumps(table))
-    assert read_overview(tmp_path) == Overview((cause,)).table()
+    assert read_overview(tmp_path) == written
 
 
 @pytest.mark.parametrize("file", ["../secret.grid", "a/b.grid", "/etc/passwd", ".campaign/x.grid"])
 def test_an_overview_names_no_file_outside_its_folder(tmp_path, file):
     (tmp_path / ".campaign").mkdir()
-    write_overview(Overview((CauseTotals(Cause.CRASHES, (), {}, 1, file),)), tmp_path)
+    write_overview(CampaignResult(causes=[structs.replace(CRASHES, file=file)]), tmp_path)
     with raises(FormatError, "invalid-overview"):
         read_overview(tmp_path)
 
@@ -415,10 +431,11 @@ def test_every_cause_has_a_sentence_and_an_advice():
 
 
 def test_the_table_of_natural_worlds_names_what_was_never_tried():
-    table = NaturalRuns().table()
+    table = natural_worlds()
     assert table.share is None and table.clearances["less than 1.1"] == NaturalTally(0, 0)
 
 
+@pytest.mark.gate
 def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--motion", "endpoint", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
@@ -438,35 +455,26 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
 
 def test_a_campaign_without_an_answer_says_why_and_what_to_type(tmp_path):
     more = f"worldgen fuzz --resume {tmp_path} --budget 5m"
-    headline = Headline(
-        "mine under swept",
-        tmp_path,
-        107,
-        is_failing=False,
-        no_answer="1 of the 5 natural worlds that an answer needs was finished",
-        remedy=more,
+    lines = terminal(
+        tmp_path, answer="none", answer_reason="1 of the 5 natural worlds was finished", remedy=more
     )
-    lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
     assert lines[0].startswith("mine under swept: no answer: 1 of the 5 natural worlds")
     assert lines[-1] == f"give it more time: {more}"
 
 
 def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
-    headline = Headline("mine under swept", tmp_path, 1070, is_failing=False, unjudged=13)
-    line = click.unstyle(overview_lines(Overview(()), headline)[0])
+    line, *_ = terminal(tmp_path, answer_numbers=AnswerNumbers(searched_unjudged=13))
     assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
-    none = overview_lines(Overview(()), replace(headline, unjudged=0))
-    assert "did not arrive" not in none[0]
+    line, *_ = terminal(tmp_path)
+    assert "did not arrive" not in line
 
 
 def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
-    cause = CauseTotals(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 9})
-    headline = Headline("mine under swept", tmp_path, 107)
+    cause = CauseResult.of(Cause.CIRCLES_AN_OBSTACLE, ("a",), {"loop": 9})
 
     def first_lines(arrived):
-        natural = NaturalRuns(worlds=400, arrived=arrived)
-        lines = overview_lines(Overview((cause,), natural), headline)[:2]
-        return [click.unstyle(line) for line in lines]
+        natural = natural_worlds(400, arrived)
+        return terminal(tmp_path, [cause], natural, answer_numbers=FAILING)[:2]
 
     assert "arrived in no natural world" in first_lines(0)[0]
     assert "rarely arrives" in first_lines(50)[0]
@@ -478,13 +486,13 @@ def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
 
 
 def test_counts_never_contradict_each_other(tmp_path):
-    own = CauseTotals(Cause.PUSHES_A_WALL, ("a", "b"), {"loop": 1}, 0)
-    natural_only = CauseTotals(Cause.WANDERS, ("c",), {}, 2)
-    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {"loop": 0}, 0)
-    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
-    natural = NaturalRuns(worlds=8, arrived=6)
-    overview = Overview((own, shrunk_only, natural_only, hazard), natural)
-    styled = overview_lines(overview, Headline("mine", tmp_path, 9))
+    own = CauseResult.of(Cause.PUSHES_A_WALL, ("a", "b"), {"loop": 1}, 0)
+    natural_only = CauseResult.of(Cause.WANDERS, ("c",), {}, 2)
+    shrunk_only = CauseResult.of(Cause.STANDS_STILL, ("d",), {"loop": 0}, 0)
+    hazard = CauseResult.of(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    causes = [own, shrunk_only, natural_only, hazard]
+    natural = natural_worlds(8, 6)
+    styled = terminal(tmp_path, causes, natural, in_colour=True, answer_numbers=FAILING)
     # Colours survive the way to the terminal only in a styled text.
     assert [line for line in styled if "\x1b" in line and not isinstance(line, Styled)] == []
     lines = list(map(click.unstyle, styled))
@@ -512,9 +520,9 @@ def test_counts_never_contradict_each_other(tmp_path):
     ],
 )
 def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):
-    overview = Overview((CauseTotals(cause, ("a",), {"loop": 1}),))
-    line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9))[0])
-    assert line.startswith(f"mine: {words}")
+    causes = [CauseResult.of(cause, ("a",), {"loop": 1})]
+    line, *_ = terminal(tmp_path, causes, answer_numbers=FAILING)
+    assert line.startswith(f"mine under swept: {words}")
 
 
 def test_each_failure_has_its_page_only_if_asked_for(tmp_path):
@@ -526,6 +534,7 @@ def test_each_failure_has_its_page_only_if_asked_for(tmp_path):
     assert "returns-to-a-wall" in verbose
 
 
+@pytest.mark.gate
 def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip

@@ -26,23 +26,26 @@ def test_strategies_of_which_nothing_is_known_share_alike():
 
 def test_a_strategy_that_finds_more_for_the_same_cost_gets_more():
     poor, rich = (
-        StrategyYield(units=5, worlds=2000),
-        StrategyYield(units=5, worlds=2000, failures=40, variants=6),
+        StrategyYield("trap", units=5, worlds=2000),
+        StrategyYield("trap", units=5, worlds=2000, failures=40, variants=6),
     )
     low, high = shares(poor, rich)
     assert high > 2 * low
 
 
 def test_a_strategy_that_finds_the_same_for_less_gets_more():
-    dear, cheap = StrategyYield(worlds=4000, failures=40), StrategyYield(worlds=400, failures=40)
+    dear, cheap = (
+        StrategyYield("trap", worlds=4000, failures=40),
+        StrategyYield("trap", worlds=400, failures=40),
+    )
     low, high = shares(dear, cheap)
     assert high > 2 * low
 
 
 def test_no_strategy_starves():
     nothing, much = (
-        StrategyYield(worlds=10**9),
-        StrategyYield(worlds=1, failures=10**6, variants=100),
+        StrategyYield("trap", worlds=10**9),
+        StrategyYield("trap", worlds=1, failures=10**6, variants=100),
     )
     assert shares(nothing, much)[0] == pytest.approx(0.15)
 
@@ -55,8 +58,8 @@ def test_shares_add_up_to_the_budget():
 def test_units_are_dealt_out_as_the_shares_say():
     memory = SearchState(
         {
-            "trap": StrategyYield(worlds=4000),
-            "maze": StrategyYield(worlds=400, failures=400, variants=9),
+            "trap": StrategyYield("trap", worlds=4000),
+            "maze": StrategyYield("maze", worlds=400, failures=400, variants=9),
         }
     )
     config = CampaignConfig(Scenario("turn-right"), families=TWO)

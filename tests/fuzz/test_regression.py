@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.replay.answer import State, answer, describe_summary
-from fuzz.replay.fixed import RegressionRun
-from fuzz.replay.regression import CONFIRMED, check, run, tell
-from fuzz.triage.judging import failure_of, replay
+from fuzz.regression.answer import State, answer, describe_summary
+from fuzz.regression.fixed import RegressionRun
+from fuzz.regression.regression import CONFIRMED, check, run, tell
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from fuzz.campaign.store import read_summary
 from fuzz.failure import Failure
-from fuzz.overview import read_overview
+from fuzz.overview import CampaignResult, read_overview
+from fuzz.overview.result import write_overview
 from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.player.streams import bits, numbers
 from fuzz.player.worlds import drawn_world
@@ -34,6 +35,7 @@ from tests.helpers.campaign_folder import (
     explain_the_loop,
     with_details,
 )
+from tests.helpers.campaign_results import natural_worlds
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
@@ -386,6 +388,16 @@ def test_a_campaign_without_failures_has_a_page(tmp_path):
         (folder / name).unlink()
     write_report([folder], tmp_path / "r.html")
     assert data_of(tmp_path / "r.html")["campaigns"][0]["worlds"] == 900
+
+
+def test_a_campaign_whose_natural_worlds_do_not_count_has_a_page(tmp_path):
+    folder = campaign_folder(tmp_path / "c")
+    write_overview(CampaignResult(causes=[], natural=natural_worlds(unsensed=3)), folder)
+    write_report([folder], tmp_path / "r.html")
+    answers = data_of(tmp_path / "r.html")["answers"]
+    (answer,) = (one for one in answers if one["campaign"] == 0)
+    assert (answer["natural"]["worlds"], answer["natural"]["percent"]) == (0, 0)
+    assert answer["arrives"] == "does not always arrive"
 
 
 def test_nothing_to_report_on_is_refused(tmp_path):

@@ -155,7 +155,7 @@ def test_a_cause_never_contradicts_the_moves_that_repeat(folder):
     """What a cause says the robot does is what one period of its run shows."""
     for file in sorted((SHIPPED.parent / folder).rglob("*.grid")):
         failure = Failure.read(file)
-        if failure.verdict not in ("loop", "stalled") or failure.world.others:
+        if failure.verdict not in ("loop", "stalled") or failure.world.is_fleet:
             continue
         words = describe_period(failure.world, failure.run())
         moves = {move for move in MOVES if move in words}

@@ -15,7 +15,8 @@ from fuzz.shrink.edits import drop_lines, free_cells
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim.options.run import RunOptions
 from sim.options.thesis import ThesisOptions
@@ -109,6 +110,7 @@ def test_out_of_time_the_best_so_far_comes_back():
     assert not result.complete and replay(result.failure).confirmed
 
 
+@pytest.mark.gate
 def test_shrinking_keeps_the_thesis_robots_noise_and_sensor():
     made = failure("turn-right", "stepped", thesis=ThesisOptions(noise=True, sensor_range=50))
     result = shrink(made, seconds=5.0).failure.record

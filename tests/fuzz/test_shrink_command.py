@@ -10,7 +10,8 @@ import pytest
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.shrink import ORDER, PASSES, snippet, trying
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world

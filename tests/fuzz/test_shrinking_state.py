@@ -32,6 +32,7 @@ def found(campaign):
     return max(loops, key=lambda one: one.world.solid_cells)
 
 
+@pytest.mark.gate
 def test_a_failure_that_nobody_shrunk_says_none_and_stores_nothing(found):
     assert found.shrinking == ShrinkState.NONE
     assert b"shrinking" not in found.dumps()

@@ -248,6 +248,7 @@ def test_a_robot_s_second_name_is_told():
     assert (also["thesis-1"], also["turn-right"], also["bug1"]) == ("turn-right", "thesis-1", "")
 
 
+@pytest.mark.gate
 def test_a_world_saved_as_it_was_opened_is_the_same_file(page, folder):
     opened = page.ask("open", name="fire.grid")["answer"]["world"]
     page.ask("save", name="same.grid", world=opened, overwrite=True)
@@ -306,6 +307,7 @@ def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, fol
     assert len(said["parts"]) == 3
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     "name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3]
 )
@@ -446,10 +448,10 @@ def test_a_world_of_several_robots_keeps_them_whatever_is_drawn():
     assert restored(message) == world
     # After an edit, the first robot is the drawn one, and the others stay.
     edited = restored({**message, "robot_speed": 1.0})
-    assert edited.robot_speed == 1.0 and edited.others == world.others
+    assert edited.robot_speed == 1.0 and edited.robots[1:] == world.robots[1:]
     assert edited.certificate is None
     # A robot drawn onto another one is an error, not a loss.
-    x, y = world.others[0].start.x, world.others[0].start.y
+    x, y = world.robots[1].start.x, world.robots[1].start.y
     with raises(InvalidWorld, "robots-overlap"):
         restored({**message, "start": [x, y, 0.0]})
     with raises(InvalidWorld, "other-robots", robots=3):

@@ -275,6 +275,7 @@ def test_on_the_drawn_map_only_the_poses_vary(page, folder):
     assert walls and all((found == drawn.walls).all() for found in walls)
 
 
+@pytest.mark.gate
 def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page, folder):
     (folder / "corpus/inner").mkdir(parents=True)
     write_world(generate("corridor", 3), folder / "corpus/inner/w.grid")
@@ -316,6 +317,7 @@ def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(
     assert not (folder / "refused").exists()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", ["../outside", ".hidden", "", "/tmp/x", "a/../../x"])
 @pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
 def test_no_campaign_leads_out_of_the_folder(page, do, name):

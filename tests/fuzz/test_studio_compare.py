@@ -37,6 +37,7 @@ def cells_of(said):
     return {(part["row"], part["column"]): part for part in cells}
 
 
+@pytest.mark.gate
 def test_every_cell_is_that_of_the_command(gate):
     sent = [
         {"name": "file", "file": "config-05.grid"},
@@ -100,6 +101,7 @@ def test_what_cannot_be_compared_is_refused(gate, changes, code):
     assert said["error"]["code"] == code
 
 
+@pytest.mark.gate
 def test_compositions_of_registered_behaviours_need_not_be_named(gate):
     name = "behaviours:avoid+angle=2,follow,wander"
     with page_of(gate) as page:

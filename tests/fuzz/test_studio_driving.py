@@ -28,6 +28,7 @@ def drive(page, commands, world=CORRIDOR, **changes):
     return page.ask("drive", **(message | changes))
 
 
+@pytest.mark.gate
 def test_a_drive_goes_where_it_is_steered_and_ends_at_the_target(gate):
     with page_of(gate) as page:
         short = drive(page, [[4, 1.0, 0.0]])["answer"]

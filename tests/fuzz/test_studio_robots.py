@@ -75,6 +75,7 @@ def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
     ]
 
 
+@pytest.mark.gate
 def test_what_is_wrong_with_one_robot_s_options_is_told_and_the_others_drive(gate):
     with page_of(gate) as page:
         wrong, right = run(page, ["thesis-1+slop=0.3", "thesis-1"])

@@ -174,6 +174,7 @@ def test_a_name_too_long_for_the_disk_is_refused_in_a_sentence(folder):
         Folder(folder).place("x" * 300)
 
 
+@pytest.mark.gate
 def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
     (folder.parent / "secret.pgm").write_text("mine")
     (folder / "map.pgm").symlink_to(folder.parent / "secret.pgm")
@@ -183,7 +184,9 @@ def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
     assert (folder.parent / "secret.pgm").read_text() == "mine"
 
 
-@pytest.mark.parametrize("companion", ["plan.map.worldgen.toml", "plan.map.scen", "plan.scen"])
+@pytest.mark.parametrize(
+    "companion", ["plan.map.worldgen.grid", "plan.map.worldgen.toml", "plan.map.scen", "plan.scen"]
+)
 def test_a_map_s_companions_lead_no_further_than_itself(page, folder, companion):
     (folder.parent / "secret.toml").write_text("secret = 1")
     (folder / "plan.map").write_bytes(

@@ -60,6 +60,7 @@ def test_a_picture_of_another_kind_or_of_nobody_is_refused(gate, changes):
         assert ask(page, **changes)["error"]["code"] == "unknown-name"
 
 
+@pytest.mark.gate
 def test_a_picture_that_nobody_wants_is_ended(gate):
     with page_of(gate) as page:
         message = {

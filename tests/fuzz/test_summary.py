@@ -9,6 +9,7 @@ from fuzz.campaign.store import Budget, Status, begin, read_summary, resume
 from fuzz.campaign.summary import controller_share, describe_share, describe_time, summary_of
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
+from tests.helpers.campaign_results import numbers
 from worldgen.files.json_file import plain
 
 
@@ -37,12 +38,15 @@ def test_the_share_of_a_python_class_is_in_the_summary(of_a_class):
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
-    assert describe_share(*of_a_class).endswith(" % of the work was your controller's own code")
+    config, _ = of_a_class
+    share = describe_share(summary_of(*of_a_class, Status.DONE), config.scenario.controller)
+    assert share.endswith(" % of the work was your controller's own code")
 
 
 def test_a_compiled_controller_has_no_share(of_a_compiled_one):
-    assert "controller_share" not in plain(summary_of(*of_a_compiled_one, Status.DONE))
-    assert describe_share(*of_a_compiled_one) is None
+    summary = summary_of(*of_a_compiled_one, Status.DONE)
+    assert "controller_share" not in plain(summary)
+    assert describe_share(summary, "turn-right") is None
 
 
 def test_a_sitting_that_did_nothing_has_no_share(of_a_class):
@@ -51,13 +55,16 @@ def test_a_sitting_that_did_nothing_has_no_share(of_a_class):
 
 
 def test_the_time_of_a_run_is_told_by_its_parts():
-    state = CampaignState(seconds=28.0, times={"start-up": 2.0, "search": 1.3, "shrinking": 26.7})
-    assert describe_time(state) == "30.0 s: start-up 2.0 s, search 1.3 s, shrinking 26.7 s"
+    times = {"start-up": 2.0, "search": 1.3, "shrinking": 26.7}
+    assert (
+        describe_time(numbers(seconds=28.0, times=times))
+        == "30.0 s: start-up 2.0 s, search 1.3 s, shrinking 26.7 s"
+    )
 
 
 def test_a_run_that_had_nothing_to_do_reports_the_time_of_the_runs_before_it():
     nothing = dict.fromkeys(("start-up", "search", "shrinking"), 0.0)
-    assert describe_time(CampaignState(seconds=28.0, times=nothing)) == "28.0 s"
+    assert describe_time(numbers(seconds=28.0, times=nothing)) == "28.0 s"
 
 
 def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch):
@@ -96,3 +103,22 @@ def test_a_summary_is_read_as_it_was_written(of_a_class, tmp_path):
     campaign_run.store.save_summary(written)
     campaign_run.store.close()
     assert read_summary(tmp_path) == written
+
+
+def test_a_find_has_the_time_at_which_it_was_found_also_after_a_restart(tmp_path):
+    config = CampaignConfig(
+        Scenario("turn-right"), seed=1, examples=20, families=("features",), shrink=False
+    )
+    campaign_run = begin(config, tmp_path, Budget(units=1))
+    first, again = (Campaign(config, units=2, store=campaign_run.store) for _ in range(2))
+    for campaign in (first, again):
+        for _ in campaign.run():
+            pass
+    campaign_run.store.close()
+    finds = [find for find, _ in first.state.finds]
+    assert finds == [find for find, _ in again.state.finds]
+    # Each unit has twenty worlds.
+    assert {find.unit for find in finds} == {0, 1}
+    assert [find.worlds for find in finds] == sorted(find.worlds for find in finds)
+    assert 0 < finds[0].worlds < 20 and 0 < finds[0].steps < first.state.steps
+    assert 0.0 < finds[0].seconds < finds[-1].seconds <= first.state.seconds

@@ -6,7 +6,7 @@ import pytest
 
 from fuzz.facts.proofs import certified
 from fuzz.oracles import Trial
-from fuzz.replay.answer import State, answer
+from fuzz.regression.answer import State, answer
 from fuzz.triage.judging import failure_of
 from sim import simulate
 from sim.clock import controller_time
@@ -126,6 +126,7 @@ def test_what_survives_reset_is_named(place, worlds, tmp_path, survivors):
     assert set(survivors) == expected.get(place, {"a variable of its class or module"})
 
 
+@pytest.mark.gate
 def test_a_campaign_names_what_survives_and_all_of_its_failures_replay(tmp_path, survivors):
     name = follower(tmp_path, "attribute")
     out = tmp_path / "out"

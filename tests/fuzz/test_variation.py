@@ -9,7 +9,7 @@ from fuzz import scenarios
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.unit import run_unit
 from fuzz.layouts.variation import Variation, applied
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -20,16 +20,7 @@ def hall(width=40, height=20):
 
 def fleet_world(walls, *robots, **fields):
     """Return a world with the given robots."""
-    first, *others = robots
-    return World(
-        walls,
-        first.start,
-        first.target,
-        robot_radius=first.radius,
-        robot_speed=first.speed,
-        others=tuple(others),
-        **fields,
-    )
+    return World(walls, robots=robots, **fields)
 
 
 def passage():

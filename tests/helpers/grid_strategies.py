@@ -132,7 +132,10 @@ def fleets_with_everything(draw):
     certificate = draw(st.none() | st.builds(JointWitness, joint) | cuts)
     try:
         return replace(
-            world, robot_radius=draw(radii), others=tuple(others), certificate=certificate
+            world,
+            robot_radius=draw(radii),
+            robots=(*world.robots, *others),
+            certificate=certificate,
         )
     except InvalidWorld:  # two of them overlap, or their targets exclude each other
         assume(False)

@@ -7,7 +7,7 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers import CONTROLLERS
 from sim.fleet import FleetRun
-from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.fleet.core_calls import CoreFleet
 from sim.options.run import options_of
 from tests.helpers.fleets import crowd
 
@@ -22,7 +22,7 @@ class JointMoves:
         self.world = world
         self.settings = [one.settings for one in run.runs]
         self.cells = np.array(world.walls, np.uint8)
-        drivers = [driver_in_core(one) for one in run.runs]
+        drivers = [one.driver() for one in run.runs]
         self.fleet = CoreFleet(run.runs, drivers, 10, lib.WG_NO_LOOP)
         self.clear_sq = {
             (one, other): int(

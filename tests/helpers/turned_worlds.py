@@ -59,13 +59,9 @@ def scaled(world: World, by: float) -> World:
             robot.speed,
         )
 
-    first, *others = map(larger, world.robots)
     return replace(
         world,
         cell_size=round(world.cell_size * by, 12),
-        robot_radius=first.radius,
-        start=first.start,
-        target=first.target,
+        robots=tuple(map(larger, world.robots)),
         certificate=_each(world, scale),
-        others=tuple(others),
     )

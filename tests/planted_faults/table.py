@@ -156,7 +156,7 @@ FAULTS = (
         "secret-memory",
         "a controller with memory that it doesn't declare proves no loop",
         "sim/runners/python_loop.py",
-        "self.complete = begun is not None and hidden_state(self._controller) == begun",
+        "self.complete = begun is not None and hidden_state(self._host.controller) == begun",
         "self.complete = True",
         ("tests/sim/test_episode.py",),
     ),
@@ -244,7 +244,7 @@ FAULTS = (
     Fault(
         "any-digest",
         "replay compares the digest of every state",
-        "fuzz/triage/judging.py",
+        "fuzz/triage/replaying.py",
         "if episode.trace_digest != record.trace_digest:",
         "if len(episode.trace_digest) != len(record.trace_digest):",
         ("tests/fuzz/test_commands.py",),

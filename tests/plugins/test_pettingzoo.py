@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,12 +27,7 @@ def hall(*, robots: int = 2) -> World:
     placed = [
         Robot(Pose(0.25, 0.25 + 0.3 * k), Target(1.75, 0.25 + 0.3 * k, 0.1)) for k in range(robots)
     ]
-    return World(
-        np.zeros((4 + 3 * robots, 20), bool),
-        placed[0].start,
-        placed[0].target,
-        others=tuple(placed[1:]),
-    )
+    return World(np.zeros((4 + 3 * robots, 20), bool), robots=placed)
 
 
 def straight(env: FleetEnv) -> dict[str, np.ndarray]:
@@ -53,7 +49,7 @@ def test_a_seed_decides_an_episode() -> None:
 
 def test_agents_that_arrive_are_masked_and_the_others_go_on() -> None:
     world = hall()
-    near = world.with_robots([world.robots[0], Robot(Pose(1.5, 0.55), world.robots[1].target)])
+    near = replace(world, robots=(world.robots[0], Robot(Pose(1.5, 0.55), world.robots[1].target)))
     env = FleetEnv(world=near)
     env.reset(seed=1)
     for _ in range(15):
@@ -80,7 +76,7 @@ def test_the_robots_move_as_in_the_simulator() -> None:
 def test_robots_that_meet_are_in_contact_and_pay_for_it() -> None:
     first = Robot(Pose(0.25, 0.25), Target(1.75, 0.25, 0.1))
     second = Robot(Pose(0.75, 0.25, math.pi), Target(0.05, 0.25, 0.1))
-    env = FleetEnv(world=hall().with_robots([first, second]), reward={"contact": -100.0})
+    env = FleetEnv(world=replace(hall(), robots=(first, second)), reward={"contact": -100.0})
     env.reset(seed=1)
     least = 0.0
     for _ in range(20):

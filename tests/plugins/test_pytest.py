@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.scenario import Scenario
 from worldgen.generation import generate
 
@@ -41,6 +42,7 @@ def pytest_run(project, *args):
     return project.runpytest_subprocess("-W", "error", *args)
 
 
+@pytest.mark.gate
 def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, corpus):
     done = pytest_run(project, "--worldgen-corpus", "failures")
     done.assert_outcomes(failed=1)

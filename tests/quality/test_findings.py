@@ -40,6 +40,7 @@ def test_the_thesis_model_is_caught_going_through_walls(controller):
     assert verdicts & {"tunnel", "overlap"}
 
 
+@pytest.mark.gate
 def test_fast_robots_tunnel_under_endpoint():
     scenario = Scenario("turn-right", RunOptions("endpoint"))
     config = CampaignConfig(scenario, seed=1, examples=30, time_steps=(0.15,), shrink=False)

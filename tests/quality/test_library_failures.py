@@ -12,7 +12,7 @@ from fuzz.overview.clearest import clearest
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.diagnosis import cause_of, details_of, diagnosis_of
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from sim.controllers import CONTROLLERS
 
 ROOT = pathlib.Path(__file__).parents[2]

@@ -12,7 +12,7 @@ from fuzz.campaign.run import Campaign
 from fuzz.failure import Failure
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
-from fuzz.triage.judging import replay
+from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from sim import simulate
 from sim.scenario import Scenario

@@ -1,18 +1,17 @@
-"""The adapters of examples/census, and the script that makes the table of docs/howto/census.md."""
+"""The generators of the census, and the script that makes the table of docs/howto/census.md."""
 
 import importlib.util
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.census import ROWS, main
+from benchmarks.census import CELLS, ROWS, main
+from benchmarks.census_questions import CensusOptions, take_census
+from benchmarks.foreign_maps import generated_maps
 
 ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "examples" / "census"
+FOLDER = ROOT / "benchmarks" / "generators"
 MODULES = {
     "irsim_maps": "irsim", "labmaze_maps": "labmaze", "maze_dataset_maps": "maze_dataset", "mazelib_maps": "mazelib",
     "minigrid_maps": "minigrid", "navix_maps": "navix", "pogema_maps": "pogema", "tcod_maps": "tcod",
@@ -27,30 +26,16 @@ PLANE = (
 
 
 @pytest.mark.parametrize("name", sorted(MODULES))
-def test_an_adapter_gives_judgeable_maps_and_the_same_for_the_same_seed(name, tmp_path):
+def test_an_adapter_gives_judgeable_maps_and_the_same_for_the_same_seed(name):
     if importlib.util.find_spec(MODULES[name]) is None:
         pytest.skip(
             f"{MODULES[name]} is not installed, so {name}.py is not tested; its docstring says "
             f"what to install"
         )
-    tables = []
-    for run in ("a.csv", "b.csv"):
-        args = [
-            "census",
-            f"{FOLDER / name}.py:maps",
-            "--count",
-            3,
-            "--seed",
-            5,
-            "--csv",
-            tmp_path / run,
-            "--json",
-        ]
-        words = [sys.executable, "-m", "worldgen", *map(str, args)]
-        done = subprocess.run(words, capture_output=True, text=True, check=True, cwd=tmp_path)
-        tables.append((tmp_path / run).read_text())
-    found = json.loads(done.stdout.splitlines()[-1])
-    assert found["maps"] == 3 and not found["refused"] and tables[0] == tables[1]
+    first, second = (
+        take_census(generated_maps(name, count=3, seed=5), CensusOptions(CELLS)) for _ in range(2)
+    )
+    assert first.maps == 3 and not first.refused and first.questions == second.questions
 
 
 def test_every_generators_adapter_is_tested_here():

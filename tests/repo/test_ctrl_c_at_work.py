@@ -3,6 +3,7 @@
 import random
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -99,10 +100,7 @@ def crowd(side, count):
         Robot(pose(*start), Target(pose(*end).x, pose(*end).y, 0.02), 0.049, 1.0)
         for start, end in zip(starts, ends, strict=True)
     ]
-    first, *others = robots
-    return hall(
-        side, robot_radius=0.049, start=first.start, target=first.target, others=tuple(others)
-    )
+    return replace(hall(side), robots=robots)
 
 
 def walled_off(robots=1):
@@ -110,7 +108,8 @@ def walled_off(robots=1):
     walls = np.zeros((20, 20), np.bool_)
     walls[:, 14] = True
     others = [Robot(pose(1, 2 * n + 1), target(18, 2 * n + 1), 0.03, 1.0) for n in range(1, robots)]
-    return hall(20, walls=walls, others=tuple(others))
+    world = hall(20, walls=walls)
+    return replace(world, robots=(*world.robots, *others))
 
 
 LONG = ("--steps", "100000000", "--seed", "1")

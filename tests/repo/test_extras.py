@@ -1,6 +1,9 @@
 """Each extra alone brings what its feature needs, in an environment that has nothing else."""
 
+import contextlib
+import os
 import re
+import signal
 import subprocess
 import sys
 import tomllib
@@ -15,10 +18,10 @@ BUILD_THE_SITE = re.search(
 )[1]
 
 # What uses the extra: shell commands in the fresh clone; the environment is first on the path.
-# Free ports and temporary files, and every server ends with its shell.
+# Free ports and temporary files; what still runs when the shell ends is killed.
 USES = {
     "parquet": "worldgen corpus export corpora/failures --out build/failures.parquet",
-    "dask": "trap 'kill $(jobs -p)' EXIT; dask scheduler --port 0 --no-dashboard "
+    "dask": "dask scheduler --port 0 --no-dashboard "
     "--scheduler-file build/scheduler.json & dask worker --scheduler-file build/scheduler.json & "
     "until test -s build/scheduler.json; do sleep 0.2; done; "
     "worldgen fuzz --controller turn-right --units 1 --examples 5 --out build/found "
@@ -30,8 +33,7 @@ USES = {
     "from worldgen.families import doorway; FleetEnv(world=doorway(1)).reset(seed=1)'",
     "gym": "python -c 'import gymnasium, worldgen.gym; "
     'gymnasium.make("worldgen/Navigate-v0").reset(seed=1)\'',
-    "studio": "trap 'kill $(jobs -p)' EXIT; "
-    "worldgen studio build --port 0 --no-browser >build/said 2>&1 & "
+    "studio": "worldgen studio build --port 0 --no-browser >build/said 2>&1 & "
     "until grep -o 'http://[^ ]*' build/said; do kill -0 $! && sleep 0.2; done; "
     "python -c 'import sys, urllib.request; urllib.request.urlopen(sys.argv[1]).read()' "
     "$(grep -o 'http://[^ ]*' build/said)",
@@ -63,12 +65,18 @@ def test_what_an_extra_is_for_works_with_that_extra_alone(extra, clone, tmp_path
     programs = tmp_path / "alone" / "bin"
     install = [programs / "python", "-m", "pip", "install", "--quiet"]
     subprocess.run([*install, f"worldgen[{extra}] @ {wheel.as_uri()}"], check=True)
-    use = subprocess.run(
-        ["sh", "-ec", f"export PATH={programs}:$PATH; {USES[extra]}"],
-        cwd=clone,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert use.returncode == 0, use.stdout
+    said = tmp_path / "said"
+    with said.open("w") as output:
+        use = subprocess.Popen(
+            ["sh", "-ec", f"export PATH={programs}:$PATH; {USES[extra]}"],
+            cwd=clone,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            code = use.wait()
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(use.pid, signal.SIGKILL)
+    assert code == 0, said.read_text()

@@ -202,7 +202,6 @@ def runs_of(folder):
         ],
         "audit": [[one, name] for name in foreign[:3]] + [[NAME, NAME]],
         "train": [[one, "--controller", TEXT, "--out", "x.q"], [NAME, "--out", "x.q"]],
-        "census": [[whole, "--seed", 1, "--radius", 0.05]],
         "check-family": [["./family.py:mine"], [f"./{NAME}.py:mine"], [TEXT]],
         "./family.py:mine": [["--seed", 1], ["--help"], ["--size", TEXT]],
         "import": [[name, "--out", f"i{k}.grid"] for k, name in enumerate([*foreign, *each, NAME])],
@@ -258,6 +257,7 @@ def _check(folder, tmp_path, words, *options):
     assert not found, "\n".join(found)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("words", QUICK, ids=lambda words: words[:12].replace("\x1b", ""))
 def test_no_control_character_of_a_stranger_reaches_the_terminal(folder, tmp_path, words):
     _check(folder, tmp_path, words)
@@ -277,6 +277,7 @@ def test_no_control_character_of_a_stranger_s_code_reaches_the_terminal(folder, 
     _check(folder, tmp_path, words, "--trust")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("words", ["replay --show", "explain", "corpus show"])
 @pytest.mark.parametrize(
     ("name", "text"),
@@ -289,6 +290,7 @@ def test_what_a_stranger_s_trusted_code_raises_is_printed_escaped(folder, words,
     assert not faults(output)
 
 
+@pytest.mark.gate
 def test_what_a_stranger_s_trusted_program_prints_is_printed_escaped(folder):
     file = next(file for file in grids(folder) if file.startswith("program"))
     _, output = on_a_terminal("replay", "--show", "--trust", file, folder=folder)

@@ -50,6 +50,7 @@ def test_its_own_oracle_has_ten_lines():
     assert len(code.splitlines()) <= 10
 
 
+@pytest.mark.gate
 def test_a_failure_by_an_oracle_says_what_was_found(done):
     out = done[1][0][1].out
     assert "breaks-a-rule" in out

@@ -70,11 +70,6 @@ def oracle(trial):
     """Object to nothing."""
     noise("oracle")
 
-
-def maps(seed):
-    noise("maps")
-    for number in range(2):
-        yield f"m{number}", np.zeros((8, 8), bool)
 '''
 LIBRARY = """
 #include <stdio.h>
@@ -109,7 +104,6 @@ COMMANDS = {
     "audit": None,
     "behaviours": None,
     "boundary": ("w.grid", *MINE, "--axis", "heading"),
-    "census": ("./noisy.py:maps", "--count", "2", "--seed", "1"),
     "check-family": ("./noisy.py:noisy",),
     "compare": ("w.grid", "--controller", "./noisy.py:Noisy,turn-left"),
     "controllers": ("./noisy.py:Noisy",),
@@ -234,6 +228,7 @@ def kinds(tmp_path):
     return tmp_path
 
 
+@pytest.mark.gate
 def test_the_json_of_a_run_is_readable_whatever_its_controllers_print(kinds):
     program = f"cmd:{sys.executable} program.py"
     names = ["./noisy.py:Noisy", "lib:./noisy.so:noisy", program]
@@ -257,6 +252,7 @@ def test_a_reader_that_has_enough_ends_the_command_without_a_fault(tmp_path):
     assert (done.returncode, done.stdout) == (0, "%worldgen-grid 1\n")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 def test_a_closed_stream_changes_no_exit_code(closed, tmp_path):
     line = f"{sys.executable} -m worldgen trap --size 20 --seed 4 {closed}"

@@ -51,6 +51,7 @@ PARSED = {
     "init . turn-right": "init . --controller turn-right",
     "demo turn-right": "demo --controller turn-right",
     "families maze": "families",
+    "census fails": "verify fails",
     # Options and arguments that are missing, or have no value.
     "fuzz": "fuzz --controller turn-right --out failures/",
     "fuzz --controller turn-left": "fuzz --controller turn-left --out failures/",
@@ -206,6 +207,7 @@ NAMED = {
     "compare w.grid --controller turn-left bug2":
         "compare w.grid --controller turn-left --controller bug2",
     "verify *.gird": "verify w.grid",
+    "audit fails fails/loop.grid": "audit fails/loop.grid fails/loop.grid",
     "maze --seed 1 --size 1": "maze --seed 1 --size 10",
     "maze --seed 1 --out w.grid": "maze --seed 1 --out w-2.grid",
     "export w.grid --to rso --out x.yaml": "export w.grid --to ros --out x.yaml",

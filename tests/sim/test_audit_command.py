@@ -158,9 +158,9 @@ def test_the_picture_marks_the_tunnel(files):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["{}/w.grid", "{}/none.csv"], "none.csv: cannot be read"),
+        (["{}/w.grid", "{}/none.csv"], "none.csv: there is no such file"),
         (["{}/none.grid", "{}/bad.csv"], "none.grid"),
-        (["{}/w.grid", "{}"], "cannot be read"),
+        (["{}/w.grid", "{}"], ": this is a folder"),
         (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "use a name that ends in .png"),
         (["{}/w.grid", "{}/bad.csv", "--tolerance", "0"], "at least 1e-09"),
         (["{}/w.grid", "{}/w.grid"], "no column 't'"),

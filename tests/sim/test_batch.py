@@ -137,12 +137,7 @@ def test_a_batch_that_another_thread_stops_runs_no_further():
     run = LatticeRun(cup(), controller, options)
     starts = np.array([run.start_of(run.world.start)] * 3, np.int64)
     reports = run_many(
-        run,
-        controller,
-        starts,
-        np.arange(3, dtype=np.uint64),
-        digest=False,
-        stop=np.ones(1, np.int64),
+        run, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64)
     )
     assert reports["steps"].tolist() == [0, 0, 0]
 

@@ -7,7 +7,7 @@ from sim import RunOptions, simulate
 from sim._core import lib
 from sim.controllers import CONTROLLERS
 from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window_robot
-from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.fleet.core_calls import CoreFleet
 from sim.fleet.run import FleetRun
 from sim.runners.lattice import LatticeRun
 from tests.helpers.raising import raises
@@ -57,7 +57,7 @@ def test_a_call_of_the_core_returns_before_a_long_run_ends(digest):
     run.settings.steps = ENDLESS
     run.settings.target_radius_sq = -1  # so that it never arrives
     run.settings.digest = int(digest)
-    episode = run.episode(controller)
+    episode = run.episode()
     assert episode.run(ENDLESS) and 0 < episode.report.steps < ENDLESS
 
 
@@ -67,7 +67,7 @@ def test_a_call_of_the_core_returns_before_a_long_run_of_a_fleet_ends():
     fleet_run = FleetRun(world, controllers, [RunOptions()] * 3)
     for run in fleet_run.runs:
         run.settings.target_radius_sq = -1
-    drivers = [driver_in_core(run) for run in fleet_run.runs]
+    drivers = [run.driver() for run in fleet_run.runs]
     fleet = CoreFleet(fleet_run.runs, drivers, ENDLESS, lib.WG_NO_LOOP)
     assert fleet.run(ENDLESS) == lib.WG_GOES_ON and 0 < fleet.report.steps < ENDLESS
 

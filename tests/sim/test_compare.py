@@ -1,4 +1,4 @@
-"""Comparisons: every number matches its runs, and an earlier table is shown next to them."""
+"""Comparisons: every number matches its runs."""
 
 import csv
 import io
@@ -17,8 +17,7 @@ from scipy.stats import binomtest
 from sim import Scenario, simulate
 from sim.compare.comparison import NamedWorld, compare, standing
 from sim.compare.picture import draw_comparison
-from sim.compare.published import agreement, read_figures
-from sim.compare.report import as_csv, as_text, describe_outcome
+from sim.compare.report import as_text, describe_outcome
 from sim.controllers import names_in
 from sim.outcome import FleetEpisode
 from tests.helpers.command_line import worldgen
@@ -27,7 +26,7 @@ from tests.helpers.fleets import hall as empty_hall
 from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
-from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
+from worldgen import InvalidParameter, InvalidWorld, Pose, read_world, write_world
 from worldgen.render.palette import rgb
 from worldgen.render.sheet import COLOURS
 from worldgen.support.intervals import interval_95
@@ -46,7 +45,6 @@ FLEET = NamedWorld(
     ),
 )
 CONFIGURATIONS = Path(__file__).parents[2] / "corpora" / "thesis"
-TABLE = "world,controller,time\n"
 
 
 def scenarios(*texts, motion="stepped", seed=0):
@@ -179,49 +177,6 @@ def test_what_cannot_run_is_refused_before_the_first_run():
     assert not told
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("", {"code": "columns-missing", "column": "world"}),
-        ("world,controller\n", {"code": "columns-missing", "column": "time"}),
-        (TABLE + "a,b\n", {"code": "wrong-count", "count": 2, "wanted": 3}),
-        (TABLE + "a,,1\n", {"code": "empty-name"}),
-        (TABLE + "a,thesis-1,soon\n", {"code": "not-a-number", "name": "time", "value": "soon"}),
-        (TABLE + "a,thesis-1,-1\n", {"code": "not-a-number", "name": "time", "value": "-1"}),
-        (TABLE + "a,thesis-1,0\n", {"code": "not-a-number", "name": "time", "value": "0"}),
-        (TABLE + "a,thesis-1,1e308\n", {"code": "not-a-number", "name": "time"}),
-        (TABLE + 'a,thesis-1,"1\n', {"code": "invalid-csv"}),
-        (
-            "world,controller,time,verdict\na,b,1,lost\n",
-            {"code": "unknown-name", "verdict": "lost"},
-        ),
-        ("world,controller,time,verdict\na,b,,reached\n", {"code": "time-missing"}),
-    ],
-)
-def test_a_table_that_cannot_be_read_is_named_with_its_line(text, expected):
-    with raises(FormatError, **expected) as raised:
-        read_figures(text, "old.csv")
-    assert "old.csv" in str(raised.value)
-
-
-def test_our_own_table_agrees_with_itself(table):
-    beside = agreement(table, read_figures(as_csv(table), "new.csv"))
-    assert beside.rankings == (3, 3) and beside.never[0] == beside.never[1] >= 1
-    assert beside.within == (3, 3) and beside.largest.relative == 0.0
-
-
-def test_a_table_in_which_a_few_seeds_arrive_agrees_with_itself():
-    world = read_world(CONFIGURATIONS / "config-05.grid")
-    few = compare(
-        [NamedWorld("config-05", world)],
-        scenarios("thesis-2", "thesis-3", seed=40),
-        seeds=40,
-        steps=20_000,
-    )
-    beside = agreement(few, read_figures(as_csv(few), "new.csv"))
-    assert beside.never == (2, 2) and beside.within == (0, 0) and beside.rankings == (1, 1)
-
-
 def test_a_run_too_long_to_prove_has_no_arrival_and_is_not_never(tmp_path):
     world = NamedWorld(
         "drifting", read_world(CONFIGURATIONS.parent / "thesis-faults" / "thesis-1-drifting.grid")
@@ -231,29 +186,6 @@ def test_a_run_too_long_to_prove_has_no_arrival_and_is_not_never(tmp_path):
     assert describe_outcome(cell) == "no arrival (stalled)"
 
 
-def test_hundreds_of_figures_for_one_cell_are_compared_at_once(table):
-    rows = [f"empty,thesis-{robot},{time}" for robot in (1, 2, 3) for time in range(1, 400)]
-    assert (
-        agreement(table, read_figures(TABLE + "\n".join(rows) + "\n", "old.csv")).rankings[1] == 1
-    )
-
-
-def test_a_table_that_differs_says_how_far(table):
-    time = table.cells[0][0].time
-    text = f"{TABLE}empty,thesis-1,{time / 2}\nempty,thesis-2,{time * 9}\nloop,thesis-1,7.5\nwall,thesis-1,never\n"
-    beside = agreement(table, read_figures(text, "old.csv"))
-    assert beside.never == (0, 2) and beside.rankings == (0, 1)
-    assert (beside.largest.world, beside.largest.relative) == ("empty", pytest.approx(1.0))
-
-
-def test_of_two_figures_for_one_run_the_nearer_one_counts(table):
-    time = table.cells[0][0].time
-    beside = agreement(
-        table, read_figures(f"{TABLE}empty,thesis-1,{time}\nempty,thesis-1,{time * 3}\n", "old.csv")
-    )
-    assert beside.largest.relative == 0.0 and len(beside.figures[0, 0]) == 2
-
-
 def test_the_command_prints_the_table_and_the_totals(folder):
     result = worldgen("compare", folder, "--controller", "thesis-1,thesis-2", "--motion", "stepped")
     assert result.code == 0
@@ -261,35 +193,6 @@ def test_the_command_prints_the_table_and_the_totals(folder):
     assert lines[0].split() == ["world", "thesis-1", "thesis-2", "best", "worst"]
     assert [line.split()[0] for line in lines[1:4]] == ["empty", "loop", "wall"]
     assert any(line.startswith("arrived") for line in lines)
-
-
-def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model(folder):
-    (folder / "published.csv").write_text(
-        "world,controller,motion,time\nempty,thesis-1,stepped,1.5\n"
-    )
-    result = worldgen("compare", folder, "--controller", "thesis-1")
-    assert "motion stepped, as in the published figures" in result.err
-    assert "1.500 (+" in result.out and "Against the published figures" in result.out
-
-
-def test_a_world_named_alone_has_the_published_table_beside_it_too(folder):
-    text = "world,controller,motion,time\nempty,thesis-1,stepped,1.5\nwall,thesis-1,stepped,2.5\n"
-    (folder / "published.csv").write_text(text)
-    result = worldgen("compare", folder / "empty.grid", "--controller", "thesis-1")
-    assert (
-        "1.500 (+" in result.out and "not here" not in result.err and "motion stepped" in result.err
-    )
-
-
-def test_a_run_gets_time_enough_for_the_published_arrival(folder):
-    (folder / "published.csv").write_text(
-        "world,controller,motion,time\nempty,thesis-1,stepped,2000\n"
-    )
-    result = worldgen("compare", folder / "..", folder, "--controller", "thesis-1", "--json")
-    assert result.code == 2  # the folder above has no worlds of its own, so the same ones again
-    result = worldgen("compare", folder, "--controller", "thesis-1", "--json")
-    budgets = {row["world"]: row["cells"][0]["budget"] for row in json.loads(result.out)["worlds"]}
-    assert budgets["empty"] == round(2 * 2000 / 0.015) > budgets["wall"]
 
 
 def test_csv_json_and_picture_hold_what_was_printed(folder, tmp_path):
@@ -373,13 +276,12 @@ def test_the_command_compares_fleets_as_text_csv_json_and_picture(tmp_path):
     arguments = ["compare", folder, "--controller", "right-hand,naive"]
     told = worldgen(*arguments, "--csv", table, "--picture", sheet)
     assert told.code == 0 and "never (deadlock, 1 of 3 arrive)" in told.out
-    # The table agrees with itself, like that for single robots.
-    again = worldgen(*arguments, "--against", table, "--json")
-    found = json.loads(again.out)
+    found = json.loads(worldgen(*arguments, "--json").out)
     fleet = next(row for row in found["worlds"] if row["world"] == "fleet")
     assert fleet["robots"] == 3 and fleet["best"] == ["right-hand"]
     assert fleet["cells"][1]["evidence"]["waiting"] == [1, 2]
-    assert found["agreement"]["never"] == [1, 1] and found["agreement"]["same_ranking"] == [2, 2]
+    rows = list(csv.DictReader(io.StringIO(table.read_text())))
+    assert [(row["world"], row["reached"]) for row in rows[2:]] == [("fleet", "1"), ("fleet", "0")]
     assert Image.open(io.BytesIO(sheet.read_bytes())).width > 600
 
 
@@ -408,7 +310,6 @@ def test_a_motion_for_one_robot_names_the_world_of_several():
         (["{}/none", "--controller", "thesis-1"], "none"),
         (["{}", "--controller", "thesis-1", "--picture", "a.svg"], "use a name that ends in .png"),
         (["{}", "--controller", "thesis-1", "--motion", "stepd"], "stepped"),
-        (["{}", "--controller", "thesis-1", "--against", "{}/no.csv"], "no.csv"),
         (["{}", "--controller", "thesis-1", "--csv", "{}/empty.grid"], "--force"),
         (["{}", "--controller", ",".join(f"thesis-1+sensor_range={40 + k}" for k in range(9)), "--picture", "a.png"],
          "name fewer"),
@@ -417,13 +318,6 @@ def test_a_motion_for_one_robot_names_the_world_of_several():
 def test_bad_input_is_one_line(folder, arguments, message):
     result = worldgen("compare", *(text.format(folder) for text in arguments))
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
-
-
-def test_what_no_published_figure_is_about_is_left_out():
-    world = read_world(CONFIGURATIONS / "config-05.grid")
-    table = compare([NamedWorld("config-05", world)], scenarios("thesis-1"), seeds=1, steps=20_000)
-    text = as_text(table, agreement(table, read_figures(as_csv(table), "new.csv")))
-    assert "Against the published figures: largest deviation" in text and "0 of 0" not in text
 
 
 @pytest.mark.parametrize(

@@ -192,6 +192,7 @@ def test_a_picture_shows_what_was_not_covered():
     assert trail_of(simulate(world, "bug2", record=True), world).missed is None
 
 
+@pytest.mark.gate
 def test_the_commands_run_fuzz_and_replay_the_task(tmp_path, sweep):
     write_world(generate("rooms", 4, size=16), tmp_path / "w.grid")
     ran = worldgen("run", tmp_path / "w.grid", "--controller", sweep, "--task", "cover", "--json")

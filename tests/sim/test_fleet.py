@@ -236,6 +236,7 @@ def test_a_python_class_must_show_two_periods():
     assert simulate(world, Shuttle, steps=enough - 1).verdict != Verdict.LIVELOCK
 
 
+@pytest.mark.gate
 def test_loops_of_robots_that_could_touch_are_driven_together():
     evidence = simulate(shuttles(0.15), Shuttle, steps=2_000).evidence
     assert (evidence.periods, evidence.period) == (None, 101 * 206)

@@ -28,16 +28,7 @@ def hall(robots, *, width=12, height=8, walls=()):
         Robot(Pose(*start, 0.0), Target(*target, 0.02), radius=0.04, speed=2.0)
         for start, target in robots
     ]
-    first = placed[0]
-    return World(
-        walls=solid,
-        cell_size=0.1,
-        start=first.start,
-        target=first.target,
-        robot_radius=first.radius,
-        robot_speed=first.speed,
-        others=tuple(placed[1:]),
-    )
+    return World(walls=solid, robots=placed)
 
 
 def open_map(width, height, walls=()):
@@ -167,15 +158,7 @@ def test_the_robots_numbers_have_no_effect():
     world = generate("crossing", 4, robots=5)
     robots = world.robots
     turned = (*robots[2:], *robots[:2])
-    first = turned[0]
-    other = replace(
-        world,
-        start=first.start,
-        target=first.target,
-        others=turned[1:],
-        certificate=None,
-        provenance=None,
-    )
+    other = replace(world, robots=turned, certificate=None, provenance=None)
     one = simulate(world, "pibt")
     two = simulate(other, "pibt")
     assert one.verdict == two.verdict and one.steps == two.steps
@@ -245,6 +228,7 @@ def test_what_another_controller_sends_is_not_believed(numbers):
     assert episode.robots[0].verdict == "reached"
 
 
+@pytest.mark.gate
 def test_twenty_robots_in_an_alley_never_touch():
     # A plan in which two agents touched made six of them collide.
     episode = simulate(generate("alley", 1, robots=20), "pibt")

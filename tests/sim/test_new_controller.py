@@ -48,11 +48,13 @@ def room():
     return World(cells, Pose(0.35, 0.35, 0.0), Target(0.85, 0.85, 0.05))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_written_arrives_in_an_empty_room(kind, tmp_path):
     assert simulate(room(), made(tmp_path, kind)["controller"]).verdict == "reached"
 
 
+@pytest.mark.gate
 def test_all_kinds_drive_the_same_way(tmp_path):
     world, options = generate("maze", 7, size=20), RunOptions(steps=500)
     ways = [

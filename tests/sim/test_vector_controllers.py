@@ -81,6 +81,7 @@ def assert_all_single(worlds, controller, runs, **options):
         assert found == single(worlds[row["world"]], controller, int(row["seed"]), **options)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("motion", ["swept", pytest.param("endpoint", marks=pytest.mark.gate)])
 @pytest.mark.parametrize(
     "controller",

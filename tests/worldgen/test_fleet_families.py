@@ -63,6 +63,7 @@ def test_what_places_crowds_has_a_version():
     assert digest.hexdigest()[:16] == CROWDS[CROWD_PLANNER_VERSION]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", ["maze", "rooms", "fire", "crossing"])
 def test_a_crowd_is_placed_with_a_path_for_each_robot_and_made_again(name):
     world = generate(name, 3, robots=24, size=60)
@@ -71,6 +72,7 @@ def test_a_crowd_is_placed_with_a_path_for_each_robot_and_made_again(name):
     assert len(world.certificate.paths) == 24 and check_certificate(world).valid
 
 
+@pytest.mark.gate
 def test_too_many_robots_are_told_how_many_have_paths():
     with raises(InvalidParameter, code="no-joint-paths") as caught:
         generate("maze", 3, robots=60, size=30)
@@ -168,6 +170,7 @@ def test_a_family_of_ones_own_may_say_that_it_has_no_room_in_its_own_way():
         full(3, robots=20)
 
 
+@pytest.mark.gate
 def test_what_places_robots_and_plans_for_them_has_a_version():
     digest = hashlib.sha256()
     for name in ("rooms", "cave", "maze", "corridor", "doorway", "warehouse"):

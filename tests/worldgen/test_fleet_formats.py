@@ -110,13 +110,14 @@ def test_a_pogema_map_comes_back_with_all_its_agents(fleet, tmp_path):
     assert cells(found.world) == cells(fleet)
     assert check_certificate(found.world).valid
     alone = import_world(path)
-    assert not alone.world.others and "agents=all" in alone.notes[0]
+    assert not alone.world.is_fleet and "agents=all" in alone.notes[0]
 
 
 def test_agents_that_share_a_cell_are_refused(fleet):
-    other = replace(fleet.others[0], target=replace(fleet.target, radius=1.0))
+    first, second, *_ = fleet.robots
+    second = replace(second, target=replace(fleet.target, radius=1.0))
     with raises(InvalidWorld, "cells-taken", number=2):
-        export_world(replace(fleet, others=(other,), certificate=None), "pogema")
+        export_world(replace(fleet, robots=(first, second), certificate=None), "pogema")
 
 
 def test_an_agent_without_a_target_is_refused(tmp_path):
@@ -192,10 +193,48 @@ def test_an_agent_that_was_moved_in_the_file_is_where_the_file_has_it(tmp_path):
     assert (facts(found.world)[0], moved[3:]) == (expected[0], expected[1][3:])
 
 
-def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
+# What earlier versions wrote.
+OLD_SIDECAR = """\
+# Facts that 'w.pogema' cannot store; m, rad, m/s, from the grid's lower-left corner, y up.
+worldgen = 1
+size = [30, 30]
+start = [1.65, 1.65]
+heading = -1.5707963267948966
+target = [2.65, 0.25]
+target_radius = 0.05
+robot_radius = 0.07
+
+[[robot]]
+start = [1.45, 0.9]
+heading = 0.0
+target = [2.7, 1.95]
+target_radius = 0.05
+robot_radius = 0.07
+
+[[robot]]
+start = [0.3, 2.3]
+heading = 0.0
+target = [2.3, 0.55]
+target_radius = 0.05
+robot_radius = 0.07
+"""
+
+
+def with_old_sidecar(tmp_path, text):
+    """The doorway's map with another sidecar, and the world."""
     world, path = pogema_with_sidecar(tmp_path)
-    sidecar = tmp_path / "w.pogema.worldgen.toml"
-    sidecar.write_text(sidecar.read_text().partition("[[robot]]")[0])
+    (tmp_path / "w.pogema.worldgen.grid").unlink()
+    (tmp_path / "w.pogema.worldgen.toml").write_text(text)
+    return world, path
+
+
+def test_a_sidecar_of_an_earlier_version_is_read(tmp_path):
+    world, path = with_old_sidecar(tmp_path, OLD_SIDECAR)
+    assert facts(import_world(path, name="pogema+agents=all").world) == facts(world)
+
+
+def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
+    world, path = with_old_sidecar(tmp_path, OLD_SIDECAR.partition("[[robot]]")[0])
     found = import_world(path, name="pogema+agents=all")
     assert facts(found.world)[0] == facts(world)[0]
     assert any("no values of robots 2 to 3" in warning for warning in found.warnings)
@@ -220,14 +259,12 @@ def test_a_robot_that_is_missing_from_a_list_leaves_the_sidecars_robots_unknown(
     ],
 )
 def test_a_fault_in_a_robots_table_is_one_message(tmp_path, old, new, code, line):
-    _, path = pogema_with_sidecar(tmp_path)
-    sidecar = tmp_path / "w.pogema.worldgen.toml"
-    text = sidecar.read_text()
+    text = OLD_SIDECAR
     # There can be only one table with that name.
     if new == "[robot]":
         text = text.rpartition("\n[[robot]]")[0] + "\n"
     assert old in text
-    sidecar.write_text(text.replace(old, new, 1))
+    _, path = with_old_sidecar(tmp_path, text.replace(old, new, 1))
     with raises(FormatError, code, line=line):
         read_map(path)
 

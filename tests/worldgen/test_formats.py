@@ -17,7 +17,8 @@ from tests.helpers.raising import raises
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.family import FAMILIES
-from worldgen.files.grid import read_world, write_world
+from worldgen.files.grid import dumps, read_world, write_world
+from worldgen.files.worlds import files_in
 from worldgen.generation import generate
 from worldgen.interop import (
     FORMATS,
@@ -37,7 +38,7 @@ from worldgen.interop.exporting import frozen_at
 from worldgen.interop.format import decimal, foreign_map
 from worldgen.interop.format.foreign_map import origin_of
 from worldgen.timeline import CellState, Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Provenance, Target, World
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "formats.md").read_text()
 BOTH_WAYS = [name for name in FORMATS if FORMATS.get(name).direction == "both"]
@@ -119,7 +120,7 @@ def test_without_the_sidecar_the_cells_come_back(name, tmp_path):
         except InvalidWorld:
             continue
         path = write_export(export, tmp_path)[0]
-        assert not list(tmp_path.glob("*.worldgen.toml"))
+        assert not list(tmp_path.glob("*.worldgen.grid"))
         assert np.array_equal(read_map(path).walls, world.walls)
         return
     pytest.fail(f"{name} takes no maze")
@@ -247,15 +248,15 @@ def test_the_pages_own_format_works(tmp_path):
 def test_an_edit_of_the_file_counts_and_the_sidecar_is_for_the_rest(tmp_path):
     export = export_world(room(robot_speed=3.0), "thesis")
     write_export(export, tmp_path)
-    sidecar = tmp_path / "world.gex.worldgen.toml"
+    sidecar = tmp_path / "world.gex.worldgen.grid"
     sidecar.write_text(sidecar.read_text().replace("robot_speed = 3.0", "robot_speed = 4.5"))
     assert import_world(tmp_path / "world.gex").world.robot_speed == 4.5
 
 
 def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
     write_export(export_world(room(), "thesis"), tmp_path)
-    sidecar = tmp_path / "world.gex.worldgen.toml"
-    sidecar.write_text(sidecar.read_text().replace("size = [6, 6]", "size = [7, 6]"))
+    sidecar = tmp_path / "world.gex.worldgen.grid"
+    sidecar.write_text(re.sub(r"(?m)^([#.]{6})$", r"\1#", sidecar.read_text()))
     imported = import_world(tmp_path / "world.gex")
     assert "a map of 7 x 6 cells, not 6 x 6; it was ignored" in imported.warnings[0]
     assert imported.world.robot_radius != 0.04
@@ -265,18 +266,18 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
     ("text", "expected"),
     [
         ("worldgen = 2\nsize = [6, 6]\n", {"code": "other-version", "line": 1, "version": 1}),
-        ("worldgen = 1\n", {"code": "wrong-type", "key": "size"}),
+        ("worldgen = 1\n", {"code": "missing-key", "key": "size"}),
         (
             "worldgen = 1\nsize = [6, 6]\nstart = [1]\n",
-            {"code": "wrong-type", "line": 3, "key": "start"},
+            {"code": "wrong-type", "line": 3, "what": "start"},
         ),
         (
             "worldgen = 1\nsize = [6, 6]\nheading = nan\n",
-            {"code": "wrong-type", "line": 3, "key": "heading"},
+            {"code": "not-finite", "line": 3, "what": "heading"},
         ),
         (
             "worldgen = 1\nsize = [6, 6]\nrobot_radius = 0\n",
-            {"code": "not-positive", "line": 3, "key": "robot_radius"},
+            {"code": "not-positive", "line": 3, "what": "robot_radius"},
         ),
         (
             "worldgen = 1\nsize = [6, 6]\nspeed = 1\n",
@@ -289,18 +290,41 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
         ),
     ],
 )
-def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, expected):
-    write_export(export_world(room(), "thesis"), tmp_path)
+def test_an_old_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, expected):
+    write_export(export_world(room(), "thesis", sidecar=False), tmp_path)
     (tmp_path / "world.gex.worldgen.toml").write_bytes(text.encode())
     with raises(FormatError, **expected):
         read_map(tmp_path / "world.gex")
 
 
-def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(tmp_path):
-    write_export(export_world(room(), "thesis"), tmp_path)
-    (tmp_path / "world.gex.worldgen.toml").write_bytes(bytes(2_000_000))
-    with raises(FormatError, "too-large", most=1 << 20):
+@pytest.mark.parametrize(
+    ("ending", "content", "code"),
+    [
+        ("toml", bytes(2_000_000), "too-large"),
+        ("grid", b"", "empty"),
+        ("grid", dumps(room()), "not-a-sidecar"),
+        (
+            "grid",
+            dumps(room(provenance=Provenance("export", 1, 0, {"kept": [["start"]]}))),
+            "not-a-sidecar",
+        ),
+    ],
+)
+def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(
+    tmp_path, ending, content, code
+):
+    write_export(export_world(room(), "thesis", sidecar=False), tmp_path)
+    (tmp_path / f"world.gex.worldgen.{ending}").write_bytes(content)
+    with raises(FormatError, code) as caught:
         read_map(tmp_path / "world.gex")
+    assert "export the world again" in str(caught.value)
+
+
+def test_a_sidecar_is_a_world_but_not_another_one_of_its_folder(tmp_path):
+    write_export(export_world(room(), "thesis"), tmp_path)
+    sidecar = tmp_path / "world.gex.worldgen.grid"
+    assert np.array_equal(read_world(sidecar).walls, room().walls)
+    assert files_in(tmp_path) == []
 
 
 def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_sidecar(tmp_path):
@@ -312,7 +336,7 @@ def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_
     assert not (tmp_path / "world.gex").exists()
     write_export(export_world(room(), "thesis", sidecar=False), tmp_path, force=True)
     assert (tmp_path / "world.gex").read_bytes() == before and not (
-        tmp_path / "world.gex.worldgen.toml"
+        tmp_path / "world.gex.worldgen.grid"
     ).exists()
 
 
@@ -397,8 +421,8 @@ def test_export_says_on_stderr_what_the_file_does_not_hold_and_where_it_is(tmp_p
     done = worldgen("export", tmp_path / "w.grid", "--out", tmp_path / "w.gex", "--origin", "1,2")
     assert done.code == 0 and "the robot's radius is not stored" in done.err
     assert "not stored: the origin (1, 2) m\n" in done.err
-    assert "the exact values are in w.gex.worldgen.toml\n" in done.err
-    assert str(tmp_path / "w.gex.worldgen.toml") in done.out
+    assert "the exact values are in w.gex.worldgen.grid\n" in done.err
+    assert str(tmp_path / "w.gex.worldgen.grid") in done.out
     assert worldgen("import", tmp_path / "w.gex", "--out", tmp_path / "again.grid").code == 0
     assert read_world(tmp_path / "again.grid").provenance.params["origin"] == [1.0, 2.0]
 

@@ -97,6 +97,7 @@ def test_a_file_cut_after_any_byte_is_read_or_refused_in_one_sentence(name, tmp_
                 read_or_sentence(write(tmp_path, {**files, victim: whole[:length]}), name)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("kib", [128, pytest.param(4096, marks=pytest.mark.nightly)])
 def test_hostile_files_are_refused_within_bounds_of_time_and_memory(kib, tmp_path):
     """Run in a process that is limited to 120 s of processor time and 3 GiB of address space."""

@@ -12,7 +12,7 @@ from worldgen.files.grid import dumps, loads
 from worldgen.generation import generate
 from worldgen.support.frozen import freeze, frozen
 from worldgen.timeline import CellState, Event, Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Robot, Target, World
 
 ENDS = (Pose(0.15, 0.15), Target(0.35, 0.35, 0.05))
 
@@ -86,3 +86,41 @@ def test_a_copied_or_unpickled_world_is_as_immutable(copied):
     for array in (other.walls, other.timeline.times, other.certificate.x):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+FIRST = Robot(*ENDS, radius=0.04, speed=1.0)
+SECOND = Robot(Pose(0.35, 0.15), Target(0.15, 0.35, 0.05), radius=0.03)
+
+
+def test_start_target_radius_and_speed_are_the_first_robots():
+    world = World(np.zeros((5, 5), bool), robots=[FIRST, SECOND])
+    assert world.robots == (FIRST, SECOND) and world.is_fleet
+    assert Robot(world.start, world.target, world.robot_radius, world.robot_speed) == FIRST
+    assert World(np.zeros((5, 5), bool), *ENDS, robot_radius=0.04, robot_speed=1.0) == world.alone(
+        1
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "value"),
+    [
+        ("start", "start", Pose(0.1, 0.1)),
+        ("target", "target", Target(0.3, 0.3, 0.05)),
+        ("robot_radius", "radius", 0.02),
+        ("robot_speed", "speed", 0.5),
+    ],
+)
+def test_what_is_replaced_is_the_first_robots(name, part, value):
+    world = World(np.zeros((5, 5), bool), robots=[FIRST, SECOND])
+    changed = dataclasses.replace(world, **{name: value})
+    assert changed.robots == (dataclasses.replace(FIRST, **{part: value}), SECOND)
+    assert changed != world
+    # It also replaces a part of the first of the robots that are given with it.
+    other = dataclasses.replace(world, robots=(SECOND, FIRST), **{name: value})
+    assert other.robots == (dataclasses.replace(SECOND, **{part: value}), FIRST)
+
+
+def test_a_world_needs_a_robot():
+    for ends in ({}, {"start": ENDS[0]}, {"target": ENDS[1]}):
+        with pytest.raises(TypeError, match="start and a target, or robots"):
+            World(np.zeros((5, 5), bool), **ends)

@@ -165,13 +165,14 @@ def complaint(text):
     return caught.value
 
 
+FIRST = Robot(Pose(0.15, 0.15), Target(0.55, 0.15, 0.05))
+
+
 def small(**changes):
     return replace(
         World(
             np.zeros((5, 7), bool),
-            Pose(0.15, 0.15),
-            Target(0.55, 0.15, 0.05),
-            others=(Robot(Pose(0.55, 0.35), Target(0.15, 0.35, 0.05)),),
+            robots=(FIRST, Robot(Pose(0.55, 0.35), Target(0.15, 0.35, 0.05))),
         ),
         **changes,
     )
@@ -192,7 +193,7 @@ def test_the_texts_that_are_spoilt_below_are_canonical():
 
 def test_a_file_without_others_is_of_version_1():
     alone = loads(GOOD.encode())
-    assert dumps(replace(alone, others=(), certificate=None)).startswith(b"%worldgen-grid 1\n")
+    assert dumps(alone.alone(1)).startswith(b"%worldgen-grid 1\n")
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -256,7 +257,7 @@ def test_a_certificate_for_another_number_of_robots_is_refused(proof):
 def test_a_joint_witness_of_one_robot_is_refused():
     path = Witness([0.0], [0.15], [0.15], 0.1)
     with raises(InvalidWorld, "wrong-certificate", count=1):
-        small(others=(), certificate=JointWitness((path,)))
+        small(robots=(FIRST,), certificate=JointWitness((path,)))
 
 
 def test_a_path_without_points_is_refused():
@@ -268,16 +269,16 @@ def test_robots_may_touch_at_the_start_and_no_more():
     # 0.14 m is 1433.6 lattice units. The simulator rounds these two starts to 1433 units apart.
     touching = Robot(Pose(0.16, 0.15), Target(0.15, 0.35, 0.05))
     with raises(InvalidWorld, "robots-overlap"):
-        small(start=Pose(0.02, 0.15), others=(touching,))
+        small(start=Pose(0.02, 0.15), robots=(FIRST, touching))
     exact = Robot(Pose(0.35, 0.15), Target(0.15, 0.35, 0.05), radius=0.1)
-    assert len(small(robot_radius=0.1, others=(exact,)).robots) == 2
+    assert len(small(robot_radius=0.1, robots=(FIRST, exact)).robots) == 2
     with raises(InvalidWorld, "robots-overlap"):
-        small(robot_radius=0.1, others=(replace(exact, start=Pose(0.3499, 0.15)),))
+        small(robot_radius=0.1, robots=(FIRST, replace(exact, start=Pose(0.3499, 0.15))))
 
 
 def test_targets_that_leave_just_enough_room_do_not_exclude_each_other():
     # Two centres in discs of 0.05 m whose centres are 0.04 m apart are 0.14 m apart at most.
     other = Robot(Pose(0.55, 0.35), Target(0.55, 0.19, 0.05))
-    assert len(small(others=(other,)).robots) == 2
+    assert len(small(robots=(FIRST, other)).robots) == 2
     with raises(InvalidWorld, "targets-exclude", first=1, second=2):
-        small(others=(replace(other, target=Target(0.55, 0.1899, 0.05)),))
+        small(robots=(FIRST, replace(other, target=Target(0.55, 0.1899, 0.05))))

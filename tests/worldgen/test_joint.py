@@ -47,11 +47,7 @@ def fleet(rows, *ends, radius=0.04, **changes):
         )
         for begin, end in ends
     ]
-    first = robots[0]
-    return replace(
-        World(walls, first.start, first.target, robot_radius=radius, others=tuple(robots[1:])),
-        **changes,
-    )
+    return replace(World(walls, robots=robots), **changes)
 
 
 def proved(world, **asked):
@@ -133,8 +129,8 @@ def test_a_robot_that_is_walled_off_has_a_cut_with_its_number():
 
 def test_robots_of_different_sizes_and_speeds_keep_their_own():
     world = fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2)))
-    slow = replace(world.others[0], speed=0.1, radius=0.02)
-    decision = proved(replace(world, robot_speed=4.0, others=(slow,)))
+    slow = replace(world.robots[1], speed=0.1, radius=0.02)
+    decision = proved(replace(world, robot_speed=4.0, robots=(world.robots[0], slow)))
     paths = decision.certificate.paths
     for path, speed in zip(paths, (4.0, 0.1), strict=True):
         steps = np.hypot(np.diff(path.x), np.diff(path.y))
@@ -145,7 +141,7 @@ def test_robots_of_different_sizes_and_speeds_keep_their_own():
 def test_starts_and_targets_need_not_be_on_nodes():
     world = fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2)))
     odd = Robot(Pose(0.7431, 0.2489), Target(0.1471, 0.2511, 0.001), 0.04)
-    decision = proved(replace(world, start=Pose(0.1529, 0.2501), others=(odd,)))
+    decision = proved(replace(world, start=Pose(0.1529, 0.2501), robots=(world.robots[0], odd)))
     assert decision.result == REACHABLE
 
 
@@ -161,7 +157,7 @@ def test_a_robot_that_starts_in_its_target_stays_there():
 def narrow_targets(world, radius=0.04):
     """The same world with targets that only diagonal steps between nodes cross."""
     robots = [replace(robot, target=replace(robot.target, radius=radius)) for robot in world.robots]
-    return replace(world, target=robots[0].target, others=tuple(robots[1:]))
+    return replace(world, robots=robots)
 
 
 def test_no_plan_leads_a_robot_across_its_own_target():
@@ -203,8 +199,8 @@ def test_a_parked_robot_must_be_safe_until_the_last_one_arrives():
     burns = Timeline.of([Event(2.0, 3, 1, CellState.BURNING)])
     ends = (((1, 1), (3, 1)), ((1, 2), (8, 2)))
     world = fleet(rows, *ends, timeline=burns)
-    slow = replace(world.others[0], speed=0.2)
-    world = replace(world, others=(slow,))
+    slow = replace(world.robots[1], speed=0.2)
+    world = replace(world, robots=(world.robots[0], slow))
     paths = decide(replace(world, timeline=Timeline())).certificate
     assert paths.paths[0].duration < 2.0 < paths.duration
     assert not check_certificate(world, paths).valid
@@ -306,7 +302,10 @@ CROWDED = [
     # Robots of two sizes, and a door that opens and closes while they wait.
     replace(
         fleet(["...#...", "...#..."], ((0, 0), (6, 0)), ((0, 1), (6, 1)), radius=0.03),
-        others=(Robot(Pose(0.05, 0.15, 0.0), Target(0.65, 0.15, 0.05), 0.05, 1.0),),
+        robots=(
+            Robot(Pose(0.05, 0.05), Target(0.65, 0.05, 0.05), 0.03),
+            Robot(Pose(0.05, 0.15), Target(0.65, 0.15, 0.05), 0.05, 1.0),
+        ),
         timeline=Timeline.of(
             [
                 Event(0.7, 3, 0, CellState.FREE),
@@ -352,6 +351,7 @@ def test_crowded_robots_are_planned_to_arrive_as_early_as_possible(number):
     _check_arrivals(CROWDED[number])
 
 
+@pytest.mark.gate
 @settings(max_examples=150, deadline=None)
 @given(changing_fleets())
 def test_robots_are_planned_to_arrive_as_early_as_those_before_them_permit(world):

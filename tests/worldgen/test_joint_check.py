@@ -22,9 +22,10 @@ def meeting(*, lane=0.25, radius=0.07, speed=2.0):
     """
     return World(
         np.zeros((5, 12), bool),
-        Pose(*LEFT),
-        Target(*RIGHT, 0.05),
-        others=(Robot(Pose(1.05, lane), Target(0.15, lane, 0.05), radius, speed),),
+        robots=(
+            Robot(Pose(*LEFT), Target(*RIGHT, 0.05)),
+            Robot(Pose(1.05, lane), Target(0.15, lane, 0.05), radius, speed),
+        ),
     )
 
 
@@ -49,9 +50,9 @@ def test_paths_that_pass_nearer_do_not_hold():
 
 def test_a_robot_stays_an_obstacle_where_its_path_ends():
     world = meeting(lane=0.25)
-    world = replace(
-        world, others=(replace(world.others[0], target=Target(0.65, 0.25, 0.05), radius=0.04),)
-    )
+    first, second = world.robots
+    second = replace(second, target=Target(0.65, 0.25, 0.05), radius=0.04)
+    world = replace(world, robots=(first, second))
     through = Witness([0.0, 5.0, 6.0], [0.15, 0.15, 1.05], [0.25, 0.25, 0.25], 0.07)
     parked = Witness([0.0, 1.0], [1.05, 0.65], [0.25, 0.25], 0.04)
     report = check_certificate(world, JointWitness((through, parked)))
@@ -90,7 +91,7 @@ def test_a_cut_is_about_its_own_robot():
         world,
         walls=walls,
         start=Pose(0.65, 0.25),
-        others=(replace(world.others[0], target=Target(0.15, 0.35, 0.05)),),
+        robots=(world.robots[0], replace(world.robots[1], target=Target(0.15, 0.35, 0.05))),
     )
     ring = [(3, y) for y in range(5)] + [(x, 5) for x in range(3, -2, -1)]
     ring += [(-1, y) for y in range(4, -2, -1)] + [(x, -1) for x in range(4)]
@@ -119,13 +120,7 @@ def test_shapely_agrees_about_two_robots(one, two, radius):
         for path in paths
     ]
     try:
-        world = World(
-            np.zeros((12, 12), bool),
-            world_of[0].start,
-            world_of[0].target,
-            robot_radius=radius,
-            others=(world_of[1],),
-        )
+        world = World(np.zeros((12, 12), bool), robots=world_of)
     except ValueError:
         return
     times = np.arange(6.0)
@@ -155,5 +150,6 @@ def test_a_path_past_its_target_holds():
     world = replace(meeting(lane=0.45), target=Target(0.65, 0.3, 0.05))
     joint = crossing(0.45)
     past = Witness([0.0, 1.0, 2.0], [0.15, 1.05, 0.7], [0.25, 0.25, 0.3], 0.05)
-    world = replace(world, robot_radius=0.05, others=(replace(world.others[0], radius=0.04),))
+    robots = (world.robots[0], replace(world.robots[1], radius=0.04))
+    world = replace(world, robot_radius=0.05, robots=robots)
     assert check_certificate(world, JointWitness((past, joint.paths[1]))).valid

@@ -118,6 +118,7 @@ def test_rooms_that_are_cavities_of_one_body_are_free(tmp_path):
     assert found.walls.sum() == 300 and not found.walls[5:15, 5:15].any()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", WRITTEN)
 @settings(max_examples=12)
 @given(drawn=any_worlds())

@@ -76,6 +76,7 @@ def test_an_obj_file_has_a_closed_object_a_box_at_exact_decimals(drawn):
         assert len(set(edges)) == 24 and all((b, a) in edges for a, b in edges)
 
 
+@pytest.mark.gate
 @given(any_worlds())
 def test_a_glb_file_has_a_node_a_box_with_y_up(drawn):
     world, origin = drawn

@@ -39,7 +39,7 @@ def test_the_optimal_length_is_the_roots_sum_to_eight_decimals():
 
 def test_a_target_that_no_cells_lead_to_has_no_scenario():
     export = export_world(drawn("S#G"), "movingai")
-    assert set(export.files) == {"world.map", "world.map.worldgen.toml"}
+    assert set(export.files) == {"world.map", "world.map.worldgen.grid"}
     assert any("no path of cells leads" in sentence for sentence in export.lost)
 
 

@@ -1,5 +1,7 @@
 """POGEMA's YAML files: configurations and files of named maps, read and written."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -156,8 +158,7 @@ def crowd(count, columns=10):
         Robot(Pose(*at), Target(*to, 0.04), 0.04)
         for at, to in zip(middles, [*middles[1:], middles[0]], strict=True)
     ]
-    first, *others = robots
-    return World(walls, first.start, first.target, 0.1, 0.04, others=tuple(others))
+    return World(walls, robots=robots)
 
 
 def test_more_robots_than_letters_come_back_from_a_configuration(tmp_path):
@@ -168,18 +169,16 @@ def test_more_robots_than_letters_come_back_from_a_configuration(tmp_path):
     found = read_map(path, ALL)
     assert rows_of(found) == ["." * 21] * 7
     assert len(found.others) == 26
-    for robot, other in zip(world.others, found.others, strict=True):
+    for robot, other in zip(world.robots[1:], found.others, strict=True):
         assert other.start == pytest.approx((robot.start.x, robot.start.y, robot.start.heading))
         assert other.target == pytest.approx((robot.target.x, robot.target.y, 0.04))
 
 
 def test_agents_of_a_configuration_with_one_target_are_refused():
     world = crowd(27)
-    other = world.others[-1]
-    twice = Robot(other.start, Target(0.37, 0.15, 0.04), 0.04)
-    faulty = World(
-        world.walls, world.start, world.target, 0.1, 0.04, others=(*world.others[:-1], twice)
-    )
+    *others, last = world.robots
+    twice = replace(last, target=Target(0.37, 0.15, 0.04))
+    faulty = replace(world, robots=(*others, twice))
     with raises(InvalidWorld, "cells-taken", number=27):
         export_world(faulty, "pogema")
 

@@ -50,7 +50,9 @@ def test_starts_and_targets_of_several_robots_are_numbered():
     # Robot 3 has its target where robot 1 starts, so only the start can be seen.
     second = Robot(Pose(0.35, 0.15), Target(0.15, 0.15, 0.05), 0.04)
     third = Robot(Pose(0.65, 0.35), Target(0.15, 0.35, 0.05), 0.04)
-    picture = draw_terminal(tiny_world(others=(second, third)), color=False, width=80)
+    picture = draw_terminal(
+        tiny_world(robots=(tiny_world().robots[0], second, third)), color=False, width=80
+    )
     assert picture.splitlines()[:6] == [
         "########",
         "#1....3#",
@@ -67,9 +69,7 @@ def test_more_than_nine_robots_share_a_letter():
         Robot(Pose(0.05 + 0.2 * column, 0.05), Target(0.05 + 0.2 * column, 0.25, 0.02), 0.04)
         for column in range(10)
     ]
-    first, *others = robots
-    world = World(walls, first.start, first.target, robot_radius=0.04, others=tuple(others))
-    picture = draw_terminal(world, color=False, width=80)
+    picture = draw_terminal(World(walls, robots=robots), color=False, width=80)
     assert picture.count("S") == 10 + 1 and "S start  G target" in picture
 
 

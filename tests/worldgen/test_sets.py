@@ -118,7 +118,7 @@ def test_an_archive_holds_what_the_folder_does(whole, out):
 @pytest.mark.gate
 @pytest.mark.parametrize("out", ["set", "set.zip"])
 def test_equal_commands_make_equal_bytes_with_any_workers(whole, tmp_path, out):
-    assert run(*TRAPS, "--workers", 3, "--out", tmp_path / out).code == 0
+    make_set(plan_set("trap", 5, 6, SMALL), tmp_path / out, workers=3)
     assert contents(tmp_path / out) == contents(whole / out)
 
 
@@ -139,7 +139,7 @@ def test_every_set_is_what_its_manifest_says(whole, out):
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 @pytest.mark.parametrize("out", ["set", "set.zip"])
 def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
-    command = ["maze", "--seed", 1, "--count", 60, "--workers", 1, "--out", tmp_path / out]
+    command = ["maze", "--seed", 1, "--count", 60, "--out", tmp_path / out]
     manifest = tmp_path / (out if out == "set" else out + ".part") / "manifest.jsonl"
     for lines in (3, 20):
         process = subprocess.Popen(
@@ -159,7 +159,7 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
 @pytest.mark.gate
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
-    command = ["maze", "--seed", 1, "--count", 5000, "--workers", 2, "--out", tmp_path / "set"]
+    command = ["maze", "--seed", 1, "--count", 5000, "--out", tmp_path / "set"]
     process = subprocess.Popen(
         [sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.PIPE
     )

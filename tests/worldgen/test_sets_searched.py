@@ -64,7 +64,8 @@ def test_another_constraint_does_not_go_on_with_a_set(searched):
     assert "holds 4 of 4 worlds of another set: trap from seed 5 where detour > 2" in err
 
 
-def test_what_a_search_found_stays_when_it_finds_no_more(tmp_path):
-    result = run(*SEARCHED, "--count", 40, "--tries", 2, "--out", tmp_path / "set")
+def test_what_a_search_found_stays_when_it_finds_no_more(tmp_path, monkeypatch):
+    monkeypatch.setattr("worldgen.sets.searched.TRIES", 2)
+    result = run(*SEARCHED, "--count", 40, "--out", tmp_path / "set")
     assert result.code == 1
     assert 0 < len(manifest_of(tmp_path / "set").entries) < 40

@@ -8,25 +8,20 @@ import pytest
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.difficulty import measure
-from worldgen.difficulty.strata import StrataSearch, edges_of
+from worldgen.difficulty.search import Search, constraint_for, strata_constraints, strata_edges
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.files.grid import read_world, world_digest
-from worldgen.sets import make_set, manifest_of, plan_stratified_set, strata_of
+from worldgen.sets import make_set, manifest_of, plan_wanted_set, strata_of
 
 SPREAD = ("maze", "--size", 20, "--difficulty", "0.2..0.8", "--seed", 3, "--no-metrics")
 
 
 def search(low, high, count, *, family="maze", tries=100, where=None, **given):
-    return StrataSearch(
-        FAMILIES.get(family),
-        edges_of(low, high, count),
-        count,
-        1,
-        {"size": 16, **given},
-        where=where,
-        tries=tries,
-    )
+    constraint = constraint_for(where, (low, high))
+    parts = strata_constraints(constraint.text, strata_edges(low, high, count))
+    made_by = FAMILIES.get(family)
+    return Search(made_by, constraint, 1, {"size": 16, **given}, parts).found(count, tries)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +82,7 @@ def test_json_names_the_stratum_of_every_world(tmp_path):
 def test_a_search_that_was_interrupted_goes_on_to_the_same_set(spread, tmp_path):
     whole, _ = spread
     part = tmp_path / "part"
-    plan = plan_stratified_set("maze", 3, 20, {"size": 20}, difficulty=(0.2, 0.8), metrics=False)
+    plan = plan_wanted_set("maze", 3, 20, {"size": 20}, difficulty=(0.2, 0.8), metrics=False)
 
     def stop_after_five(done):
         if done == 5:
@@ -101,8 +96,8 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(spread, tmp_path)
 
 @pytest.mark.gate
 def test_a_stratum_that_the_family_cannot_fill_leaves_its_worlds_to_its_neighbours(tmp_path):
-    plan = plan_stratified_set(
-        "maze", 1, 8, {"size": 12}, difficulty=(0.75, 1.0), tries=20, metrics=False
+    plan = plan_wanted_set(
+        "maze", 1, 8, {"size": 12}, difficulty=(0.75, 1.0), tries=40, metrics=False
     )
     make_set(plan, tmp_path / "set")
     strata = strata_of(manifest_of(tmp_path / "set"))
@@ -110,21 +105,24 @@ def test_a_stratum_that_the_family_cannot_fill_leaves_its_worlds_to_its_neighbou
     assert strata[-1].worlds == 0 and any(stratum.worlds > stratum.share for stratum in strata)
 
 
-def test_the_command_says_which_strata_are_short_of_worlds(tmp_path):
+def test_the_command_says_which_strata_are_short_of_worlds(tmp_path, monkeypatch):
+    monkeypatch.setattr("worldgen.sets.searched.TRIES", 20)
     done = worldgen(
-        "maze", "--size", 12, "--difficulty", "0.7..1", "--seed", 1, "--count", 3, "--tries", 20, "--no-metrics",
+        "maze", "--size", 12, "--difficulty", "0.7..1", "--seed", 1, "--count", 3, "--no-metrics",
         "--out", tmp_path / "set",
     )  # fmt: skip
     assert done.code == 0 and "difficulty 0.9 to 1: 0  1 fewer than its share" in done.err
 
 
 def test_a_range_that_no_world_lies_in_is_refused_after_the_tries():
-    with raises(GenerationFailed, "no-world-found", count=4, low=0.95):
-        list(search(0.95, 1.0, 4, tries=5).found())
+    with raises(
+        GenerationFailed, "no-world-found", before=0, tries=5, constraint="0.95 <= difficulty <= 1"
+    ):
+        list(search(0.95, 1.0, 4, tries=5))
 
 
 def test_what_else_is_given_holds_for_every_world():
-    found = list(search(0.3, 0.9, 4, where="solid < 0.45").found())
+    found = list(search(0.3, 0.9, 4, where="solid < 0.45"))
     assert len({world_digest(one.world) for one in found}) == 4
     assert all(measure(one.world).solid < 0.45 for one in found)
 
@@ -134,7 +132,7 @@ def test_what_else_is_given_holds_for_every_world():
 )
 def test_what_is_no_range_of_difficulty_is_refused(low, high):
     with raises(InvalidParameter, "out-of-range"):
-        edges_of(low, high, 10)
+        strata_edges(low, high, 10)
 
 
 def test_a_family_whose_worlds_change_has_no_difficulty_to_spread():
@@ -156,17 +154,20 @@ def test_a_difficulty_that_cannot_be_read_is_refused(text):
 @pytest.mark.parametrize("high", [0.5000001, 0.5009])
 def test_a_range_that_is_too_narrow_for_strata_is_refused(high):
     with raises(InvalidParameter, "range-too-narrow", low=0.5, narrowest=0.001):
-        edges_of(0.5, high, 10)
+        strata_edges(0.5, high, 10)
 
 
 def test_the_narrowest_range_has_strata_that_differ():
-    assert len(set(edges_of(0.3, 0.301, 10))) == 11
+    assert len(set(strata_edges(0.3, 0.301, 10))) == 11
 
 
-def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_json(tmp_path):
+def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_json(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr("worldgen.sets.searched.TRIES", 2)
     done = worldgen(
-        "maze", "--size", 12, "--difficulty", "0.99..1", "--seed", 1, "--count", 2, "--tries", 2, "--no-metrics",
+        "maze", "--size", 12, "--difficulty", "0.99..1", "--seed", 1, "--count", 2, "--no-metrics",
         "--out", tmp_path / "set", "-q", "--json",
     )  # fmt: skip
-    assert done.code == 1 and "only 0 of 2 worlds were found" in done.err
+    assert done.code == 1 and "none of 2 worlds fits" in done.err
     assert json.loads(done.out)["constraint"] == "0.99 <= difficulty <= 1"

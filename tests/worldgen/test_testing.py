@@ -127,6 +127,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("build", "check", "message"), BROKEN.values(), ids=BROKEN)
 def test_a_broken_promise_is_found(build, check, message, monkeypatch):
     monkeypatch.setattr(testing, "PATIENCE", 0.2)
@@ -194,6 +195,7 @@ def hall(rng):
 """
 
 
+@pytest.mark.gate
 def test_the_command_says_what_is_broken_and_ends_with_1(tmp_path):
     (tmp_path / "hall.py").write_text(HALL)
     hall = f"{tmp_path / 'hall.py'}:hall"

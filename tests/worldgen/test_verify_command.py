@@ -13,6 +13,8 @@ from worldgen.commands.verify import verify
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.grid import read_world, write_world
 from worldgen.reach import decide
+from worldgen.reach.verifying import verify_world
+from worldgen.support.intervals import interval_95
 from worldgen.timeline import CellState, Event, Timeline
 
 ROOM = "#######\n#S...G#\n#######"
@@ -94,11 +96,47 @@ def test_a_false_certificate_is_a_failure(save, tmp_path):
     assert result.exit_code == 1
 
 
-def test_several_files_and_folders_make_a_list(save, tmp_path):
-    save("a.grid", ROOM), save("b.grid.gz", WALLED)
+def test_several_worlds_end_with_a_summary_that_names_the_unsolvable_ones(save, tmp_path):
+    save("a.grid", ROOM), save("b.grid.gz", WALLED), save("c.grid", ROOM)
     answer = json.loads(run(tmp_path, "--json").stdout)
-    assert [item["result"] for item in answer["files"]] == ["reachable", "blocked"]
-    assert len(run(tmp_path).stdout.splitlines()) == 2
+    assert [item["result"] for item in answer["files"]] == ["reachable", "blocked", "reachable"]
+    assert answer["summary"] == {
+        "worlds": 3,
+        "reachable": 2,
+        "blocked": 1,
+        "undecided": 0,
+        "share": pytest.approx(2 / 3),
+        "interval": [pytest.approx(low_or_high) for low_or_high in interval_95(2, 3)],
+        "first_blocked": [str(tmp_path / "b.grid.gz")],
+    }
+    *lines, total, blocked = run(tmp_path).stdout.splitlines()
+    assert len(lines) == 3
+    assert total == (
+        "3 worlds: 2 reachable, 66.7 % (95 % interval 9.4 to 99.2), 1 blocked, 0 undecided"
+    )
+    assert blocked == f"blocked: {tmp_path / 'b.grid.gz'}"
+
+
+def test_a_summary_names_ten_unsolvable_worlds_and_counts_the_others(save, tmp_path):
+    for number in range(12):
+        save(f"{number:02}.grid", WALLED)
+    last = run(tmp_path).stdout.splitlines()[-1]
+    assert last.endswith("09.grid and 2 more") and "10.grid" not in last
+
+
+def test_ctrl_c_keeps_the_summary_of_the_worlds_so_far(save, tmp_path, monkeypatch):
+    def stop_at_the_third(world, radius, deadline, seen=[]):  # noqa: B006 - it counts the calls
+        seen.append(world)
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+        return verify_world(world, radius, deadline)
+
+    for name in "abc":
+        save(f"{name}.grid", ROOM)
+    monkeypatch.setattr("worldgen.reach.verifying.verify_world", stop_at_the_third)
+    result = run(tmp_path)
+    assert result.exit_code == 130
+    assert "2 worlds: 2 reachable" in result.stdout and "interrupted" in result.stderr
 
 
 def test_one_false_certificate_of_several_is_a_failure(save, tmp_path):

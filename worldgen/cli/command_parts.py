@@ -13,8 +13,9 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.meant import NUMBER, OTHER_WORDS, existing_names, is_missing, missing_part, unused
+from worldgen.cli.meant import OTHER_WORDS, existing_names, is_missing, missing_part, unused
 from worldgen.cli.names import CONTROLLER, kind_of
+from worldgen.domain import DECIMAL
 from worldgen.errors import WorldgenError
 from worldgen.parameters.known_names import nearest
 
@@ -152,7 +153,7 @@ class CommandParts:
             if word == "--":
                 yield from (CommandPart(None, "", one) for one in rest)
                 return
-            if not word.startswith("-") or word == "-" or NUMBER.fullmatch(word):
+            if not word.startswith("-") or word == "-" or DECIMAL.fullmatch(word):
                 yield CommandPart(None, "", word)
                 continue
             # Then options, whose value may be in the same word.
@@ -278,7 +279,7 @@ def options_for(command: CommandParts, text: str) -> Iterator[click.Option]:
     # Numbers and files are recognised by their form.
     suffix = Path(text).suffix.lower()
     names = []
-    if NUMBER.fullmatch(text) or re.fullmatch(r"\d+[x,]\d+", text):
+    if DECIMAL.fullmatch(text) or re.fullmatch(r"\d+[x,]\d+", text):
         names = ["size", "units", "radius"]
     elif suffix == ".py" and Path(text).exists():
         names = ["controller"]

@@ -15,9 +15,9 @@ from worldgen.cli.command_parts import (
     missing_files,
     options_for,
 )
-from worldgen.cli.meant import NUMBER
 from worldgen.cli.mending import accepts, corrected, corrected_value
 from worldgen.cli.usage import ExtraWords, UnknownCommand
+from worldgen.domain import DECIMAL
 from worldgen.errors import WorldgenError
 from worldgen.support.plain_text import stacked
 
@@ -105,7 +105,7 @@ def _value_fault(
     refused = next((one for one in given if not accepts(parameter, one, command.context)), None)
     # A value from the project's settings is not among the words.
     if refused is not None and (is_whole or isinstance(kind, click.types.FloatParamType)):
-        is_number = NUMBER.fullmatch(refused) and (refused.lstrip("+-").isdigit() or not is_whole)
+        is_number = DECIMAL.fullmatch(refused) and (refused.lstrip("+-").isdigit() or not is_whole)
         shown = refused if is_number else repr(refused)
         noun = "whole number" if is_whole else "number"
         low = getattr(kind, "min", None)

@@ -61,11 +61,9 @@ def command_of(made_by: Family, name: str) -> click.Command:
         seed: int | None,
         count: int | None,
         out: Path | None,
-        workers: int | None,
         metrics: bool | None,
         where: str | None,
         difficulty: tuple[float, ...] | None,
-        tries: int | None,
         force: bool,
         as_json: bool,
         **params: Any,
@@ -74,19 +72,15 @@ def command_of(made_by: Family, name: str) -> click.Command:
         place = _set_place(count, out)
         to = Output(out, None if place is None else count, metrics, force, as_json)
         if where is not None or difficulty is not None:
-            query = WorldQuery(where, difficulty, tries)
+            query = WorldQuery(where, difficulty)
             make_wanted(made_by, name, seed, given_parameters(params), query, to)
-        elif tries is not None:
-            raise click.UsageError(
-                "--tries is for a search; use --where or --difficulty to say what to search for"
-            )
         elif place is None:
             _make_one(made_by, draw_seed(seed), params, to)
         else:
             from worldgen.sets import plan_set
 
             plan = plan_set(name, 0, count or 1, params, metrics=metrics is not False)
-            make_many(plan, seed, place, workers=workers, force=force, as_json=as_json)
+            make_many(plan, seed, place, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
     # The last decorator applied is the first option in the help.
@@ -142,18 +136,13 @@ _out_option = click.option(
     help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
     ".tar.bz2. Without it, the world goes to stdout.",
 )
-_workers_option = click.option(
-    "--workers",
-    type=click.IntRange(1, 256),
-    help="Number of processes that make a set.  [default: one per core for large sets]",
-)
 _metrics_option = click.option(
     "--metrics/--no-metrics",
     default=None,
     help="Measure each world, and store the result in its file's header.  [default: a single world "
     "up to 2000 x 2000 cells, and sets]",
 )
-_SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
+_SET_OPTIONS = (_count_option, _out_option, _metrics_option)
 
 
 # Cells of the largest world measured by default; larger ones would take over 15 seconds.
@@ -189,7 +178,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "
-        + (f"{len(world.robots)} robots, joint " if world.others else "")
+        + (f"{len(world.robots)} robots, joint " if world.is_fleet else "")
         + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
     if to.as_json:

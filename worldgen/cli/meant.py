@@ -15,6 +15,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.names import CONTROLLER, NameKind
+from worldgen.domain import DECIMAL
 from worldgen.parameters.known_names import nearest
 
 _MOST_FILES = 50  # Python files in which a class is looked for
@@ -49,11 +50,10 @@ COMMANDS = {
     "view": "show", "draw": "show", "plot": "show", "render": "show", "cat": "show",
     "convert": "export", "ls": "list", "rm": "prune", "minimize": "shrink", "minimise": "shrink",
     "rerun": "replay", "list": "families", "benchmark": "compare", "bench": "compare",
-    "compose": "", "chance": "compare",
+    "compose": "", "chance": "compare", "census": "verify",
 }  # fmt: skip
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
 
-NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"\A(\s*[+-]?\d+),(\d+)(?![\d,])")
 _UNITS = {"k": 1e3, "cm": 1e-2, "mm": 1e-3, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 _PREFIXES = ("cmd:", "lib:", "learned:")
@@ -207,7 +207,7 @@ def better_values(parameter: click.Parameter, text: str) -> list[str]:
     # 0,1 is 0.1 where a number need not be whole.
     if not isinstance(kind, click.types.IntParamType):
         text = _DECIMAL_COMMA.sub(r"\1.\2", text)
-    found = NUMBER.search(text)
+    found = DECIMAL.search(text)
     if found is None:
         return []
     # Read the number and its unit, then keep it within its bounds.

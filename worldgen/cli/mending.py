@@ -29,7 +29,6 @@ from worldgen.cli.command_parts import (
 )
 from worldgen.cli.meant import (
     COMMANDS,
-    NUMBER,
     better_names,
     better_values,
     built_in,
@@ -38,6 +37,7 @@ from worldgen.cli.meant import (
 )
 from worldgen.cli.names import kind_of, names_in_one
 from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
+from worldgen.domain import DECIMAL
 from worldgen.errors import WorldgenError
 from worldgen.parameters.known_names import nearest
 
@@ -134,7 +134,7 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
     if not (isinstance(came, str) and isinstance(meant, str) and came and meant) or ":" in came:
         return _polished(group, words)
     # Only whole names are replaced, not parts of longer ones.
-    pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w-])")
+    pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w/-])")
     return [pattern.sub(lambda _: meant, word) for word in words]
 
 
@@ -194,7 +194,7 @@ def _mend_path(command: CommandParts, part: CommandPart) -> None:
         return
     needed = sum(one.required for one in command.arguments)
     option = next(options_for(command, text), None) if word_count(command) > needed else None
-    is_plain = NUMBER.fullmatch(text) or not Path(text).suffix
+    is_plain = DECIMAL.fullmatch(text) or not Path(text).suffix
     if option is not None and option.name not in WRITTEN and is_plain:
         command.parts.remove(part)
         command.add(option, text)

@@ -48,18 +48,6 @@ time_step_option: Callable[[F], F] = click.option(
 motion_option: Callable[[F], F] = click.option(
     "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
 )
-cell_size_option: Callable[[F], F] = click.option(
-    "--cell-size",
-    "--cell",
-    "cell_size",
-    type=float,
-    help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
-)
-unknown_option: Callable[[F], F] = click.option(
-    "--unknown",
-    type=click.Choice(["solid", "free"]),
-    help="How to treat unknown ROS cells.  [default: solid]",
-)
 workers_option: Callable[[F], F] = click.option(
     "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
 )

@@ -45,7 +45,6 @@ COMMANDS: dict[str, dict[str, str]] = {
     "Study worlds": {
         "measure": "Measure how hard worlds are.",
         "audit": "Check whether a trajectory from any simulator was possible.",
-        "census": "Count the maps whose target a robot of a given radius can reach.",
     },
 }
 """Name and summary of each command by job; a test compares them with the commands' own."""

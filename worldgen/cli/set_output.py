@@ -39,9 +39,7 @@ class Output:
     as_json: bool
 
 
-def make_many(
-    plan: SetPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool
-) -> None:
+def make_many(plan: SetPlan, seed: int | None, out: Path, *, force: bool, as_json: bool) -> None:
     """Make a set, or continue one.
 
     Args:
@@ -49,7 +47,6 @@ def make_many(
         seed: Seed of the first world; if omitted, the seed of an unfinished set there, or else a
         random one.
         out: Folder or archive.
-        workers: Number of processes.
         force: True to replace what exists.
         as_json: True to print one JSON object.
     """
@@ -60,9 +57,7 @@ def make_many(
     header = plan.header
     count = plan.header.count
     with told(out, count, force=force) as progress:
-        done = make_set(
-            plan, out, workers=workers_for(count, workers), force=force, progress=progress
-        )
+        done = make_set(plan, out, workers=workers_for(count), force=force, progress=progress)
     last = (header.seed + count - 1) & MASK64
     note(
         f"{out}: {count} worlds of {header.family}, "
@@ -97,9 +92,12 @@ def _seed(plan: SetPlan, seed: int | None, out: Path, *, force: bool) -> int:
     return draw_seed(seed)
 
 
-def workers_for(count: int, workers: int | None) -> int:
-    """Return the number of processes for this many worlds, if the user gave none."""
-    return workers or (min(os.cpu_count() or 1, 256) if count >= _LARGE else 1)
+def workers_for(count: int) -> int:
+    """Return the number of processes for this many worlds: one per core that we may use."""
+    if count < _LARGE:
+        return 1
+    usable = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
+    return min(len(usable) or os.cpu_count() or 1, 256)
 
 
 @contextmanager

@@ -18,10 +18,8 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Nearest, Search
     from worldgen.family import Family
-    from worldgen.sets import SetPlan
     from worldgen.world import Value
 
-_TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
 
 
@@ -65,11 +63,6 @@ CONSTRAINT_OPTIONS = (
         help="Search for a world of this difficulty, 0 to 1; with a range and --count, spread a "
         "set over the range.",
     ),
-    click.option(
-        "--tries",
-        type=click.IntRange(1, 1_000_000),
-        help=f"Maximum number of worlds to try per world found.  [default: {_TRIES}]",
-    ),
 )
 
 
@@ -87,12 +80,10 @@ class WorldQuery:
     Args:
         where: A constraint on their metrics.
         difficulty: Their difficulty, or the two ends of its range.
-        tries: Worlds to try per world found.
     """
 
     where: str | None
     difficulty: tuple[float, ...] | None
-    tries: int | None
 
 
 def make_wanted(
@@ -108,29 +99,13 @@ def make_wanted(
     Raises:
         Exit: With code 1 if no fitting world was found; those found before are kept.
     """
-    from worldgen.difficulty.search import Search, constraint_for, found
-    from worldgen.sets import plan_stratified_set, plan_wanted_set
+    from worldgen.difficulty.search import TRIES, Search, constraint_for
+    from worldgen.sets import plan_wanted_set
 
-    # A range of difficulty requests a stratified set, or one world anywhere in it.
-    where = query.where
-    difficulty = query.difficulty or ()
-    tries = query.tries or _TRIES
-    if len(difficulty) == 2:
-        if to.count is not None and to.path is not None:
-            stratified = plan_stratified_set(
-                made_by,
-                0,
-                to.count,
-                params,
-                difficulty=(difficulty[0], difficulty[1]),
-                where=where,
-                tries=tries,
-                metrics=to.metrics is not False,
-            )
-            _make_stratified(stratified, seed, to.path, to)
-            return
-        where = _within(difficulty[0], difficulty[1], where)
-    constraint = constraint_for(where, difficulty[0] if len(difficulty) == 1 else None)
+    # A range of difficulty requests worlds that are spread over it, or one world anywhere in it.
+    low, *more = query.difficulty or (None,)
+    difficulty = (low, more[0]) if low is not None and more else low
+    constraint = constraint_for(query.where, difficulty)
     search: Search | None = None
     results: list[dict[str, Any]] = []
     # Search for a set, or for one world.
@@ -148,15 +123,16 @@ def make_wanted(
                     0,
                     to.count,
                     params,
-                    where=constraint.text,
-                    tries=tries,
+                    where=query.where,
+                    difficulty=difficulty,
                     metrics=to.metrics is not False,
                     tell=progress,
                 )
-                make_many(plan, seed, to.path, workers=1, force=to.force, as_json=to.as_json)
+                make_many(plan, seed, to.path, force=to.force, as_json=to.as_json)
+                _note_strata(to.path)
                 return
             search = Search(made_by, constraint, draw_seed(seed), params)
-            for one in found(search, 1, tries, progress):
+            for one in search.found(1, TRIES, progress):
                 again = _command(made_by, name, one.seed, {**params, **one.params})
                 results.append(_write(one, again, to))
     # Report the nearest world if none fits.
@@ -175,37 +151,10 @@ def make_wanted(
         emit_json({"constraint": constraint.text, "tried": search.tried, **results[0]})
 
 
-def _within(low: float, high: float, where: str | None) -> str:
-    """Return the constraint for one world anywhere in a range of difficulty."""
-    from worldgen.difficulty import parse
-    from worldgen.difficulty.strata import check_range
-
-    check_range(low, high)
-    if where is not None:
-        # Its messages only quote the original text.
-        parse(where)
-    return f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
-
-
-def _make_stratified(plan: SetPlan, seed: int | None, out: Path, to: Output) -> None:
-    """Make a set spread over a range of difficulty, and print how many worlds each stratum has."""
+def _note_strata(out: Path) -> None:
+    """Print how many worlds each stratum of a set has, and why any of its worlds is missing."""
     from worldgen.sets import manifest_of, strata_of
 
-    try:
-        make_many(plan, seed, out, workers=1, force=to.force, as_json=to.as_json)
-    except GenerationFailed as failure:
-        note(f"worldgen: {failure}", always=True)
-        if to.as_json:
-            emit_json(
-                {
-                    "constraint": plan.header.constraint,
-                    "count": to.count,
-                    "out": str(out),
-                    "error": str(failure),
-                }
-            )
-        raise click.exceptions.Exit(1) from failure
-    # Then report each stratum, and why any of its worlds is missing.
     for stratum in strata_of(manifest_of(out)):
         missing = stratum.share - stratum.worlds
         why = (

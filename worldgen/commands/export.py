@@ -68,7 +68,7 @@ def export(
     """Write a world in another program's format.
 
     WORLD is a .grid file. A world that the format cannot express is an error. Facts that it cannot
-    store are listed on stderr and kept in a sidecar (OUT.worldgen.toml), from which `worldgen
+    store are listed on stderr and kept in a sidecar (OUT.worldgen.grid), from which `worldgen
     import` restores them.
     """
     from worldgen import interop

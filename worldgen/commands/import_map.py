@@ -7,17 +7,7 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    SEED,
-    cell_size_option,
-    emit_json,
-    force_option,
-    json_option,
-    note,
-    say,
-    unknown_option,
-)
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note, say
 from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
@@ -77,7 +67,13 @@ EXAMPLES = (
     help="Use this many problems of --scen, starting at --row, as the robots of one world.  "
     "[default: 1, or all robots of an exported map]",
 )
-@cell_size_option
+@click.option(
+    "--cell-size",
+    "--cell",
+    "cell_size",
+    type=float,
+    help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
+)
 @click.option(
     "--slice",
     "slice_height",
@@ -97,7 +93,11 @@ EXAMPLES = (
     type=click.Choice(["y", "z"]),
     help="Axis of a mesh that points up.  [default: y for glTF, otherwise z]",
 )
-@unknown_option
+@click.option(
+    "--unknown",
+    type=click.Choice(["solid", "free"]),
+    help="How to treat unknown ROS cells.  [default: solid]",
+)
 @click.option(
     "--seed", type=SEED, help="Seed of the search for places that are far apart.  [default: 0]"
 )

@@ -36,21 +36,10 @@ SHOWN = 20
     multiple=True,
     help="File that defines a family that is not registered: ./mine.py:pillars.",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(1, 256),
-    help="Number of processes.  [default: one per core for large sets]",
-)
 @force_option
 @json_option
 def regenerate(
-    path: Path,
-    out: Path | None,
-    check: bool,
-    families: tuple[str, ...],
-    workers: int | None,
-    force: bool,
-    as_json: bool,
+    path: Path, out: Path | None, check: bool, families: tuple[str, ...], force: bool, as_json: bool
 ) -> None:
     """Rebuild a set of worlds from its manifest, or check it.
 
@@ -69,7 +58,7 @@ def regenerate(
         _check(known, as_json=as_json)
     else:
         elsewhere = out is not None
-        _make(known, families, workers, elsewhere=elsewhere, force=force, as_json=as_json)
+        _make(known, families, elsewhere=elsewhere, force=force, as_json=as_json)
 
 
 @dataclass(frozen=True)
@@ -122,13 +111,7 @@ def _check(known: _KnownSet, *, as_json: bool) -> None:
 
 
 def _make(
-    known: _KnownSet,
-    families: tuple[str, ...],
-    workers: int | None,
-    *,
-    elsewhere: bool,
-    force: bool,
-    as_json: bool,
+    known: _KnownSet, families: tuple[str, ...], *, elsewhere: bool, force: bool, as_json: bool
 ) -> None:
     from worldgen.cli.set_output import told, workers_for
     from worldgen.sets import SetDiffers, regenerate_set, restore_set
@@ -158,7 +141,7 @@ def _make(
     try:
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set
-            processes = workers_for(count, workers)
+            processes = workers_for(count)
             done = work(
                 manifest,
                 place,

@@ -121,7 +121,7 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
             "evidence": dict(failure.evidence),
         },
         "pictures": [str(picture) for picture in pictures],
-    } | ({"robots": [_robot_facts(robot) for robot in world.robots]} if world.others else {})
+    } | ({"robots": [_robot_facts(robot) for robot in world.robots]} if world.is_fleet else {})
 
 
 def _kind(certificate: Certificate) -> str:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, say, skip_bad_file
-from worldgen.support.plain_text import shown
+from worldgen.cli.output import PATH, emit_json, json_option, note, say, skip_bad_file
+from worldgen.support.plain_text import shown, stacked
 from worldgen.support.progress import working
 
+# Unsolvable worlds that a summary names.
+_FIRST = 10
 
-@click.command(epilog="\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json")
+EXAMPLES = (
+    "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n"
+    "  worldgen verify mazes.zip --radius 0.3"
+)
+
+
+@click.command(epilog=EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
     "--radius",
@@ -38,8 +47,11 @@ def verify(
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
     without a certificate is decided, as is one whose certificate does not cover the requested
-    radius; the result is then checked in the same way. For a folder or an archive, its .grid files
-    are checked.
+    radius; the result is then checked in the same way.
+
+    For a folder, a set or an archive, its .grid files are checked. A summary of several worlds
+    states the share whose target can be reached, with its 95 % interval, and names the first worlds
+    in which it cannot.
 
     For a world that changes, it also reports how late the robot can set out: on the witness (its
     margin), and on any path (the latest start).
@@ -57,40 +69,94 @@ def verify(
 
     # Verify one world after the other.
     results: list[dict[str, Any]] = []
-    with working("verifying") as work:
-        for path, world in read_worlds(paths, skip_bad_file):
-            work.say(f"{path}, world {len(results) + 1}")
-            results.append({"path": str(path), **verify_world(world, radius, deadline)})
-            if widest and world.others:
-                raise InvalidParameter(
-                    "several-robots",
-                    "{path} has {count} robots, but the widest disc is computed only for worlds "
-                    "with one robot",
-                    "use --radius R to find out whether discs of that radius get through",
-                    at_terminal=True,
-                    path=str(path),
-                    count=len(world.robots),
-                )
-            if widest and world.is_dynamic:
-                raise InvalidParameter(
-                    "world-changes",
-                    "{path} changes, but the largest disc that could pass is defined only for "
-                    "static worlds",
-                    path=str(path),
-                )
-            if widest and not world.unread:
-                work.say(f"{path}: looking for the largest disc that could pass")
-                results[-1]["widest"] = bottleneck(world, world.walls)
-            # Each result is printed as soon as it is known, since one can take minutes.
-            if not as_json:
-                say(_line(results[-1]))
+    interrupted = False
+    try:
+        with working("verifying") as work:
+            for path, world in read_worlds(paths, skip_bad_file):
+                work.say(f"{path}, world {len(results) + 1}")
+                result = {"path": str(path), **verify_world(world, radius, deadline)}
+                if widest and world.is_fleet:
+                    raise InvalidParameter(
+                        "several-robots",
+                        "{path} has {count} robots, but the widest disc is computed only for "
+                        "worlds with one robot",
+                        "use --radius R to find out whether discs of that radius get through",
+                        at_terminal=True,
+                        path=str(path),
+                        count=len(world.robots),
+                    )
+                if widest and world.is_dynamic:
+                    raise InvalidParameter(
+                        "world-changes",
+                        "{path} changes, but the largest disc that could pass is defined only for "
+                        "static worlds",
+                        path=str(path),
+                    )
+                if widest and not world.unread:
+                    work.say(f"{path}: looking for the largest disc that could pass")
+                    result["widest"] = bottleneck(world, world.walls)
+                results.append(result)
+                # Each result is printed as soon as it is known, since one can take minutes.
+                if not as_json:
+                    say(_line(result))
+    # What many worlds gave so far is worth keeping.
+    except KeyboardInterrupt:
+        if len(results) < 2:
+            raise
+        interrupted = True
     # Report, and fail if a proof does not hold.
+    summary = _summary(results)
     if as_json:
-        emit_json(results[0] if len(results) == 1 else {"files": results})
+        files = {"files": results, "summary": summary}
+        emit_json(results[0] if len(results) == 1 else files)
+    elif len(results) > 1:
+        say(stacked(_summary_lines(summary)))
+    if interrupted:
+        note(f"interrupted; the summary covers the {len(results)} worlds so far", always=True)
+        raise click.exceptions.Exit(130)
     if not all(result["certificate_valid"] or "unread" in result for result in results):
         raise click.exceptions.Exit(1)
     if any("unread" in result for result in results):
         raise click.exceptions.Exit(2)
+
+
+def _summary(results: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Count the answers about many worlds, and name the first in which the target is unreachable.
+
+    A proof that does not hold counts as undecided.
+    """
+    from worldgen.support.intervals import interval_95
+
+    total = len(results)
+    if total < 2:
+        return {}
+    names = {
+        answer: [result["path"] for result in results if result["result"] == answer]
+        for answer in ("reachable", "blocked", "undecided")
+    }
+    reachable = len(names["reachable"])
+    return {
+        "worlds": total,
+        **{answer: len(paths) for answer, paths in names.items()},
+        "share": reachable / total,
+        "interval": interval_95(reachable, total),
+        "first_blocked": names["blocked"][:_FIRST],
+    }
+
+
+def _summary_lines(summary: dict[str, Any]) -> list[str]:
+    low, high = (100 * end for end in summary["interval"])
+    text = (
+        f"{summary['worlds']} worlds: {summary['reachable']} reachable, "
+        f"{100 * summary['share']:.1f} % (95 % interval {low:.1f} to {high:.1f}), "
+        f"{summary['blocked']} blocked, {summary['undecided']} undecided"
+    )
+    first = summary["first_blocked"]
+    if not first:
+        return [text]
+    more = summary["blocked"] - len(first)
+    names = ", ".join(shown(path) for path in first)
+    return [text, f"blocked: {names}" + (f" and {more} more" if more else "")]
 
 
 def _line(result: dict[str, Any]) -> str:

@@ -43,7 +43,7 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     certificate = (
         world.certificate if world.certificate is not None else reach.decide(world).certificate
     )
-    if world.others:
+    if world.is_fleet:
         return _hardest(world, certificate, only)
     solid = world.cells_at(0.0) != CellState.FREE
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}

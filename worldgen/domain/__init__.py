@@ -2,6 +2,7 @@
 
 Contents:
     MASK64, MAX_SIDE, MAX_ROBOTS, CELL_SIZES, RADII, SPEEDS, LATEST: The limits (``numbers``).
+    DECIMAL: Pattern of a decimal number.
     number_fault, radius_fault, speed_fault: What is wrong with a number.
 
 What is wrong with a pair of robots is in ``robot_pairs``, which only a fleet needs.
@@ -9,6 +10,7 @@ What is wrong with a pair of robots is in ``robot_pairs``, which only a fleet ne
 
 from worldgen.domain.numbers import (
     CELL_SIZES,
+    DECIMAL,
     LATEST,
     MASK64,
     MAX_ROBOTS,
@@ -22,6 +24,7 @@ from worldgen.domain.numbers import (
 
 __all__ = [
     "CELL_SIZES",
+    "DECIMAL",
     "LATEST",
     "MASK64",
     "MAX_ROBOTS",

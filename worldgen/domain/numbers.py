@@ -8,6 +8,7 @@ or too small.
 from __future__ import annotations
 
 import math
+import re
 from typing import Final
 
 from worldgen.errors import Message
@@ -32,6 +33,11 @@ SPEEDS: Final = (1e-6, 1e9)
 
 LATEST: Final = 1e9
 """Latest time of a change, s; 31 years."""
+
+DECIMAL: Final = re.compile(
+    r"[+-]?(?:[0-9]{1,700}\.?[0-9]{0,700}|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?"
+)
+"""A decimal number in a text; it has room for the sum of any two float64, written in full."""
 
 
 def radius_fault(name: str, radius: float, cell_size: float) -> Message | None:

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import IO, Protocol
 
 from worldgen.errors import FormatError, Message
+from worldgen.files.whole import SupportsRead, read_up_to
 
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
 
@@ -33,13 +34,6 @@ _BLOCK = 512
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # Bytes skipped at a time.
 _PIECE = 1 << 20
-
-
-class SupportsRead(Protocol):
-    """A stream that can be read piece by piece."""
-
-    def read(self, size: int, /) -> bytes:
-        """Return the next bytes, or none at the end."""
 
 
 class ArchiveWriter(Protocol):
@@ -215,8 +209,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     )
                     raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
-                    data = file.read(limit + 1)
-                return data if len(data) <= limit else None
+                    return read_up_to(file, limit)
 
             # A broken archive may have no name.
             if entry.filename and not entry.is_dir():

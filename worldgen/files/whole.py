@@ -11,12 +11,14 @@ import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO
+from typing import Protocol
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.support.results import opened_as
 
 _MOST_BYTES = 64 << 20
+# Bytes read at a time.
+_PIECE = 1 << 20
 
 
 def check_output(path: Path, force: bool) -> None:
@@ -66,36 +68,73 @@ def check_writable(path: Path, folder: Path) -> None:
         )
 
 
-def read_text(path: Path, most: int = _MOST_BYTES) -> str:
-    """Return the text of a small file.
+class SupportsRead(Protocol):
+    """A stream that can be read piece by piece."""
+
+    def read(self, size: int, /) -> bytes:
+        """Return the next bytes, or none at the end."""
+
+
+def read_up_to(stream: SupportsRead, most: int) -> bytes | None:
+    """Return a whole stream, or None if it exceeds a limit, because a device may never end."""
+    pieces: list[bytes] = []
+    left = most
+    while piece := stream.read(_PIECE):
+        left -= len(piece)
+        if left < 0:
+            return None
+        pieces.append(piece)
+    return b"".join(pieces)
+
+
+def read_bytes(path: Path, most: int, remedy: str = "split it") -> bytes:
+    """Return the bytes of a file.
 
     Args:
         path: The file.
         most: The largest size, bytes.
+        remedy: The way out if it is larger.
 
     Raises:
-        FormatError: If it cannot be read, is larger, or isn't UTF-8.
+        FormatError: If it cannot be read, or is larger.
     """
     try:
         stream = path.open("rb")
     # ValueError means that the name contains a NUL.
     except (OSError, ValueError) as error:
-        raise _unreadable(str(path), error) from error
+        raise FormatError.unreadable(path, error) from error
     with stream:
-        return read_stream(stream, str(path), most)
+        return read_stream(stream, str(path), most, remedy)
 
 
-def read_stream(stream: IO[bytes], source: str, most: int) -> str:
-    """Return the text in an open file, as :func:`read_text` does; ``source`` is its name."""
+def read_stream(stream: SupportsRead, source: str, most: int, remedy: str = "split it") -> bytes:
+    """Return the bytes of an open file, as :func:`read_bytes` does; ``source`` is its name."""
     try:
-        # Read one byte more than allowed, to notice a file that is too large.
-        data = stream.read(most + 1)
+        data = read_up_to(stream, most)
     except (OSError, ValueError) as error:
-        raise _unreadable(source, error) from error
-    if len(data) > most:
+        raise FormatError.unreadable(source, error) from error
+    if data is None:
         raise FormatError(
-            "too-large", "is larger than {most} MiB", "split it", most=most >> 20, source=source
+            "too-large", "is larger than {most} bytes", remedy, most=most, source=source
         )
+    return data
+
+
+def read_text(path: Path, most: int = _MOST_BYTES) -> str:
+    """Return the text of a small file, as :func:`read_bytes` does.
+
+    Raises:
+        FormatError: If it cannot be read, is larger, or isn't UTF-8.
+    """
+    return decoded(read_bytes(path, most), str(path))
+
+
+def decoded(data: bytes, source: str) -> str:
+    """Return the text in the bytes of a file.
+
+    Raises:
+        FormatError: If it isn't UTF-8.
+    """
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -106,11 +145,6 @@ def read_stream(stream: IO[bytes], source: str, most: int) -> str:
             byte=error.start,
             source=source,
         ) from error
-
-
-def _unreadable(source: str, error: OSError | ValueError) -> FormatError:
-    reason = getattr(error, "strerror", None) or error
-    return FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=source)
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:

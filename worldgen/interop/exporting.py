@@ -10,9 +10,10 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.whole import check_output, write_bytes
+from worldgen.files.worlds import SIDECAR
 from worldgen.interop.format import FORMATS, HELD, ROBOT_FACTS, Destination, Format
 from worldgen.interop.format.foreign_map import origin_of
-from worldgen.interop.sidecar import SUFFIX, sidecar_text
+from worldgen.interop.sidecar import sidecar_text, sidecars_of
 from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
@@ -103,10 +104,10 @@ def export_world(
         key: said for key, said in _missing(still, known, destination) if key not in written.altered
     }
     files = dict(written.files)
-    companion = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
+    companion = f"{destination.name}{SIDECAR}" if sidecar and (missing or written.altered) else None
     if companion is not None:
-        others = still.others if known.robots else ()
-        files[companion] = sidecar_text(still, destination, [*missing, *written.altered], others)
+        robots = still.robots if known.robots else still.robots[:1]
+        files[companion] = sidecar_text(still, destination, [*missing, *written.altered], robots)
     # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (
@@ -119,7 +120,7 @@ def export_world(
 
 def _check_robots(world: World, known: Format) -> None:
     """Refuse several robots if a file holds one; any world can become a map without robots."""
-    if not world.others or known.robots or "start" not in known.holds:
+    if not world.is_fleet or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
     raise InvalidWorld(
@@ -176,7 +177,7 @@ def _notes(
             f"the world's {len(world.timeline)} changes are not stored; the file has the cells "
             f"at {at:g} s"
         )
-    if world.others and "start" not in known.holds:
+    if world.is_fleet and "start" not in known.holds:
         yield (
             f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
         )
@@ -278,7 +279,8 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
         for path in new.intersection(written):
             path.unlink(missing_ok=True)
         raise
-    stale = paths[0].with_name(paths[0].name + SUFFIX)
-    if export.sidecar is None and stale.is_file():
-        stale.unlink()
+    # An overwritten file's old sidecar is about other contents.
+    for stale in sidecars_of(paths[0]):
+        if stale not in paths and stale.is_file():
+            stale.unlink()
     return paths

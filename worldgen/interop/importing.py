@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.format import ROBOT_FACTS
-from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
+from worldgen.interop.format.foreign_map import IMPORTED, ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
@@ -22,7 +22,6 @@ from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target,
 
 # Raise this whenever some file becomes a different world than before.
 VERSION = 3
-_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
         InvalidParameter: If there are too few or too many, or one isn't a number.
     """
     words = [word.strip() for word in text.split(",")]
-    if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
+    if not 2 <= len(words) <= 3 or not all(DECIMAL.fullmatch(word) for word in words):
         raise InvalidParameter(
             "wrong-form",
             "{name}={text!r} is not X,Y or X,Y,{third}",
@@ -174,7 +173,7 @@ def _with_robot(
         params["unread"] = list(found.unread)
         params |= {"ignore_unread": True} if robot.ignore_unread else {}
         warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
-    world = replace(world, provenance=Provenance("import", VERSION, robot.seed or 0, params))
+    world = replace(world, provenance=Provenance(IMPORTED, VERSION, robot.seed or 0, params))
     decision = decide(world)
     world = replace(world, certificate=decision.certificate)
     return Imported(
@@ -386,10 +385,9 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)
     timeline = found.world.timeline if found.world else Timeline()
-    others = _other_robots(robot, found, radius, speed)
-    return World(
-        found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
-    ), placement
+    robots = (Robot(start, target, radius, speed), *_other_robots(robot, found, radius, speed))
+    world = World(found.walls, cell_size=found.cell_size, timeline=timeline, robots=robots)
+    return world, placement
 
 
 def _other_robots(
@@ -399,7 +397,7 @@ def _other_robots(
     if robot.seed is not None:
         return ()
     if found.world is not None:
-        return found.world.others
+        return found.world.robots[1:]
     robots = []
     for other in found.others:
         at = (other.start[0], other.start[1])

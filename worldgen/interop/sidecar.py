@@ -1,38 +1,55 @@
-"""The sidecar of an exported file: a small TOML file with what its format cannot store.
+"""The sidecar of an exported file: the world as a ``.grid`` file, which names what it is for.
 
-``maze.map`` has ``maze.map.worldgen.toml``. It contains only what the file itself does not store,
-so that edits of the file take effect.
+``maze.map`` has ``maze.map.worldgen.grid``. Only the facts that the file itself does not store are
+taken from it, so that edits of the file take effect. Earlier versions wrote these facts as TOML,
+``maze.map.worldgen.toml``, which is still read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, Final, TypeAlias
 
 from worldgen.errors import FormatError
+from worldgen.files.grid.disk import unpack
 from worldgen.files.grid.header import Header
-from worldgen.files.grid.toml_text import value_text
-from worldgen.interop.format import (
-    HELD,
-    LENGTHS,
-    PAIRS,
-    ROBOT_FACTS,
-    Destination,
-    fact_numbers,
-    held_values,
-    robot_values,
+from worldgen.files.grid.records import Table, tables_of
+from worldgen.files.grid.schema import MAX_FILE_BYTES, Key
+from worldgen.files.grid.writer import dumps
+from worldgen.files.whole import decoded
+from worldgen.files.worlds import SIDECAR
+from worldgen.interop.format import HELD, LENGTHS, PAIRS, ROBOT_FACTS, Destination, robot_values
+from worldgen.interop.format.foreign_map import (
+    EXPORTED,
+    ForeignMap,
+    ForeignRobot,
+    digest,
+    origin_of,
+    read_bounded,
 )
-from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
-from worldgen.world import Robot, Value, World
+from worldgen.world import Provenance, Robot, Value, World
 
-SUFFIX = ".worldgen.toml"
 _VERSION = 1
-_MOST_BYTES = 1 << 20
-_SIZE = "size"
-# Table of each robot after the first.
-_ROBOT = "robot"
+# Where the provenance of a sidecar lists its facts.
+_KEPT = "kept"
+_WAY_OUT = "delete it, or export the world again"
+# The keys of a sidecar in TOML, and the end of its name.
+_TOML = ".worldgen.toml"
+_MOST_TOML = 1 << 20
+_KEYS: Final = {
+    name: Key(
+        "pair" if name in PAIRS else "length" if name in LENGTHS else "number", "0.1", words, ()
+    )
+    for name, words in HELD.items()
+}
+_TOP_KEYS: Final = {
+    "worldgen": Key("integer", "1", "version of the sidecar"),
+    "size": Key("pair", "[60, 60]", "width and height, cells"),
+    **_KEYS,
+}
+_ROBOT_KEYS: Final = {name: _KEYS[name] for name in ROBOT_FACTS}
 
 _Values: TypeAlias = "Mapping[str, tuple[float, ...]]"
 
@@ -58,34 +75,30 @@ class Sidecar:
 
 
 def sidecar_text(
-    world: World, destination: Destination, missing: Collection[str], others: Sequence[Robot]
+    world: World, destination: Destination, kept: Collection[str], robots: Sequence[Robot]
 ) -> bytes:
     """Return the sidecar's contents.
 
     Args:
         world: The world that was exported.
         destination: Its destination.
-        missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
-        others: The robots after the first that the file has.
+        kept: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
+        robots: The robots that the file has; the first if it has none.
     """
-    values = held_values(world, destination)
-    kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
-    kept |= {name: value for name, value in values.items() if name in missing}
-    lines = [
-        f"# Facts that {destination.name!r} cannot store; m, rad, m/s, from the grid's lower-left "
-        f"corner, y up."
-    ]
-    lines += [f"{name} = {value_text(value, name)}" for name, value in kept.items()]
-    # Each further robot has a table with its own values.
-    own = [name for name in ROBOT_FACTS if name in missing]
-    for robot in others if own else ():
-        facts = robot_values(robot)
-        lines += [
-            "",
-            f"[[{_ROBOT}]]",
-            *(f"{name} = {value_text(facts[name], name)}" for name in own),
-        ]
-    return ("\n".join(lines) + "\n").encode()
+    params: dict[str, Value] = {
+        "file": destination.name,
+        _KEPT: [name for name in HELD if name in kept],
+        "origin": list(destination.origin),
+    }
+    made = Provenance(EXPORTED, _VERSION, 0, params)
+    return dumps(
+        replace(world, robots=tuple(robots), certificate=None, provenance=made, failure=None)
+    )
+
+
+def sidecars_of(path: Path) -> tuple[Path, Path]:
+    """Return where a file's sidecar is, and where earlier versions put it."""
+    return path.with_name(path.name + SIDECAR), path.with_name(path.name + _TOML)
 
 
 def read_sidecar(path: Path) -> Sidecar | None:
@@ -94,101 +107,70 @@ def read_sidecar(path: Path) -> Sidecar | None:
     Raises:
         FormatError: If it isn't a sidecar, with the line at fault.
     """
-    companion = path.with_name(path.name + SUFFIX)
-    try:
-        if not companion.exists():
-            return None
-    except (OSError, ValueError):
-        return None
-    data = _bytes(companion)
-    source = str(companion)
-    try:
-        header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
-    except UnicodeDecodeError as error:
-        raise FormatError(
-            "not-utf8", "is not UTF-8 text", "delete it, or export the world again", source=source
-        ) from error
-    _check_keys(header, header.data, ("worldgen", _SIZE, *HELD, _ROBOT))
-    if header.data.get("worldgen") != _VERSION:
+    kinds = ((MAX_FILE_BYTES, _of_grid), (_MOST_TOML, _of_toml))
+    for companion, (most, read) in zip(sidecars_of(path), kinds, strict=True):
+        try:
+            exists = companion.exists()
+        except (OSError, ValueError):
+            exists = False
+        if exists:
+            try:
+                return read(read_bounded(companion, most), companion)
+            except FormatError as error:
+                # Others have remedies for maps.
+                message = error.message.with_remedy(_WAY_OUT)
+                raise FormatError.of(message, line=error.line, source=str(companion)) from error
+    return None
+
+
+def _of_grid(data: bytes, companion: Path) -> Sidecar:
+    world = unpack(data, str(companion))
+    made = world.provenance
+    kept = made.params.get(_KEPT) if made is not None and made.family == EXPORTED else None
+    if not isinstance(kept, list) or not all(name in list(HELD) for name in kept):
+        raise FormatError("not-a-sidecar", "does not say which facts it is for")
+    of_map = {"cell_size": (world.cell_size,), "origin": origin_of(world)}
+    robots = [_chosen(robot_values(robot), kept) for robot in world.robots]
+    return Sidecar(
+        companion.name,
+        digest(data),
+        (world.width, world.height),
+        {**robots[0], **_chosen(of_map, kept)},
+        tuple(robots[1:]) if robots[0] else (),
+    )
+
+
+def _of_toml(data: bytes, companion: Path) -> Sidecar:
+    header = Header(decoded(data, str(companion)), 1, str(companion), "the sidecar")
+    others = tables_of(header, "robot", _ROBOT_KEYS)
+    given = {key: value for key, value in header.data.items() if key != "robot"}
+    top = Table(header, given, _TOP_KEYS)
+    top.check_keys("key of a sidecar")
+    if top.read("worldgen") != _VERSION:
         raise FormatError(
             "other-version",
             "the sidecar's version must be worldgen = {version}",
-            "export the world again",
             version=_VERSION,
             **header.at("worldgen"),
         )
-    size = _numbers(header, header.data, _SIZE)
-    values = {key: _numbers(header, header.data, key) for key in HELD if key in header.data}
-    sides = (int(size[0]), int(size[1]))
-    return Sidecar(companion.name, digest(data), sides, values, tuple(_others(header)))
+    width, height = top.read("size")
+    return Sidecar(
+        companion.name,
+        digest(data),
+        (int(width), int(height)),
+        _chosen(top.read_all(), HELD),
+        tuple(_chosen(table.read_all(), HELD) for table in others),
+    )
 
 
-def _check_keys(
-    header: Header, table: Mapping[str, object], known: Sequence[str], index: int | None = None
-) -> None:
-    for key in table:
-        if key not in known:
-            raise FormatError(
-                "unknown-name",
-                "{name!q} is not a key of a sidecar",
-                "it has {known!l}",
-                name=key,
-                known=list(known),
-                **header.at(key, table=_ROBOT, index=index),
-            )
-
-
-def _others(header: Header) -> Iterator[_Values]:
-    """Yield the values of each robot after the first."""
-    tables = header.data.get(_ROBOT, [])
-    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise FormatError(
-            "wrong-type",
-            "{key} must be tables, one [[{key}]] for each robot after the first",
-            key=_ROBOT,
-            **header.at(_ROBOT),
-        )
-    for index, table in enumerate(tables):
-        _check_keys(header, table, ROBOT_FACTS, index)
-        yield {key: _numbers(header, table, key, index) for key in ROBOT_FACTS if key in table}
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return read_bounded(path, _MOST_BYTES)
-    # Its remedy is for maps.
-    except FormatError as error:
-        message = error.message.with_remedy("delete it, or export the world again")
-        raise FormatError.of(message, source=str(path)) from error
-
-
-def _numbers(
-    header: Header, table: Mapping[str, object], key: str, index: int | None = None
-) -> tuple[float, ...]:
-    """Return the numbers of a key: the right count, finite, lengths above 0.
-
-    Args:
-        header: The sidecar.
-        table: The table that has the key: the sidecar itself, or one robot's.
-        key: Name of the value.
-        index: Number of the robot's table, from 0; None for the sidecar itself.
-    """
-    numbers = fact_numbers(key, table.get(key))
-    if numbers is None:
-        rule = (
-            "{key} must be two finite numbers in brackets"
-            if key in PAIRS
-            else "{key} must be a finite number"
-        )
-        raise FormatError("wrong-type", rule, key=key, **header.at(key, table=_ROBOT, index=index))
-    if key in LENGTHS and min(numbers) <= 0:
-        raise FormatError(
-            "not-positive",
-            "{key} must be above 0",
-            key=key,
-            **header.at(key, table=_ROBOT, index=index),
-        )
-    return numbers
+def _chosen(facts: Mapping[str, Any], kept: Collection[object]) -> _Values:
+    """Return some of a world's or a robot's facts as tuples; one without numbers is missing."""
+    numbers = {
+        name: tuple(value) if isinstance(value, list | tuple) else (value,)
+        for name, value in facts.items()
+        if name in kept
+    }
+    return {name: value for name, value in numbers.items() if value}
 
 
 def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:

@@ -60,6 +60,8 @@ class CountedCode:
         counts: By line, how often the statement that begins there has run; index 0 is unused.
         statements: The lines of each statement, by its first line; of one that contains others,
             only those before them.
+        reads: By the same line, what the statement reads: names, attributes without their object,
+            and for a number of its function's last parameter ``memory[3]``, whatever its name.
         functions: Its functions, in order.
         constants: By name, the line of a value outside its functions.
     """
@@ -68,6 +70,7 @@ class CountedCode:
     source: list[str]
     counts: list[int]
     statements: dict[int, range]
+    reads: dict[int, frozenset[str]]
     functions: list[CodeFunction]
     constants: dict[str, int]
 
@@ -95,6 +98,7 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
         tree = ast.parse(data, str(file))
         functions = [_described(node) for node in _functions(tree)]
         constants = _constants(tree)
+        reads = _reads(tree)
         statements = _insert_counters(tree)
         code = compile(tree, str(file), "exec", dont_inherit=True)
 
@@ -109,7 +113,7 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
             if new is not None and new.co_freevars == function.__code__.co_freevars:
                 before.append((function, function.__code__))
                 function.__code__ = new
-        yield CountedCode(file, source, counts, statements, functions, constants)
+        yield CountedCode(file, source, counts, statements, reads, functions, constants)
     finally:
         for function, old in before:
             function.__code__ = old
@@ -187,6 +191,40 @@ def _constants(tree: ast.Module) -> dict[str, int]:
                 names = [one.id for one in targets if isinstance(one, ast.Name)]
                 found.update(dict.fromkeys(names, node.lineno))
     return found
+
+
+def _reads(tree: ast.Module) -> dict[int, frozenset[str]]:
+    """Return what each statement in a function reads, without the statements that it contains."""
+    found: dict[int, frozenset[str]] = {}
+    for function in _functions(tree):
+        memory = [one.arg for one in function.args.args[-1:]]
+        for block in _blocks(function):
+            for node in block:
+                read = found.get(node.lineno, frozenset())
+                found[node.lineno] = read | frozenset(_read_by(node, memory))
+    return found
+
+
+def _read_by(statement: ast.stmt, memory: list[str]) -> Iterator[str]:
+    rest: list[ast.AST] = [statement]
+    while rest:
+        node = rest.pop()
+        rest += [
+            one
+            for one in ast.iter_child_nodes(node)
+            if not isinstance(one, ast.stmt | ast.ExceptHandler | ast.match_case)
+        ]
+        if not isinstance(node, ast.Name | ast.Attribute | ast.Subscript):
+            continue
+        # What `+=` changes is read, too.
+        if not isinstance(node.ctx, ast.Load) and not isinstance(statement, ast.AugAssign):
+            continue
+        if isinstance(node, ast.Name):
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            yield node.attr
+        elif ast.unparse(node.value) in memory:
+            yield f"memory[{ast.unparse(node.slice)}]"
 
 
 def _insert_counters(tree: ast.Module) -> dict[int, range]:

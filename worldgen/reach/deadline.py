@@ -52,7 +52,7 @@ def decide_in_time(
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
     check_deadline(deadline)
-    if world.others:
+    if world.is_fleet:
         return _all_in_time(world, deadline, radius)
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)

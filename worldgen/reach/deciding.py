@@ -34,7 +34,7 @@ def decide(
     """
     if world.unread:
         return Decision(UNDECIDED, None, unread_reason(world.unread))
-    if not world.others:
+    if not world.is_fleet:
         return prove.decide(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
     if radius is not None:
         check_radius(radius, world.cell_size)

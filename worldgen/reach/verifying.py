@@ -82,7 +82,7 @@ def verify_world(
     }
     answer |= {"unread": list(world.unread)} if world.unread else {}
     answer |= {} if deadline is None else {"deadline": deadline}
-    answer |= {"robots": len(world.robots)} if world.others else {}
+    answer |= {"robots": len(world.robots)} if world.is_fleet else {}
     # How late the robot may begin matters only if something changes or there is a deadline.
     is_timed = world.is_dynamic or deadline is not None
     if is_timed and report.valid and isinstance(certificate, Witness):

@@ -34,7 +34,16 @@ from worldgen.render.palette import (
     mix,
 )
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.trail_parts import arrow, arrow_head, cross, stays_put
+from worldgen.render.trail_parts import (
+    arrow,
+    arrow_head,
+    cross,
+    heading_tick,
+    ring_and_cross,
+    robot_at,
+    robot_disc,
+    stays_put,
+)
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -197,7 +206,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     world = content.world
     trail = content.trail
     changes = content.changes
-    if world.others:
+    if world.is_fleet:
         return _robot_keys(content)
     # Start, target, signal and proof.
     keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
@@ -321,23 +330,16 @@ def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
-    tick = np.array(((x + 3.0 * unit, y), (x + 7.0 * unit, y)))
+    tick = Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)
     return [
-        DrawnCircle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
-        DrawnCircle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
-        DrawnLine(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)),
+        *robot_disc(x, y, 7.0 * unit, unit, colour=START, tint=0.45, width=2.0),
+        heading_tick(x, y, 7.0 * unit, 0.0, tick),
     ]
 
 
 def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    x += 0.5 * ICON * unit
-    paint = Paint(stroke=TARGET, width=2.0 * unit)
-    arms = np.array(((-8.0, 0.0), (8.0, 0.0))) * unit
-    return [
-        DrawnCircle(x, y, 5.0 * unit, paint),
-        DrawnLine(np.array((x, y)) + arms, paint),
-        DrawnLine(np.array((x, y)) + arms[:, ::-1], paint),
-    ]
+    stroke = Paint(stroke=TARGET, width=2.0 * unit)
+    return ring_and_cross(x + 0.5 * ICON * unit, y, 5.0 * unit, 8.0 * unit, [stroke])
 
 
 def _named_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -360,12 +362,7 @@ def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 
 def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    x += 0.5 * ICON * unit
-    return [
-        DrawnCircle(x, y, 6.0 * unit, Paint(fill=LOOP, opacity=0.3)),
-        DrawnCircle(x, y, 6.0 * unit, Paint(stroke=LOOP, width=2.0 * unit)),
-        DrawnCircle(x, y, 2.2 * unit, Paint(fill=LOOP)),
-    ]
+    return robot_at(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
 
 
 def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:

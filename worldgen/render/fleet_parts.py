@@ -12,7 +12,7 @@ from worldgen.render.overlay import Trail
 from worldgen.render.palette import INK, PAPER, mix
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.trail_parts import arrow, ring_and_cross
+from worldgen.render.trail_parts import arrow, heading_tick, ring_and_cross, robot_disc
 from worldgen.support.arrays import Floats
 from worldgen.world import JointWitness, Robot, World
 
@@ -84,13 +84,10 @@ def _start(robot: Robot, colour: str, frame: Frame) -> list[Primitive]:
     unit = frame.unit
     x, y = frame.to_pixels(robot.start.x, robot.start.y)
     shown = max(robot.radius * frame.scale, _HIDDEN * unit)
-    ahead = np.array((math.cos(robot.start.heading), -math.sin(robot.start.heading)))
-    tick = np.array((x, y)) + np.outer((0.45 * shown, shown), ahead)
+    paint = Paint(stroke=mix(colour, "#000000", 0.3), width=3.0 * unit)
     return [
-        DrawnCircle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
-        DrawnCircle(x, y, shown, Paint(fill=mix(PAPER, colour, 0.25))),
-        DrawnCircle(x, y, shown, Paint(stroke=colour, width=1.6 * unit)),
-        DrawnLine(tick, Paint(stroke=mix(colour, "#000000", 0.3), width=3.0 * unit)),
+        *robot_disc(x, y, shown, unit, colour=colour, tint=0.25, width=1.6),
+        heading_tick(x, y, shown, robot.start.heading, paint),
     ]
 
 

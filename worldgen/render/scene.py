@@ -34,8 +34,10 @@ from worldgen.render.palette import (
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.trail_parts import (
     breach_crosses,
+    heading_tick,
     pierced_parts,
     ring_and_cross,
+    robot_disc,
     swept_parts,
     trail_parts,
 )
@@ -87,7 +89,7 @@ def compose(
     named = named_cells(each_trail(trail))
     frame = Frame.of(world, pixels, is_numbered=bool(named))
     # The floor cannot show the signals of several targets.
-    shown = signal and not world.others
+    shown = signal and not world.is_fleet
     one = trail if isinstance(trail, Trail) else None
     several = () if trail is None or isinstance(trail, Trail) else tuple(trail)
     content = Content(world, one, shown, witness, title, frame, Changes.of(world), several, named)
@@ -122,7 +124,7 @@ def moment_parts(
         DrawnCells(solid, WALL),
         DrawnCells(burning, FIRE),
     ]
-    if world.others:
+    if world.is_fleet:
         return [*parts, *robot_parts(world, (), frame)]
     return [
         *parts,
@@ -143,7 +145,7 @@ def _map(content: Content) -> list[Primitive]:
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
-    if world.others:
+    if world.is_fleet:
         return [*parts, *robot_parts(world, content.trails, frame)]
     trail = content.trail
     radius = world.robot_radius
@@ -262,11 +264,7 @@ def _start_disc(world: World, frame: Frame) -> list[Primitive]:
     x, y = frame.to_pixels(world.start.x, world.start.y)
     radius = world.robot_radius * frame.scale
     shown = max(radius, 3.0 * unit)
-    parts: list[Primitive] = [
-        DrawnCircle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
-        DrawnCircle(x, y, shown, Paint(fill=mix(PAPER, START, 0.45))),
-        DrawnCircle(x, y, shown, Paint(stroke=START, width=2.0 * unit)),
-    ]
+    parts = robot_disc(x, y, shown, unit, colour=START, tint=0.45, width=2.0)
     if radius < HIDDEN * unit:
         parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=PAPER, width=4.5 * unit)))
         parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=START, width=2.2 * unit)))
@@ -279,6 +277,5 @@ def _start_heading(world: World, frame: Frame) -> Primitive:
     rim = world.robot_radius * frame.scale
     if rim < HIDDEN * frame.unit:
         rim = FINDER * frame.unit
-    ahead = np.array((math.cos(world.start.heading), -math.sin(world.start.heading)))
-    tick = np.array((x, y)) + np.outer((0.45 * rim, rim), ahead)
-    return DrawnLine(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit))
+    paint = Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit)
+    return heading_tick(x, y, rim, world.start.heading, paint)

@@ -120,7 +120,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
         shift = (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
         colour = COLOURS[k]
         # Robots of one world have the colours of their starts, and their paths never coincide.
-        if panel.world.others and not isinstance(shown, list):
+        if panel.world.is_fleet and not isinstance(shown, list):
             shift = 0.0
             colour = colour_of(k)
         for trail in shown if isinstance(shown, list) else [shown]:

@@ -22,6 +22,7 @@ from worldgen.render.palette import (
     PIERCED,
     SWEPT,
     TUNNEL,
+    mix,
 )
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
@@ -71,7 +72,8 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
-            parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
+            x, y = frame.points(trail.points[-1:])[0].tolist()
+            parts += robot_at(x, y, radius, unit)
     else:
         if len(approach) > 1:
             parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
@@ -153,9 +155,8 @@ def _footprint_places(loop: Floats, radius: float) -> Floats:
     return along(loop, np.arange(count) * total / count)
 
 
-def _footprint(centre: Floats, radius: float, unit: float) -> list[Primitive]:
-    x = float(centre[0])
-    y = float(centre[1])
+def robot_at(x: float, y: float, radius: float, unit: float) -> list[Primitive]:
+    """Return the robot's disc at the end of a run, with its centre."""
     shown = max(radius, 4.0 * unit)
     return [
         DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
@@ -209,7 +210,8 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
     for place in trail.places("end"):
-        parts += _footprint(frame.points(place[None])[0], radius, unit)
+        x, y = frame.points(place[None])[0].tolist()
+        parts += robot_at(x, y, radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
         parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
         parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
@@ -259,6 +261,23 @@ def ring_and_cross(
         for dx, dy in ((reach, 0.0), (0.0, reach)):
             parts.append(DrawnLine(np.array(((x - dx, y - dy), (x + dx, y + dy))), stroke))
     return parts
+
+
+def robot_disc(
+    x: float, y: float, radius: float, unit: float, *, colour: str, tint: float, width: float
+) -> list[Primitive]:
+    """Return the mark of a start: the robot's disc in its colour, visible on walls and floor."""
+    return [
+        DrawnCircle(x, y, radius + 1.5 * unit, Paint(fill=PAPER)),
+        DrawnCircle(x, y, radius, Paint(fill=mix(PAPER, colour, tint))),
+        DrawnCircle(x, y, radius, Paint(stroke=colour, width=width * unit)),
+    ]
+
+
+def heading_tick(x: float, y: float, radius: float, heading: float, paint: Paint) -> DrawnLine:
+    """Return a tick on the rim of a robot's disc, in the direction of its heading, rad."""
+    ahead = np.array((math.cos(heading), -math.sin(heading)))
+    return DrawnLine(np.array((x, y)) + np.outer((0.45 * radius, radius), ahead), paint)
 
 
 def arrow(

@@ -1,7 +1,7 @@
 """Sets of worlds: many of one family, with a manifest that reproduces them byte for byte.
 
 Contents:
-    plan_set, plan_wanted_set, plan_stratified_set: plan the contents of a set.
+    plan_set, plan_wanted_set: plan the contents of a set.
     make_set: make a folder or an archive with a manifest; an interrupted set is continued.
     manifest_of, regenerate_set, restore_set: rebuild the same set from its manifest.
     strata_of: the distribution of its worlds over strata of difficulty.
@@ -15,14 +15,7 @@ from worldgen.sets.check import SetDifference, check_set, manifest_of
 from worldgen.sets.make import SetDiffers, SetDone, begun_set, make_set, regenerate_set, restore_set
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader
 from worldgen.sets.plan import SeededPlan, SetPlan, plan_set
-from worldgen.sets.searched import (
-    StratifiedPlan,
-    StratumCount,
-    WantedPlan,
-    plan_stratified_set,
-    plan_wanted_set,
-    strata_of,
-)
+from worldgen.sets.searched import StratumCount, WantedPlan, plan_wanted_set, strata_of
 
 __all__ = [
     "MANIFEST",
@@ -34,7 +27,6 @@ __all__ = [
     "SetDiffers",
     "SetDone",
     "SetPlan",
-    "StratifiedPlan",
     "StratumCount",
     "WantedPlan",
     "begun_set",
@@ -42,7 +34,6 @@ __all__ = [
     "make_set",
     "manifest_of",
     "plan_set",
-    "plan_stratified_set",
     "plan_wanted_set",
     "regenerate_set",
     "restore_set",

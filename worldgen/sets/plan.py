@@ -63,19 +63,6 @@ class SetPlan(ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SearchedPlan(SetPlan):
-    """A set whose worlds are searched for.
-
-    Args:
-        family: The family.
-        tries: Limit on the worlds made without success for each world found.
-    """
-
-    family: Family
-    tries: int
-
-
-@dataclass(frozen=True, kw_only=True)
 class SeededPlan(SetPlan):
     """A set of worlds with consecutive seeds.
 

@@ -56,7 +56,7 @@ def frame_of(world: World, places: Sequence[Points], mode: str) -> Any:
 
     scene = compose(
         world,
-        trails if world.others else trails[0],
+        trails if world.is_fleet else trails[0],
         signal=True,
         witness=False,
         title="",

@@ -9,7 +9,7 @@ from typing import Any
 
 from sim.options.run import whole
 from worldgen.difficulty.expression import parse
-from worldgen.difficulty.search import TRIES, Search, found
+from worldgen.difficulty.search import TRIES, Search
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
@@ -191,7 +191,7 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
     # With one, worlds of any parameters are searched until their difficulty is in the range.
     low, high = _range(given["difficulty"])
     search = Search(family, parse(f"{low!r} <= difficulty <= {high!r}"), seed, params)
-    return (one.world for one in found(search, count, TRIES))
+    return (one.world for one in search.found(count, TRIES))
 
 
 def _range(given: object) -> tuple[float, float]:

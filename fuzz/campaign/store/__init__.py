@@ -10,8 +10,7 @@ Contents:
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
     errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
         other programs.
-    Summary, Status, StrategyTotals, FindTotals, Archive, read_summary: The numbers in
-        ``summary.json``.
+    Summary, Status, Find, Archive, read_summary: The numbers in ``summary.json``.
     MEMORY: Name of the store's folder in a campaign's folder.
 
 ``docs/howto/campaigns.md`` describes it for users.
@@ -26,9 +25,8 @@ from fuzz.campaign.store.summary import (
     OVERVIEW_FILE,
     SUMMARY,
     Archive,
-    FindTotals,
+    Find,
     Status,
-    StrategyTotals,
     Summary,
     read_summary,
 )
@@ -40,11 +38,10 @@ __all__ = [
     "Archive",
     "Budget",
     "CampaignRun",
-    "FindTotals",
+    "Find",
     "Fingerprint",
     "FolderStore",
     "Status",
-    "StrategyTotals",
     "Summary",
     "begin",
     "controller_change",

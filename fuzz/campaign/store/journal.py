@@ -16,7 +16,7 @@ from typing import Annotated, TypeAlias
 import msgspec
 
 from fuzz.failure import ID_DIGITS, Failure
-from fuzz.unit.result import Elite, UnitResult
+from fuzz.unit.result import Elite, FirstMet, UnitResult
 from worldgen.files.whole import refused_writes
 
 # Limit on the bytes of a line, because a folder may come from anyone.
@@ -38,6 +38,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
         strategy: See :class:`UnitResult`, also for the other fields.
         failures: IDs of the failures.
+        first_met: Of each of them in turn, when the unit first met one of its key.
     """
 
     unit: int
@@ -50,6 +51,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     judged: int
     met: list[tuple[str, str, int]]
     failures: list[_FailureId]
+    first_met: list[FirstMet]
     elites: list[StoredElite]
 
     @classmethod
@@ -66,6 +68,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
             judged=result.judged,
             met=[(*kind, count) for kind, count in result.met.items()],
             failures=[failure.id for failure in result.failures.values()],
+            first_met=[result.first_met[key] for key in result.failures],
             elites=[
                 (cell, elite.layout.hex(), elite.quality, elite.verdict)
                 for cell, elite in result.elites.items()
@@ -78,6 +81,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
         Args:
             failure: Returns the failure with an ID.
         """
+        failures = [*map(failure, self.failures)]
         return UnitResult(
             strategy=self.strategy,
             worlds=self.worlds,
@@ -85,7 +89,8 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
             verdicts=Counter(self.verdicts),
             judged=self.judged,
             met=Counter({(group, verdict): count for group, verdict, count in self.met}),
-            failures={one.key: one for one in map(failure, self.failures)},
+            failures={one.key: one for one in failures},
+            first_met={one.key: at for one, at in zip(failures, self.first_met, strict=True)},
             elites={
                 cell: Elite(bytes.fromhex(layout), quality, verdict)
                 for cell, layout, quality, verdict in self.elites

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import msgspec
 
 from fuzz.unit.answer import Answer, AnswerNumbers
+from fuzz.unit.result import StrategyYield
 from worldgen.files.json_file import JsonFile
 
 # Name of the store's folder in a campaign's folder.
@@ -32,24 +33,11 @@ class Status(StrEnum):
     FAILED = "failed"
 
 
-class StrategyTotals(msgspec.Struct, frozen=True):
-    """Totals of one strategy.
-
-    ``variants`` counts the kinds of runs that it was the first to find.
-    """
-
-    strategy: _Name
-    units: _Count
-    worlds: _Count
-    steps: _Count
-    failures: _Count
-    variants: _Count
-
-
-class FindTotals(msgspec.Struct, frozen=True, kw_only=True):
+class Find(msgspec.Struct, frozen=True, kw_only=True):
     """A new variant of a cause, or a failure that comes before the known one in order.
 
-    ``worlds`` and the following fields are totals up to then.
+    ``worlds``, ``steps`` and ``seconds`` are the campaign's totals when the unit first met such a
+    failure.
     """
 
     unit: _Count
@@ -148,8 +136,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     verdicts: dict[str, _Count] = {}
     met: dict[str, _Count] = {}
     known: dict[str, _Count] = {}
-    strategies: Annotated[list[StrategyTotals], _Rows] = []
-    found: Annotated[list[FindTotals], _Rows] = []
+    strategies: Annotated[list[StrategyYield], _Rows] = []
+    found: Annotated[list[Find], _Rows] = []
     archive: Archive | None = None
 
     def __post_init__(self) -> None:

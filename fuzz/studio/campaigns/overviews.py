@@ -7,9 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fuzz.cause import Cause
-from fuzz.overview.causes import CauseTotals, in_order
-from fuzz.overview.overview import read_overview
-from fuzz.overview.table import CauseRow, OverviewTable
+from fuzz.overview.causes import in_order
+from fuzz.overview.result import CampaignResult, CauseResult, read_overview
 from worldgen.errors import WorldgenError
 
 
@@ -26,16 +25,16 @@ def ranks(causes: Iterable[str], folders: Iterable[Path]) -> dict[str, int]:
     for folder in folders:
         overview = _overview_in(folder)
         for row in () if overview is None else overview.causes:
-            natural[row.cause] += row.natural or 0
+            natural[row.cause.value] += row.natural or 0
     totals = (
-        CauseTotals(Cause(cause), (), {cause: count}, natural[cause])
+        CauseResult.of(Cause(cause), (), {cause: count}, natural[cause])
         for cause, count in met.items()
     )
     order = {one.cause.value: rank for rank, one in enumerate(in_order(totals))}
     return order | {"": order.get(Cause.UNKNOWN.value, 0)}
 
 
-def example_in(file: Path) -> CauseRow | None:
+def example_in(file: Path) -> CauseResult | None:
     """Return the cause whose example a file is, according to the campaign in its folder."""
     overview = _overview_in(file.parent)
     if overview is None:
@@ -43,7 +42,7 @@ def example_in(file: Path) -> CauseRow | None:
     return next((row for row in overview.causes if row.file == file.name), None)
 
 
-def _overview_in(folder: Path) -> OverviewTable | None:
+def _overview_in(folder: Path) -> CampaignResult | None:
     """Return a campaign's overview; ``None`` if its file is missing or cannot be read.
 
     The pictures are worth showing without it.

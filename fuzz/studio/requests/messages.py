@@ -86,7 +86,7 @@ def message_of(world: World) -> dict[str, Any]:
         if world.is_dynamic
         else None,
         # Without the file's text, the other robots are lost.
-        "others": [_ends(robot) for robot in world.others] if is_kept else [],
+        "others": [_ends(robot) for robot in world.robots[1:]] if is_kept else [],
         "source": text.decode("utf-8") if is_kept else None,
     }
 
@@ -206,9 +206,9 @@ def restored(message: Mapping[str, Any]) -> World:
     if not isinstance(source, str):
         return world
     opened = loads(source.encode("utf-8"))
-    if is_same_place(dataclasses.replace(opened, certificate=None, others=()), world):
+    if is_same_place(opened.alone(1), world):
         return opened
-    if not opened.others:
+    if not opened.is_fleet:
         return world
     # Their positions in a resized world are undefined.
     if (opened.walls.shape, opened.cell_size) != (world.walls.shape, world.cell_size):
@@ -219,7 +219,7 @@ def restored(message: Mapping[str, Any]) -> World:
             "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
         )
-    return dataclasses.replace(world, others=opened.others)
+    return dataclasses.replace(world, robots=(*world.robots, *opened.robots[1:]))
 
 
 def is_same_place(one: World, other: World) -> bool:

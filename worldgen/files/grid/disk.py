@@ -8,27 +8,17 @@ import zlib
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path, PurePosixPath
-from typing import Protocol
 
 from worldgen.errors import FormatError, Message, OutputError
 from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.reader import loads
 from worldgen.files.grid.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
 from worldgen.files.grid.writer import dumps, pieces
-from worldgen.files.whole import write_bytes
+from worldgen.files.whole import read_bytes, read_up_to, write_bytes
 from worldgen.world import World
 
 # zlib's own default, fixed so that equal worlds give equal files.
 _COMPRESSION = 6
-# Bytes read at a time.
-_PIECE = 1 << 20
-
-
-class _SupportsRead(Protocol):
-    """A stream that can be read piece by piece."""
-
-    def read(self, size: int, /) -> bytes:
-        """Return the next bytes, or none at the end."""
 
 
 def read_world(path: str | PathLike[str]) -> World:
@@ -42,38 +32,42 @@ def read_world(path: str | PathLike[str]) -> World:
         FormatError: If the file cannot be read, or isn't a ``.grid`` file; with the line if there
             is one.
     """
-    source = str(path)
-    try:
-        with Path(path).open("rb") as stream:
-            data = _read_up_to(stream, MAX_FILE_BYTES)
-    # Windows raises the latter for both.
-    except (NotADirectoryError, FileNotFoundError) as error:
-        place = archive_in(Path(path))
-        if place is None:
-            raise FormatError.unreadable(source, FileNotFoundError()) from error
-        return _read_archived(*place, source)
-    except IsADirectoryError as error:
-        raise FormatError(
-            "is-a-folder", "this is a folder", "choose a .grid file in it", source=source
-        ) from error
-    except OSError as error:
-        raise FormatError.unreadable(source, error) from error
-    # The name contains a NUL.
-    except ValueError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            "check the name",
-            reason=str(error),
-            source=repr(source),
-        ) from error
-    if data is None:
-        raise FormatError(
-            "too-large",
-            "longer than {most} bytes, the limit of a .grid file",
-            most=MAX_FILE_BYTES,
-            source=source,
-        )
+    return unpack(read_packed(Path(path)), str(path))
+
+
+def read_packed(path: Path) -> bytes:
+    """Return the bytes of a world's file, which may be compressed, as :func:`read_world` finds it.
+
+    Raises:
+        FormatError: If the file cannot be read.
+    """
+    place = archive_in(path)
+    if place is None:
+        return read_bytes(path, MAX_FILE_BYTES, "split the world")
+    archive, name = place
+    for member in members(archive):
+        # tar writes ./w.grid for a folder that is packed as ``.``.
+        if PurePosixPath(member.name).as_posix() == name:
+            return _read_member(member, str(path))
+    raise FormatError(
+        "no-such-file",
+        "holds no file {name!r}",
+        "list its files to find the name",
+        name=name,
+        source=str(archive),
+    )
+
+
+def unpack(data: bytes, source: str) -> World:
+    """Return the world in the bytes of a file, which are compressed if its name says so.
+
+    Args:
+        data: The file's bytes.
+        source: Its name.
+
+    Raises:
+        FormatError: If it isn't a ``.grid`` file.
+    """
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
 
 
@@ -87,7 +81,11 @@ def unpack_world(member: Member, source: str) -> World:
     Raises:
         FormatError: If it cannot be read, or isn't a ``.grid`` file.
     """
-    limit = expansion_limit(member.packed)
+    return unpack(_read_member(member, source), source)
+
+
+def _read_member(member: Member, source: str) -> bytes:
+    limit = _expansion_limit(member.packed)
     data = member.read(limit)
     if data is None:
         raise FormatError(
@@ -97,21 +95,7 @@ def unpack_world(member: Member, source: str) -> World:
             most=limit,
             source=source,
         )
-    return loads(_expand(data, source) if _is_compressed(source) else data, source)
-
-
-def _read_archived(archive: Path, name: str, source: str) -> World:
-    for member in members(archive):
-        # tar writes ./w.grid for a folder that is packed as ``.``.
-        if PurePosixPath(member.name).as_posix() == name:
-            return unpack_world(member, source)
-    raise FormatError(
-        "no-such-file",
-        "holds no file {name!r}",
-        "list its files to find the name",
-        name=name,
-        source=str(archive),
-    )
+    return data
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
@@ -128,7 +112,7 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
     """
     if _is_compressed(str(path)):
         data, length = _compress(pieces(world))
-        if length > expansion_limit(len(data)):
+        if length > _expansion_limit(len(data)):
             raise OutputError(
                 "packed-too-tightly",
                 "{path}: {length} bytes would be compressed beyond what reading allows",
@@ -151,7 +135,7 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
     write_bytes(Path(path), data, force=force)
 
 
-def expansion_limit(compressed: int) -> int:
+def _expansion_limit(compressed: int) -> int:
     """Return the bytes that a compressed file of this size may expand to."""
     return min(MAX_FILE_BYTES, max(EXPANSION_FLOOR, EXPANSION_RATIO * compressed))
 
@@ -177,10 +161,10 @@ def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
 
 def _expand(data: bytes, source: str) -> bytes:
     # Never expand more than such a file may hold.
-    limit = expansion_limit(len(data))
+    limit = _expansion_limit(len(data))
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            expanded = _read_up_to(stream, limit)
+            expanded = read_up_to(stream, limit)
     except EOFError as error:
         message = Message(
             "cut-short", "the gzip data ends too early; the file is truncated", "copy it again"
@@ -204,15 +188,3 @@ def _expand(data: bytes, source: str) -> bytes:
         )
         raise FormatError.of(message, source=source)
     return expanded
-
-
-def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
-    """Return a whole stream, or None if it exceeds ``limit``, because a device may never end."""
-    pieces: list[bytes] = []
-    left = limit
-    while piece := stream.read(_PIECE):
-        left -= len(piece)
-        if left < 0:
-            return None
-        pieces.append(piece)
-    return b"".join(pieces)

@@ -12,13 +12,12 @@ from worldgen.domain import CELL_SIZES, LATEST, number_fault
 from worldgen.errors import FormatError, InvalidWorld, Message, NotAGrid
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.records import (
-    check_keys,
+    Table,
     read_certificate,
     read_failure,
-    read_number,
     read_provenance,
     read_robots,
-    read_triple,
+    read_top,
 )
 from worldgen.files.grid.schema import (
     CERTIFICATE_KINDS,
@@ -37,17 +36,7 @@ from worldgen.files.grid.schema import (
 from worldgen.files.grid.sections import Block, CellBlock, LetterMark, read_cells, read_columns
 from worldgen.lattice import cell_middle
 from worldgen.timeline import Timeline
-from worldgen.world import (
-    DEFAULT_ROBOT_SPEED,
-    Certificate,
-    Cut,
-    JointWitness,
-    Pose,
-    Robot,
-    Target,
-    Witness,
-    World,
-)
+from worldgen.world import Certificate, Cut, JointWitness, Pose, Robot, Target, Witness, World
 
 _CARRIAGE_RETURN = Message(
     "carriage-return",
@@ -73,35 +62,33 @@ def loads(data: bytes, source: str | None = None) -> World:
     header_end = _header_end(file)
     header = Header(_decode(file, file.first_line_end, header_end), 2, source)
     blocks = _split(file, header_end)
-    check_keys(header, fleet=file.is_fleet)
-    cell_size = read_number(header, "cell_size")
+    top = read_top(header, fleet=file.is_fleet)
+    cell_size = top.read("cell_size")
     fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
     if fault is not None:
         raise FormatError.of(fault, **header.at("cell_size"))
     # Read the robots, whose places the cells may mark.
-    robots: list[Robot] = []
     radius = speed = 0.0
     if file.is_fleet:
         robots = read_robots(header)
     else:
-        radius = read_number(header, "robot_radius")
-        speed = read_number(header, "robot_speed", default=DEFAULT_ROBOT_SPEED)
+        radius = top.read("robot_radius")
+        speed = top.read("robot_speed")
     provenance = read_provenance(header)
     failure = read_failure(header)
     cells = read_cells(blocks["cells"])
     if file.is_fleet:
         _refuse_marks(header, cells)
     else:
-        start, target = _ends(header, cells, cell_size)
+        start, target = _ends(top, cells, cell_size)
         robots = [Robot(start, target, radius, speed)]
     # Read the rest, and let the world check itself.
     timeline = _timeline(blocks, cells.walls.shape)
     certificate = _certificate(header, blocks, len(robots))
-    first = robots[0]
     try:
         return World(
-            cells.walls, first.start, first.target, cell_size, first.radius, first.speed,
-            timeline, certificate, provenance, failure, tuple(robots[1:]),
+            cells.walls, cell_size=cell_size, timeline=timeline, certificate=certificate,
+            provenance=provenance, failure=failure, robots=robots,
         )  # fmt: skip
     # An impossible number, or robots that overlap.
     except InvalidWorld as error:
@@ -309,20 +296,20 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
     raise FormatError.of(message, line=line, source=file.source)
 
 
-def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
+def _ends(top: Table, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
     """Return start and target, each from the header or from its mark, never from both."""
     # Each place comes from the header or from its mark, never from both.
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
-        if mark is None and key not in header.data:
+        if mark is None and key not in top.values:
             raise FormatError(
                 "missing-key",
                 "the header has no {key}, and no cell is marked {letter}",
                 "add one of the two",
                 key=key,
                 letter=letter,
-                **header.at_the_end(),
+                **top.at(),
             )
-        if mark is not None and key in header.data:
+        if mark is not None and key in top.values:
             raise FormatError(
                 "conflict",
                 "a cell is marked {letter}, but the header has {key}",
@@ -330,15 +317,12 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
                 letter=letter,
                 key=key,
                 line=mark.line,
-                source=header.source,
+                source=top.header.source,
             )
     # A marked start has its cell's centre, a marked target the cell's inscribed disc.
-    numbers = (
-        read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
-    )
-    start = Pose(*numbers)
+    start = Pose(*(top.read("start") if cells.start is None else _centre(cells.start, cell_size)))
     if cells.target is None:
-        return start, Target(*read_triple(header, "target"))
+        return start, Target(*top.read("target"))
     radius = cell_middle(0, cell_size)
     return start, Target(*_centre(cells.target, cell_size), radius)
 

@@ -1,4 +1,4 @@
-"""The header's keys and tables.
+"""The header's tables, read as :mod:`worldgen.files.grid.schema` declares them.
 
 Robots, provenance, certificate and failure are each checked, with lines in errors.
 """
@@ -18,17 +18,97 @@ from worldgen.files.grid.schema import (
     FLEET_TABLE_KEYS,
     HEADER_KEYS,
     MAGIC,
-    OPTIONAL_KEYS,
+    REQUIRED,
     ROBOT_KEYS,
     TABLE_KEYS,
     WORD,
     WORD_KEYS,
+    Key,
 )
-from worldgen.files.grid.values import finite, integer_at, kind_of, numbers_at, text_at, values_at
+from worldgen.files.grid.values import READERS, Place, kind_of, read_number, read_numbers
 from worldgen.parameters.known_names import unknown_name
-from worldgen.plugins.trust import NameInFile, note_names
+from worldgen.plugins.trust import note_names
 from worldgen.support.plain_text import quote
-from worldgen.world import DEFAULT_ROBOT_SPEED, FailureRecord, Pose, Provenance, Robot, Target
+from worldgen.world import FailureRecord, Pose, Provenance, Robot, Target
+
+
+class Table(NamedTuple):
+    """The top of the header, one ``[name]`` table, or one ``[[name]]`` table.
+
+    Args:
+        header: The header.
+        values: The table's contents.
+        keys: Its declared keys.
+        name: Its name; empty for the top.
+        row: Its number among the ``[[name]]`` tables, from 0.
+    """
+
+    header: Header
+    values: Mapping[str, object]
+    keys: Mapping[str, Key]
+    name: str = ""
+    row: int | None = None
+
+    def at(self, *path: str) -> dict[str, Any]:
+        """Return the place of a key, or of the table, as :class:`FormatError` takes it."""
+        if self.row is not None:
+            return self.header.at(*path, table=self.name, index=self.row)
+        if self.name:
+            path = (self.name, *path)
+        return self.header.at(*path) if path else self.header.at_the_end()
+
+    def place(self, key: str) -> Place:
+        """Return the place of a key's value."""
+        what = key
+        if self.row is not None:
+            what = f"{self.name} {self.row + 1} {key}"
+        elif self.name:
+            what = f"{self.name}.{key}"
+        declared = self.keys[key]
+        return Place(what, declared.meaning, partial(self.at, key))
+
+    def read(self, key: str) -> Any:
+        """Return the value of a key, or its default.
+
+        Raises:
+            FormatError: If it is missing and has no default, or is not what the key declares.
+        """
+        declared = self.keys[key]
+        if key in self.values:
+            return READERS[declared.kind](self.values[key], self.place(key))
+        if declared.default is not REQUIRED:
+            return declared.default
+        raise self.missing(key)
+
+    def missing(self, key: str) -> FormatError:
+        """Return the error for a key that must be there."""
+        declared = self.keys[key]
+        where = f"[[{self.name}]] number {self.row + 1}" if self.row is not None else ""
+        return FormatError(
+            "missing-key",
+            "{place} has no {key}",
+            "add `{key} = {example}`: {meaning}",
+            place=where or (f"[{self.name}]" if self.name else "the header"),
+            key=key,
+            example=declared.example,
+            meaning=declared.meaning,
+            **self.at(),
+        )
+
+    def read_all(self) -> dict[str, Any]:
+        """Return the values of all keys."""
+        return {key: self.read(key) for key in self.keys}
+
+    def check_keys(self, what: str) -> None:
+        """Reject every undeclared key.
+
+        Raises:
+            FormatError: At the key, with the nearest declared one.
+        """
+        for key in self.values:
+            if key not in self.keys:
+                message = unknown_name("unknown {what}: {name!q}", key, list(self.keys), what=what)
+                raise FormatError.of(message, **self.at(key))
 
 
 class CertificateRecord(NamedTuple):
@@ -45,39 +125,16 @@ class CertificateRecord(NamedTuple):
     robot: int = 1
 
 
-class _Place(NamedTuple):
-    """Where keys are looked up: the top of the header, or one ``[[robot]]`` table, from 0."""
-
-    header: Header
-    values: Mapping[str, object]
-    meanings: Mapping[str, str]
-    robot: int | None = None
-
-    @property
-    def name(self) -> str:
-        return "the header" if self.robot is None else f"[[robot]] number {self.robot + 1}"
-
-    def named(self, key: str) -> str:
-        return key if self.robot is None else f"robot {self.robot + 1} {key}"
-
-    def at(self, key: str) -> dict[str, Any]:
-        return self.header.at(key, table="robot", index=self.robot)
-
-    def at_the_end(self) -> dict[str, Any]:
-        return self.header.at_the_end() if self.robot is None else self.at("")
-
-
-def check_keys(header: Header, *, fleet: bool = False) -> None:
-    """Reject every key and table that the version does not know.
+def read_top(header: Header, *, fleet: bool) -> Table:
+    """Return the top of the header, after a check of the names of all keys and tables.
 
     Args:
         header: The header.
         fleet: True if it is in version 2.
 
     Raises:
-        FormatError: At the unknown key, with the nearest known one.
+        FormatError: At a key that the version does not know, with the nearest known one.
     """
-    # Check the keys at the top.
     keys = FLEET_HEADER_KEYS if fleet else HEADER_KEYS
     tables = FLEET_TABLE_KEYS if fleet else TABLE_KEYS
     for key, value in header.data.items():
@@ -93,21 +150,18 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
                 kind=kind_of(value),
                 **header.at(key),
             )
-    # Check the keys in the tables.
-    for table, known in tables.items():
-        for key in header.data.get(table, ()):
-            if key not in known:
-                message = unknown_name(
-                    "unknown {what}: {name!q}", key, known, what=f"key in [{table}]"
+    for name, known in tables.items():
+        for key in header.data.get(name, ()):
+            if key in keys and key not in known:
+                raise FormatError(
+                    "wrong-place",
+                    "{key} is in [{table}]; it belongs above the first [table]",
+                    key=key,
+                    table=name,
+                    **header.at(name, key),
                 )
-                if key in keys:
-                    message = Message(
-                        "wrong-place",
-                        "{key} is in [{table}]; it belongs above the first [table]",
-                        key=key,
-                        table=table,
-                    )
-                raise FormatError.of(message, **header.at(table, key))
+        Table(header, header.data.get(name, {}), known, name).check_keys(f"key in [{name}]")
+    return Table(header, header.data, keys)
 
 
 def _strange_key(key: str, *, fleet: bool) -> Message:
@@ -138,22 +192,14 @@ def read_robots(header: Header) -> list[Robot]:
     Raises:
         FormatError: If there are not at least two, or a table breaks a rule.
     """
-    # There must be at least two [[robot]] tables.
-    tables = header.data.get("robot")
-    if tables is None:
+    tables = tables_of(header, "robot", ROBOT_KEYS)
+    if not tables:
         raise FormatError(
             "missing-key",
             "the header has no [[{key}]] table",
             "add one for each robot",
             key="robot",
             **header.at_the_end(),
-        )
-    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise FormatError(
-            "wrong-type",
-            "robot is {kind}; the robots are tables: begin each with [[robot]]",
-            kind=kind_of(tables),
-            **header.at("robot"),
         )
     if len(tables) < 2:
         raise FormatError(
@@ -165,168 +211,93 @@ def read_robots(header: Header) -> list[Robot]:
             magic=MAGIC,
             **header.at("robot"),
         )
-    return [_read_robot(header, tables[k], k) for k in range(len(tables))]
+    return [
+        Robot(Pose(*own["start"]), Target(*own["target"]), own["radius"], own["speed"])
+        for own in (table.read_all() for table in tables)
+    ]
 
 
-def _read_robot(header: Header, table: Mapping[str, object], index: int) -> Robot:
-    place = _Place(header, table, ROBOT_KEYS, index)
-    for key in table:
-        if key not in ROBOT_KEYS:
-            raise FormatError.of(
-                unknown_name("unknown {what}: {name!q}", key, ROBOT_KEYS, what="key in [[robot]]"),
-                **place.at(key),
-            )
-    start = _triple(place, "start")
-    target = _triple(place, "target")
-    radius = _number(place, "radius")
-    speed = _number(place, "speed", default=DEFAULT_ROBOT_SPEED)
-    return Robot(Pose(*start), Target(*target), radius, speed)
+def tables_of(header: Header, name: str, keys: Mapping[str, Key]) -> list[Table]:
+    """Return the ``[[name]]`` tables of the header, in order.
 
-
-def read_number(header: Header, key: str, *, default: float | None = None) -> float:
-    """Return a length or speed, which must be above 0."""
-    return _number(_Place(header, header.data, HEADER_KEYS), key, default=default)
-
-
-def _number(place: _Place, key: str, *, default: float | None = None) -> float:
-    if key not in place.values:
-        if default is not None:
-            return default
-        raise _missing_key(place, key, "add `{key} = ...`: {meaning}")
-    number = finite(place.values[key], place.named(key), partial(place.at, key))
-    if number <= 0.0:
-        raise FormatError(
-            "not-positive",
-            "{key} is {number}; it must be above 0: {meaning}",
-            key=place.named(key),
-            number=number,
-            meaning=place.meanings[key],
-            **place.at(key),
-        )
-    return number
-
-
-def _missing_key(place: _Place, key: str, remedy: str) -> FormatError:
-    return FormatError(
-        "missing-key",
-        "{place} has no {key}",
-        remedy,
-        place=place.name,
-        key=key,
-        meaning=place.meanings[key],
-        **place.at_the_end(),
-    )
-
-
-def read_triple(header: Header, key: str) -> tuple[float, float, float]:
-    """Return the three numbers of ``start`` or ``target``."""
-    return _triple(_Place(header, header.data, HEADER_KEYS), key)
-
-
-def _triple(place: _Place, key: str) -> tuple[float, float, float]:
-    # The key must be a list of three numbers.
-    if key not in place.values:
-        raise _missing_key(place, key, "add `{key} = {meaning}`")
-    value = place.values[key]
-    if not isinstance(value, list) or len(value) != 3:
-        came = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)
+    Raises:
+        FormatError: If it is something else, or one has a key that is not declared.
+    """
+    listed = header.data.get(name, [])
+    if not isinstance(listed, list) or not all(isinstance(each, dict) for each in listed):
         raise FormatError(
             "wrong-type",
-            "{key} is {came}",
-            "write three numbers: {meaning}",
-            key=place.named(key),
-            came=came,
-            meaning=place.meanings[key],
-            **place.at(key),
+            "{key} is {kind}; it must be tables: begin each with [[{key}]]",
+            key=name,
+            kind=kind_of(listed),
+            **header.at(name),
         )
-    numbers = [
-        finite(item, f"{place.named(key)}[{k}]", partial(place.at, key))
-        for k, item in enumerate(value)
-    ]
-    # A target without a radius has no disc.
-    x, y, third = numbers
-    if key == "target" and third <= 0.0:
-        raise FormatError(
-            "not-positive",
-            "the {target}'s radius is {radius}; it must be above 0: {meaning}",
-            target=place.named(key),
-            radius=third,
-            meaning=place.meanings[key],
-            **place.at(key),
-        )
-    return x, y, third
+    tables = [Table(header, each, keys, name, k) for k, each in enumerate(listed)]
+    for table in tables:
+        table.check_keys(f"key in [[{name}]]")
+    return tables
 
 
 def read_provenance(header: Header) -> Provenance | None:
     """Return the ``[provenance]`` table."""
-    table = _table(header, "provenance")
-    if table is None:
+    values = _named(header, "provenance")
+    return None if values is None else Provenance(**values)
+
+
+def read_failure(header: Header) -> FailureRecord | None:
+    """Return the ``[failure]`` table."""
+    values = _named(header, "failure")
+    if values is None:
         return None
-    note_names(table, header.source)
-    return Provenance(
-        family=NameInFile(text_at(header, table, "provenance", "family")),
-        version=integer_at(header, table, "provenance", "version"),
-        seed=integer_at(header, table, "provenance", "seed"),
-        params=values_at(header, table, "provenance", "params"),
-        metrics=numbers_at(header, table, "provenance", "metrics"),
-    )
+    record = FailureRecord(**values)
+    for key, fault in word_faults(record):
+        raise FormatError.of(fault, **header.at("failure", key))
+    return record
+
+
+def _named(header: Header, name: str) -> dict[str, Any] | None:
+    """Return the values of a table that may name code, which anybody may have written."""
+    if name not in header.data:
+        return None
+    note_names(header.data[name], header.source)
+    return Table(header, header.data[name], TABLE_KEYS[name], name).read_all()
 
 
 def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | None:
     """Return the ``[certificate]`` table of a world with this many robots."""
     # Check the kind.
-    table = _table(header, "certificate")
-    if table is None:
+    keys = (TABLE_KEYS if robots == 1 else FLEET_TABLE_KEYS)["certificate"]
+    if "certificate" not in header.data:
         return None
-    kind = table["kind"]
+    table = Table(header, header.data["certificate"], keys, "certificate")
+    values = table.read_all()
+    kind = values["kind"]
     if kind not in CERTIFICATE_KINDS:
-        came = quote(kind) if isinstance(kind, str) else kind_of(kind)
         raise FormatError(
             "unknown-name",
             "certificate kind is {came}",
             'write "witness" or "cut"',
-            came=came,
-            **header.at("certificate", "kind"),
+            came=quote(kind) if isinstance(kind, str) else kind_of(kind),
+            **table.at("kind"),
         )
-    # A single robot's certificate has one clearance.
-    at = partial(header.at, "certificate", "clearance")
-    clearance = table["clearance"]
-    if robots == 1:
-        return CertificateRecord(str(kind), (finite(clearance, "clearance", at),))
-    # A joint witness has a clearance for each robot.
-    if kind == "witness":
-        if "robot" in table:
+    # A joint witness has a clearance for each robot, any other certificate has one.
+    place = table.place("clearance")
+    robot = values.get("robot")
+    if robots > 1 and kind == "witness":
+        if robot is not None:
             raise FormatError(
                 "conflict",
                 'kind = "witness", but [certificate] names a robot; a witness covers all of them',
                 "remove `robot`",
-                **header.at("certificate", "robot"),
+                **table.at("robot"),
             )
-        if not isinstance(clearance, list) or len(clearance) != robots:
-            came = (
-                f"a list of {len(clearance)}" if isinstance(clearance, list) else kind_of(clearance)
-            )
-            raise FormatError(
-                "wrong-type",
-                "clearance is {came}",
-                "write a list of {count} numbers, m, one for each robot",
-                came=came,
-                count=robots,
-                **at(),
-            )
-        numbers = [finite(each, f"clearance[{k}]", at) for k, each in enumerate(clearance)]
-        return CertificateRecord(str(kind), tuple(numbers))
+        place = place._replace(meaning="m, one for each robot")
+        return CertificateRecord(kind, read_numbers(values["clearance"], place, robots))
+    if robots == 1:
+        robot = 1
     # A cut names the robot that it stops.
-    if "robot" not in table:
-        raise FormatError(
-            "missing-key",
-            "[{table}] has no {key}",
-            "add `{key} = ...`: the number, from 1, of the robot that the cut stops",
-            table="certificate",
-            key="robot",
-            **header.at("certificate"),
-        )
-    robot = integer_at(header, table, "certificate", "robot")
+    elif robot is None:
+        raise table.missing("robot")
     if not 1 <= robot <= robots:
         raise FormatError(
             "out-of-range",
@@ -335,31 +306,9 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
             name="robot",
             robot=robot,
             last=robots,
-            **header.at("certificate", "robot"),
+            **table.at("robot"),
         )
-    return CertificateRecord(str(kind), (finite(clearance, "clearance", at),), robot)
-
-
-def read_failure(header: Header) -> FailureRecord | None:
-    """Return the ``[failure]`` table."""
-    table = _table(header, "failure")
-    if table is None:
-        return None
-    # It may name code, and anybody may have written the file.
-    note_names(table, header.source)
-    record = FailureRecord(
-        controller=NameInFile(text_at(header, table, "failure", "controller")),
-        motion=text_at(header, table, "failure", "motion"),
-        seed=integer_at(header, table, "failure", "seed"),
-        verdict=text_at(header, table, "failure", "verdict"),
-        trace_digest=text_at(header, table, "failure", "trace_digest"),
-        parameters=values_at(header, table, "failure", "parameters"),
-        evidence=values_at(header, table, "failure", "evidence"),
-        details=values_at(header, table, "failure", "details"),
-    )
-    for key, fault in word_faults(record):
-        raise FormatError.of(fault, **header.at("failure", key))
-    return record
+    return CertificateRecord(kind, (read_number(values["clearance"], place),), robot)
 
 
 def word_faults(record: FailureRecord) -> Iterator[tuple[str, Message]]:
@@ -379,19 +328,3 @@ def word_faults(record: FailureRecord) -> Iterator[tuple[str, Message]]:
                     example=example,
                 ),
             )
-
-
-def _table(header: Header, name: str) -> Mapping[str, object] | None:
-    table: Mapping[str, object] | None = header.data.get(name)
-    if table is not None:
-        for key in TABLE_KEYS[name]:
-            if key not in table and key not in OPTIONAL_KEYS:
-                raise FormatError(
-                    "missing-key",
-                    "[{table}] has no {key}",
-                    "add `{key} = ...` to it",
-                    table=name,
-                    key=key,
-                    **header.at(name),
-                )
-    return table

@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from worldgen.timeline import CellState
+from worldgen.world import DEFAULT_ROBOT_SPEED
 
 # One robot.
 MAGIC: Final = "%worldgen-grid 1"
@@ -30,13 +31,37 @@ TARGET: Final = "G"
 STATES: Final = {state.word: state for state in CellState}
 CERTIFICATE_KINDS: Final = ("witness", "cut")
 
-# Header keys in the order in which the writer puts them, each with its contents.
+REQUIRED: Final = object()
+"""Default of a key that must be there."""
+
+
+class Key(NamedTuple):
+    """A key of the header.
+
+    Args:
+        kind: What its value is: ``number``, ``length`` (above 0), ``pair``, ``pose``, ``disc`` (two
+            or three numbers, the last of a disc above 0), ``text``, ``name`` (text that may name
+            code), ``integer``, ``values`` (a table of any), ``metrics`` (a table of numbers), or
+            ``any``, which its reader decides.
+        example: A typical value.
+        meaning: What it says, with its unit.
+        default: Its value if it is missing.
+    """
+
+    kind: str
+    example: str
+    meaning: str
+    default: object = REQUIRED
+
+
+# Header keys in the order in which the writer puts them.
 HEADER_KEYS: Final = {
-    "cell_size": "side of a cell, m",
-    "robot_radius": "radius of the robot's disc, m",
-    "robot_speed": "top speed of the robot, m/s",
-    "start": "[x m, y m, heading rad]",
-    "target": "[x m, y m, radius m]",
+    "cell_size": Key("length", "0.1", "side of a cell, m"),
+    "robot_radius": Key("length", "0.25", "radius of the robot's disc, m"),
+    "robot_speed": Key("length", "1.0", "top speed of the robot, m/s", DEFAULT_ROBOT_SPEED),
+    # A mark in the cells takes the place of either.
+    "start": Key("pose", "[0.35, 5.65, 0.0]", "x m, y m, heading rad"),
+    "target": Key("disc", "[5.55, 0.45, 0.05]", "x m, y m, radius m"),
 }
 # Version 2 has these instead: one [[robot]] table for each robot.
 FLEET_HEADER_KEYS: Final = {"cell_size": HEADER_KEYS["cell_size"]}
@@ -47,16 +72,35 @@ ROBOT_KEYS: Final = {
     "speed": HEADER_KEYS["robot_speed"],
 }
 TABLE_KEYS: Final = {
-    "provenance": ("family", "version", "seed", "params", "metrics"),
-    "certificate": ("kind", "clearance"),
-    "failure": (
-        "controller", "motion", "seed", "verdict", "trace_digest", "parameters", "evidence", "details",
-    ),
-}  # fmt: skip
-FLEET_TABLE_KEYS: Final = TABLE_KEYS | {"certificate": ("kind", "robot", "clearance")}
-OPTIONAL_KEYS: Final = frozenset(
-    {"robot", "robot_speed", "speed", "params", "metrics", "parameters", "evidence", "details"}
-)
+    "provenance": {
+        "family": Key("name", '"maze"', "what made the world"),
+        "version": Key("integer", "1", "version of the family"),
+        "seed": Key("integer", "7", "its seed"),
+        "params": Key("values", "{ size = 60 }", "its options", {}),
+        "metrics": Key("metrics", "{ detour = 1.5 }", "numbers measured in the world", {}),
+    },
+    "certificate": {
+        "kind": Key("any", '"witness"', '"witness" or "cut"'),
+        "clearance": Key("any", "0.1", "m"),
+    },
+    "failure": {
+        "controller": Key("name", '"turn-right"', "the controller"),
+        "motion": Key("text", '"swept"', "the motion model"),
+        "seed": Key("integer", "1", "seed of the run"),
+        "verdict": Key("text", '"loop"', "how the run ended"),
+        "trace_digest": Key("text", '"1f2e"', "digest of every state"),
+        "parameters": Key("values", "{ steps = 100 }", "options of the run", {}),
+        "evidence": Key("values", "{ period = 8 }", "what proves the verdict", {}),
+        "details": Key("values", "{ }", "anything else about the failure", {}),
+    },
+}
+FLEET_TABLE_KEYS: Final = TABLE_KEYS | {
+    "certificate": {
+        "kind": TABLE_KEYS["certificate"]["kind"],
+        "robot": Key("integer", "1", "number, from 1, of the robot that a cut stops", None),
+        "clearance": TABLE_KEYS["certificate"]["clearance"],
+    }
+}
 
 # A header has a few pages at most; parsing TOML takes 100 times its size in memory.
 MAX_HEADER_BYTES: Final = 1 << 20

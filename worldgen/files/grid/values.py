@@ -1,15 +1,15 @@
-"""Values of the header, each checked, with the line of its key in every error."""
+"""Values of the header, each checked by the kind that its key declares."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 from worldgen.errors import FormatError
-from worldgen.files.grid.header import Header
 from worldgen.files.grid.schema import MAX_DEPTH, MAX_INTEGER_BITS
+from worldgen.plugins.trust import NameInFile
 from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
@@ -23,28 +23,45 @@ _KINDS = {
 }
 
 
+class Place(NamedTuple):
+    """Where a value is.
+
+    Args:
+        what: Its name in messages.
+        meaning: What it says, in messages.
+        line: Returns the line and the file of the key, or of one in it, as an error takes them.
+    """
+
+    what: str
+    meaning: str
+    line: Callable[..., dict[str, Any]]
+
+    def inner(self, key: str) -> Place:
+        """Return the place of a key of a table."""
+        return Place(f"{self.what}.{quote(key)[1:-1]}", self.meaning, partial(self.line, key))
+
+    def wrong(self, value: object, remedy: str) -> FormatError:
+        """Return the error for a value of the wrong type."""
+        return FormatError(
+            "wrong-type",
+            "{what} is {kind}",
+            remedy,
+            what=self.what,
+            kind=kind_of(value),
+            meaning=self.meaning,
+            **self.line(),
+        )
+
+
 def kind_of(value: object) -> str:
     """Return the kind of a TOML value, for messages."""
     return _KINDS.get(type(value), "a date or time")
 
 
-def finite(value: object, what: str, at: Callable[[], dict[str, Any]]) -> float:
-    """Return a number that must be finite.
-
-    Args:
-        value: The value.
-        what: Its name in messages.
-        at: Returns its place for an error.
-    """
+def read_number(value: object, place: Place) -> float:
+    """Return a number, which must be finite."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise FormatError(
-            "wrong-type",
-            "{what} is {kind}",
-            "write a number, like 0.1",
-            what=what,
-            kind=kind_of(value),
-            **at(),
-        )
+        raise place.wrong(value, "write a number, like 0.1")
     try:
         # No minus zero.
         number = float(value) + 0.0
@@ -55,90 +72,95 @@ def finite(value: object, what: str, at: Callable[[], dict[str, Any]]) -> float:
             "not-finite",
             "{what} is {number}",
             "write a finite number within the range of a float64",
-            what=what,
+            what=place.what,
             number=number,
-            **at(),
+            **place.line(),
         )
     return number
 
 
-def text_at(header: Header, table: Mapping[str, object], name: str, key: str) -> str:
-    """Return the text of a key in a table."""
-    value = table[key]
+def _length(value: object, place: Place) -> float:
+    number = read_number(value, place)
+    if number <= 0.0:
+        raise FormatError(
+            "not-positive",
+            "{what} is {number}; it must be above 0: {meaning}",
+            what=place.what,
+            number=number,
+            meaning=place.meaning,
+            **place.line(),
+        )
+    return number
+
+
+def read_numbers(value: object, place: Place, count: int) -> tuple[float, ...]:
+    """Return the numbers of a list, which must be of this length."""
+    if not isinstance(value, list) or len(value) != count:
+        raise FormatError(
+            "wrong-type",
+            "{what} is {kind}",
+            "write a list of {count} numbers: {meaning}",
+            what=place.what,
+            kind=f"a list of {len(value)}" if isinstance(value, list) else kind_of(value),
+            count=count,
+            meaning=place.meaning,
+            **place.line(),
+        )
+    return tuple(
+        read_number(item, place._replace(what=f"{place.what}[{k}]")) for k, item in enumerate(value)
+    )
+
+
+def _disc(value: object, place: Place) -> tuple[float, ...]:
+    numbers = read_numbers(value, place, 3)
+    # A target without a radius has no disc.
+    _length(numbers[2], place._replace(what=f"{place.what}'s radius"))
+    return numbers
+
+
+def _text(value: object, place: Place) -> str:
     if not isinstance(value, str):
-        raise FormatError(
-            "wrong-type",
-            "{table}.{key} is {kind}",
-            "write text in double quotes",
-            table=name,
-            key=key,
-            kind=kind_of(value),
-            **header.at(name, key),
-        )
+        raise place.wrong(value, "write text in double quotes")
     return value
 
 
-def integer_at(header: Header, table: Mapping[str, object], name: str, key: str) -> int:
-    """Return the integer of a key in a table."""
-    value = table[key]
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int)
-        or value.bit_length() > MAX_INTEGER_BITS
-    ):
-        came = "an integer out of range" if type(value) is int else kind_of(value)
+def _integer(value: Any, place: Place) -> int:
+    is_integer = isinstance(value, int) and not isinstance(value, bool)
+    if not (isinstance(value, int) and is_integer) or value.bit_length() > MAX_INTEGER_BITS:
         raise FormatError(
             "wrong-type",
-            "{table}.{key} is {came}",
+            "{what} is {kind}",
             "write an integer of at most {most} bits",
-            table=name,
-            key=key,
-            came=came,
+            what=place.what,
+            kind="an integer out of range" if is_integer else kind_of(value),
             most=MAX_INTEGER_BITS,
-            **header.at(name, key),
+            **place.line(),
         )
     return value
 
 
-def values_at(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, Value]:
-    """Return the table of values of a key in a table; empty if it is missing."""
-    value = table.get(key, {})
+def _name(value: object, place: Place) -> str:
+    return NameInFile(_text(value, place))
+
+
+def _values(value: object, place: Place) -> dict[str, Value]:
     if not isinstance(value, dict):
-        raise FormatError(
-            "wrong-type",
-            "{table}.{key} is {kind}",
-            "write a table: {key} = {{ name = 1 }}",
-            table=name,
-            key=key,
-            kind=kind_of(value),
-            **header.at(name, key),
-        )
-    return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
+        raise place.wrong(value, "write a table: {{ name = 1 }}")
+    return {key: _value(item, place.inner(key), 2) for key, item in value.items()}
 
 
-def numbers_at(
-    header: Header, table: Mapping[str, object], name: str, key: str
-) -> dict[str, float]:
+def _metrics(value: object, place: Place) -> dict[str, float]:
     """Return a table of numbers; integers stay integers."""
-    found: dict[str, float] = {}
-    for part, value in values_at(header, table, name, key).items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            what = f"{name}.{key}.{quote(part)[1:-1]}"
-            raise FormatError(
-                "wrong-type",
-                "{what} is {kind}; a metric must be a number",
-                "leave it out",
-                what=what,
-                kind=kind_of(value),
-                **header.at(name, key, part),
-            )
-        found[part] = value
-    return found
+    numbers: dict[str, float] = {}
+    for key, item in _values(value, place).items():
+        if isinstance(item, bool) or not isinstance(item, int | float):
+            raise place.inner(key).wrong(item, "a metric must be a number; leave it out")
+        numbers[key] = item
+    return numbers
 
 
-def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> Value:
+def _value(value: object, place: Place, depth: int) -> Value:
     # bool comes first, because it is an int in Python.
-    what = ".".join(quote(part)[1:-1] for part in path[:4])
     if isinstance(value, bool | str):
         return value
     if isinstance(value, int):
@@ -147,32 +169,41 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
                 "too-large",
                 "{what}: an integer may have at most {most} bits",
                 "write it as text",
-                what=what,
+                what=place.what,
                 most=MAX_INTEGER_BITS,
-                **header.at(*path),
+                **place.line(),
             )
         return value
     if isinstance(value, float):
-        return finite(value, what, partial(header.at, *path))
+        return read_number(value, place)
     if not isinstance(value, list | dict):
-        raise FormatError(
-            "wrong-type",
-            "{what} is {kind}",
-            "write it as text in double quotes",
-            what=what,
-            kind=kind_of(value),
-            **header.at(*path),
-        )
+        raise place.wrong(value, "write it as text in double quotes")
     # Lists and tables are nested.
     if depth > MAX_DEPTH:
         raise FormatError(
             "nested-too-deep",
             "{what}: nested deeper than {most} levels",
             "flatten it",
-            what=what,
+            what=place.what,
             most=MAX_DEPTH,
-            **header.at(*path),
+            **place.line(),
         )
     if isinstance(value, list):
-        return [_value(header, item, path, depth + 1) for item in value]
-    return {key: _value(header, item, (*path, key), depth + 1) for key, item in value.items()}
+        return [_value(item, place, depth + 1) for item in value]
+    return {key: _value(item, place.inner(key), depth + 1) for key, item in value.items()}
+
+
+READERS: Final[Mapping[str, Callable[[Any, Place], Any]]] = {
+    "number": read_number,
+    "length": _length,
+    "pair": partial(read_numbers, count=2),
+    "pose": partial(read_numbers, count=3),
+    "disc": _disc,
+    "text": _text,
+    "name": _name,
+    "integer": _integer,
+    "values": _values,
+    "metrics": _metrics,
+    "any": lambda value, _: value,
+}
+"""By the kinds of :class:`~worldgen.files.grid.schema.Key`: what checks and returns a value."""

@@ -84,9 +84,9 @@ def world_digest(world: World) -> str:
 
 def _header_lines(world: World) -> Iterator[str]:
     # The order of the keys is fixed, so that equal worlds give equal bytes.
-    yield FLEET_MAGIC if world.others else MAGIC
+    yield FLEET_MAGIC if world.is_fleet else MAGIC
     yield f"cell_size = {number_text(world.cell_size, 'cell_size')}"
-    if world.others:
+    if world.is_fleet:
         yield from _robot_lines(world)
     else:
         yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
@@ -96,7 +96,7 @@ def _header_lines(world: World) -> Iterator[str]:
     if world.provenance is not None:
         yield from _provenance_lines(world.provenance)
     if world.certificate is not None:
-        yield from _certificate_lines(world.certificate, fleet=bool(world.others))
+        yield from _certificate_lines(world.certificate, fleet=world.is_fleet)
     if world.failure is not None:
         yield from _failure_lines(world.failure)
 

@@ -16,6 +16,9 @@ from worldgen.world import World
 
 _ENDINGS = (".grid", ".grid.gz")
 
+SIDECAR = ".worldgen.grid"
+"""Ending of the file next to an exported map with what the map does not store."""
+
 Found = TypeVar("Found")
 Skip = Callable[[FormatError], None]
 """Called with the error of a file that cannot be read, before its folder's other files are."""
@@ -49,10 +52,14 @@ def read_whole_world(path: Path) -> World:
 def files_in(folder: Path) -> list[Path]:
     """Return the world files in a folder and below, sorted by name.
 
-    Folders called ``.name`` are skipped.
+    Folders called ``.name`` are skipped, and so are sidecars of exported maps.
     """
     found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
-    return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
+    return sorted(
+        file
+        for file in found
+        if not _is_hidden(file.relative_to(folder)) and not file.name.endswith(SIDECAR)
+    )
 
 
 def _is_hidden(path: Path) -> bool:

@@ -15,6 +15,7 @@ from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, WorldgenError
+from worldgen.files.whole import read_bytes
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
 from worldgen.support.plain_text import quote
@@ -27,6 +28,9 @@ _Contents = TypeVar("_Contents")
 MAX_CELLS = 64_000_000
 # A plain PGM takes up to 4 bytes per cell.
 MAX_FILE_BYTES = 256 << 20
+# Families of the provenance of an imported map, and of the sidecar of an exported one.
+IMPORTED = "import"
+EXPORTED = "export"
 
 
 @dataclass(frozen=True)
@@ -117,7 +121,8 @@ class ForeignMap:
 def origin_of(world: World) -> tuple[float, float]:
     """Return x and y, m, of the grid's lower-left corner in the imported map's frame, or 0."""
     made = world.provenance
-    origin = made.params.get("origin") if made is not None and made.family == "import" else None
+    is_foreign = made is not None and made.family in (IMPORTED, EXPORTED)
+    origin = made.params.get("origin") if made is not None and is_foreign else None
     if (
         isinstance(origin, list)
         and len(origin) == 2
@@ -163,25 +168,13 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
             bytes.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise FormatError(
-                "not-a-regular-file", "is not a regular file", "use the map file itself"
-            )
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-    except FormatError:
-        raise
+        is_regular = stat.S_ISREG(path.stat().st_mode)
     # ValueError means that the name contains a NUL.
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FormatError(
-            "unreadable", "cannot be read: {reason}", "check the name", reason=reason
-        ) from error
-    if len(data) > limit:
-        raise FormatError(
-            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit
-        )
-    return data
+        raise FormatError.unreadable(path, error) from error
+    if not is_regular:
+        raise FormatError("not-a-regular-file", "is not a regular file", "use the map file itself")
+    return read_bytes(path, limit, "cut a smaller map out of it")
 
 
 def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) -> Path:

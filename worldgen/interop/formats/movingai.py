@@ -372,7 +372,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     rows: list[str] = []
     altered: dict[str, str] = {}
     for number in range(1, len(world.robots) + 1):
-        alone = world.alone(number) if world.others else world
+        alone = world.alone(number)
         start, goal, moved = end_cells(alone)
         moves = octile_moves(flip_rows(world.walls), start, goal)
         if moves is None:

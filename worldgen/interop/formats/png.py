@@ -15,13 +15,7 @@ from worldgen.family import check_between
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
-from worldgen.interop.readers.places_text import (
-    KEYS,
-    Places,
-    from_decimal,
-    place_words,
-    read_places,
-)
+from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
@@ -93,8 +87,7 @@ def read_picture(
     params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
         flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes),
-        origin=origin, is_picture=True,
-        start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+        origin=origin, is_picture=True, **places,
     )  # fmt: skip
 
 
@@ -111,12 +104,12 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[Bools, in
     return values < -(-threshold * maximum // _WHITE), int(between)
 
 
-def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
+def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], dict[str, Any]]:
     """Return the cell size, origin and places of our own picture; else None, 0 and none."""
     # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:
-        return None, (0.0, 0.0), Places()
+        return None, (0.0, 0.0), {}
     words = {key: text[key].split() for key in (*KEYS, "resolution", "origin") if key in text}
     size = words.pop("resolution", None)
     corner = words.pop("origin", ["0", "0"])

@@ -242,14 +242,14 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     altered: dict[str, str] = {}
     # Draw each agent and its target, unless they share a cell or a wall is in the way.
     for number, letter in enumerate(ascii_lowercase[: len(world.robots)], start=1):
-        alone = world.alone(number) if world.others else world
+        alone = world.alone(number)
         start, target, moved = end_cells(alone)
         taken = [int(cells[row, column]) for column, row in (start, target)]
         if start != target and taken == [_FREE[0]] * 2:
             altered |= moved
             cells[start[1], start[0]] = ord(letter)
             cells[target[1], target[0]] = ord(letter.upper())
-        elif world.others:
+        elif world.is_fleet:
             raise InvalidWorld(
                 "cells-taken",
                 "robot {number}: a cell holds one letter, but the cells of its start and target "

@@ -8,10 +8,11 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +23,7 @@ from worldgen.family import check_choice
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
-from worldgen.interop.readers.places_text import (
-    KEYS,
-    Places,
-    from_decimal,
-    place_words,
-    read_places,
-)
+from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
@@ -76,7 +71,7 @@ class RosMetadata:
     free_thresh: float
     negate: bool = False
     mode: str = "trinary"
-    places: Places | None = None
+    places: Mapping[str, Any] | None = None
     yaw: float = 0.0
 
 
@@ -140,10 +135,9 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     }
     params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
     warnings = tuple(_warnings(image, metadata))
-    places = metadata.places or Places()
     return ForeignMap(
         flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y), is_picture=True,
-        start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+        **(metadata.places or {}),
     )  # fmt: skip
 
 
@@ -351,10 +345,10 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
+def _places(table: YamlTable, origin: tuple[float, float]) -> dict[str, Any]:
     """Return the facts under our own key in a map's file; map_server ignores that key."""
     if _OURS not in table:
-        return Places()
+        return {}
     ours = table.tables(_OURS)
     if len(ours) != 1:
         raise FormatError(
@@ -375,15 +369,14 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
             known=list(KEYS),
             line=ours[0].line_of(strange[0]),
         )
-    places = Places()
+    places: dict[str, Any] = {}
     # Check one by one, so that a fault is reported with its line.
     for key in ours[0]:
         words = ours[0].words(key)
         try:
-            found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
+            places |= read_places({key: [ours[0].word(key)] if words is None else words}, origin)
         except InvalidParameter as error:
             raise FormatError.of(error.message, line=ours[0].line_of(key)) from error
-        places = replace(places, **{key: getattr(found, key)})
     return places
 
 

@@ -17,6 +17,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
@@ -32,7 +33,6 @@ OURS = "worldgen:"
 # The model that drives, in our own files.
 _ROBOT = "robot"
 MAX_BYTES = 64 << 20
-_NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
 # Heights, m; a body that ends below or begins above them stops no robot.
 _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
@@ -189,7 +189,7 @@ def _unread(scene: _GazeboScene) -> tuple[str, ...]:
 
 def _numbers(element: XmlElement, count: int) -> list[Fraction]:
     words = element.text.split()
-    if len(words) != count or not all(map(_NUMBER.fullmatch, words)):
+    if len(words) != count or not all(map(DECIMAL.fullmatch, words)):
         name = f"<{element.name}>"
         raise FormatError(
             "wrong-count",

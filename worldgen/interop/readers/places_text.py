@@ -5,11 +5,11 @@ The words are keys of a table, a picture's text, or properties.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import InvalidParameter
 from worldgen.interop.format import Destination, decimal
 from worldgen.lattice import exact
@@ -17,28 +17,6 @@ from worldgen.world import World
 
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
 """Names of the facts, and the number of values of each."""
-
-# More digits than the sum of any two float64 of a world.
-_NUMBER = re.compile(
-    r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?"
-)
-
-
-@dataclass(frozen=True)
-class Places:
-    """The facts in a file's words.
-
-    Args:
-        start: x, y, m from the grid's lower-left corner, and heading, rad.
-        target: x, y and radius, m.
-        robot_radius: Radius, m.
-        robot_speed: Top speed, m/s.
-    """
-
-    start: tuple[float, ...] | None = None
-    target: tuple[float, ...] | None = None
-    robot_radius: float | None = None
-    robot_speed: float | None = None
 
 
 def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
@@ -56,12 +34,16 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
     }
 
 
-def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
+def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> dict[str, Any]:
     """Parse the output of :func:`place_words`; a world's numbers are restored bit for bit.
 
     Args:
         words: Any number of the words.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
+
+    Returns:
+        Arguments of :class:`~worldgen.interop.format.foreign_map.ForeignMap`: points from the
+        grid's lower-left corner.
 
     Raises:
         InvalidParameter: If there are too few or too many numbers, one isn't a number, or a length
@@ -93,9 +75,7 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
                 key=key,
                 length=found[key][-1],
             )
-    radius = found.get("robot_radius", (None,))
-    speed = found.get("robot_speed", (None,))
-    return Places(found.get("start"), found.get("target"), radius[0], speed[0])
+    return {key: numbers if len(numbers) > 1 else numbers[0] for key, numbers in found.items()}
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
@@ -106,7 +86,7 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
     Raises:
         InvalidParameter: If it isn't a finite number.
     """
-    if _NUMBER.fullmatch(word):
+    if DECIMAL.fullmatch(word):
         try:
             return float(Fraction(word) - exact(shift))
         except OverflowError:

@@ -6,21 +6,19 @@ Tables remember which keys a reader takes.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
 import yaml
 
+from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError
 from worldgen.interop.account import IsHarmless, Names, account_for
 
 # The C parser is several times as fast, and is in every wheel of PyYAML.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MAX_DEPTH = 8
-_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
-_EXACT = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
 _LARGEST = 1e100
 _NULL = ("", "~", "null", "none")
 _TRUTH = {
@@ -268,11 +266,11 @@ def read_yaml(text: bytes, example: str) -> YamlTable:
 
 def _is_exact(word: str) -> bool:
     """Return True if a word is a number that a float can hold with room for arithmetic."""
-    return _EXACT.fullmatch(word) is not None and abs(float(word)) < _LARGEST
+    return DECIMAL.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
 def _parse_number(word: str) -> float | None:
-    value = float(word) if _NUMBER.fullmatch(word) else math.nan
+    value = float(word) if DECIMAL.fullmatch(word) else math.nan
     return value if math.isfinite(value) else None
 
 

@@ -71,7 +71,7 @@ def check_certificate(
         return CheckReport(False, "the world has no certificate", 0.0)
     if isinstance(certificate, JointWitness):
         return _check_joint(world, certificate, radius)
-    if world.others:
+    if world.is_fleet:
         return _check_one_of_several(world, certificate, radius)
     radius = world.robot_radius if radius is None else radius
     measured = [0.0]

@@ -122,7 +122,7 @@ def place_robots(
             raise
         places = _places(world.walls, radius, first)
         placed = _draw_ends(places, radius, rng.child("bold"), boxes, [first], owner)
-    return replace(world, others=tuple(_robot(world, ends) for ends in placed))
+    return replace(world, robots=(world.robots[0], *(_robot(world, ends) for ends in placed)))
 
 
 def place_in_boxes(
@@ -152,9 +152,7 @@ def place_in_boxes(
         world = replace(world, start=robot.start, target=robot.target)
         return _crowd(world, places, rng, boxes[1:], drawn, owner)
     placed = _draw_ends(places, radius, rng, boxes, [], owner)
-    robots = [_robot(world, ends) for ends in placed]
-    first = robots[0]
-    return replace(world, start=first.start, target=first.target, others=tuple(robots[1:]))
+    return replace(world, robots=tuple(_robot(world, ends) for ends in placed))
 
 
 def _draw_ends(
@@ -213,7 +211,7 @@ def _crowd(
                 break
     if len(boxes) >= MOST_TOGETHER:
         raise _no_paths(owner, most, len(boxes) + 1)
-    return replace(world, others=tuple(_robot(world, ends) for ends in together))
+    return replace(world, robots=(world.robots[0], *(_robot(world, ends) for ends in together)))
 
 
 def _one_by_one(
@@ -257,7 +255,7 @@ def _one_by_one(
     # Prove that all of them can arrive.
     if not planned.robots:
         raise _no_paths(owner, 0, count)
-    placed = replace(world, others=tuple(planned.robots[1:]))
+    placed = replace(world, robots=(world.robots[0], *planned.robots[1:]))
     return replace(placed, certificate=planned.witness(placed))
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzz.failure import Failure
-from fuzz.replay.answer import State, answer
-from fuzz.replay.fixed import Checked, RegressionRun, arrives, is_fixed, who_drives
+from fuzz.regression.answer import State, answer
+from fuzz.regression.fixed import Checked, RegressionRun, arrives, is_fixed, who_drives
 from fuzz.triage.judging import failure_of
 from sim.controllers.contract import check_contract
 from sim.drawing.picture import trails_of

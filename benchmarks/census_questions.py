@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
@@ -13,22 +13,36 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from benchmarks.foreign_maps import CensusMap, Ends, Refused, cell_at, draw_ends
 from worldgen.errors import InvalidWorld, WorldgenError
-from worldgen.interop.census.case import (
-    DEFAULT_RADII,
-    CensusMap,
-    Ends,
-    Radius,
-    Refused,
-    cell_at,
-    draw_ends,
-)
+from worldgen.lattice import exact, in_cells
 from worldgen.random_streams import RandomStream
-from worldgen.reach import BLOCKED, check_certificate, decide
-from worldgen.world import Cut, Provenance, Value, World
+from worldgen.reach import BLOCKED, REACHABLE, check_certificate, decide
+from worldgen.world import Cut, World
 
-# Raise this whenever a seed draws different pairs than before.
-VERSION = 1
+ROWS = (
+    "reachable", "blocked", "no_room", "four_only", "four_parted", "eight_only", "eight_parted", "undecided",
+)  # fmt: skip
+"""What is counted for each radius; docs/howto/census.md describes it."""
+
+
+@dataclass(frozen=True)
+class Radius:
+    """A radius, in m or in cells of each map."""
+
+    value: float
+    cells: bool = False
+
+    def metres(self, cell_size: float) -> float:
+        """Return the radius in m, on a map with cells of ``cell_size`` m."""
+        return float(exact(self.value) * exact(cell_size)) if self.cells else self.value
+
+    def in_cells(self, cell_size: float) -> Fraction:
+        """Return exactly the radius of :meth:`metres`, in cells."""
+        return in_cells(self.metres(cell_size), cell_size)
+
+    def __str__(self) -> str:
+        return f"{self.value:g} cells" if self.cells else f"{self.value:g} m"
 
 
 @dataclass(frozen=True)
@@ -42,7 +56,7 @@ class CensusOptions:
         clear_ends: True to draw pairs only where the largest disc has room.
     """
 
-    radii: tuple[Radius, ...] = DEFAULT_RADII
+    radii: tuple[Radius, ...]
     pairs: int = 1
     seed: int = 0
     clear_ends: bool = False
@@ -54,13 +68,9 @@ class CensusCase:
 
     Args:
         map: Name of the map.
-        pair: Number of the pair in its map, from 0.
-        named: True if the map names them.
-        asked: The radius as the user gave it, in m or in cells.
-        radius: The same radius in m.
-        width: Cells.
-        height: Cells.
-        cell_size: m.
+        named: True if the map names start and target.
+        asked: The radius.
+        side: Longer side of the map, cells.
         result: The prover's answer about the disc.
         proved: True if the checker confirms the certificate.
         room: True if the disc is clear at the start and at some pose of the target; False only if
@@ -72,13 +82,9 @@ class CensusCase:
     """
 
     map: str
-    pair: int
     named: bool
     asked: Radius
-    radius: float
-    width: int
-    height: int
-    cell_size: float
+    side: int
     result: str
     proved: bool
     room: bool
@@ -94,76 +100,38 @@ class CensusCase:
 
 @dataclass
 class Census:
-    """The answers so far.
+    """The answers, in the order of the maps, and the maps that could not be judged."""
 
-    Args:
-        options: The questions asked about every map.
-        questions: The questions with their answers, in the order of the maps.
-        refused: Maps that could not be judged.
-        maps: Number of maps that were judged.
-        interrupted: True if Ctrl-C ended the census.
-        fault: Message of the error in a source that ended the census; empty if there was none.
-    """
-
-    options: CensusOptions
     questions: list[CensusCase] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)
     maps: int = 0
-    interrupted: bool = False
-    fault: str = ""
 
 
 def take_census(
     maps: Iterable[CensusMap | Refused],
-    options: CensusOptions | None = None,
-    *,
+    options: CensusOptions,
     each: Callable[[CensusCase, World], object] | None = None,
-    progress: Callable[[], None] | None = None,
 ) -> Census:
-    """Judge maps one after another.
-
-    Ctrl-C, or a source that fails, ends the census; the answers so far are returned.
-
-    Args:
-        maps: Maps to judge, and refusals to pass on.
-        options: The questions to ask about every map.
-        each: Called with every answer and its world, which holds the certificate.
-        progress: Called after each map.
-    """
-    census = Census(options or CensusOptions())
+    """Judge maps one after another; ``each`` gets every answer and its world, with the proof."""
+    census = Census()
     names = Counter[str]()
-    try:
-        for item in maps:
-            if isinstance(item, CensusMap):
-                _judge(census, replace(item, name=once(item.name, names)), each)
-            else:
-                census.refused.append(item)
-            if progress is not None:
-                progress()
-    except KeyboardInterrupt:
-        census.interrupted = True
-    except WorldgenError as error:
-        census.fault = str(error)
+    for item in maps:
+        if isinstance(item, Refused):
+            census.refused.append(item)
+            continue
+        names[item.name] += 1
+        again = "" if names[item.name] == 1 else f"-{names[item.name]}"
+        _judge(census, replace(item, name=f"{item.name}{again}"), options, each)
     return census
 
 
-def once(name: str, taken: Counter[str]) -> str:
-    """Make the name unique with a number after it if necessary, and mark it as used."""
-    # A file's name may contain bytes that are not valid UTF-8.
-    name = name.encode(errors="backslashreplace").decode()
-    free = name
-    while taken[free]:
-        taken[name] += 1
-        free = f"{name}-{taken[name]}"
-    taken[free] += 1
-    return free
-
-
 def _judge(
-    census: Census, item: CensusMap, each: Callable[[CensusCase, World], object] | None
+    census: Census,
+    item: CensusMap,
+    options: CensusOptions,
+    each: Callable[[CensusCase, World], object] | None,
 ) -> None:
     """Answer every question about one map, or none if the map has a fault."""
-    options = census.options
     try:
         ends = item.ends or _drawn(item, options)
         worlds = [World(item.walls, pair.start, pair.target, item.cell_size) for pair in ends]
@@ -174,15 +142,13 @@ def _judge(
     four: Any = ndimage.label(~item.walls)[0]
     eight: Any = ndimage.label(~item.walls, structure=np.ones((3, 3)))[0]
 
-    found = []
-    for number, (pair, world) in enumerate(zip(ends, worlds, strict=True)):
+    for pair, world in zip(ends, worlds, strict=True):
         joined = (_joined(four, item, pair), _joined(eight, item, pair))
         for radius in options.radii:
-            question, judged = _answer(item, number, pair, world, radius, joined)
-            found.append(question)
+            question, judged = _answer(item, pair, world, radius, joined)
+            census.questions.append(question)
             if each is not None:
-                each(question, _with_source(judged, item, question, options.seed))
-    census.questions += found
+                each(question, judged)
     census.maps += 1
 
 
@@ -204,37 +170,38 @@ def _drawn(item: CensusMap, options: CensusOptions) -> tuple[Ends, ...]:
 
 
 def _answer(
-    item: CensusMap,
-    number: int,
-    pair: Ends,
-    world: World,
-    radius: Radius,
-    joined: tuple[bool, bool],
+    item: CensusMap, pair: Ends, world: World, radius: Radius, joined: tuple[bool, bool]
 ) -> tuple[CensusCase, World]:
     """Return one question with its answers, and the world with its certificate."""
-    metres = radius.metres(item.cell_size)
-    world = replace(world, robot_radius=metres)
+    world = replace(world, robot_radius=radius.metres(item.cell_size))
     began = time.perf_counter()
     decision = decide(world)
-    world = replace(world, certificate=decision.certificate)
-    proved = decision.certificate is not None and check_certificate(world).valid
-    seconds = time.perf_counter() - began
     cut = decision.certificate
+    world = replace(world, certificate=cut)
+    proved = cut is not None and check_certificate(world).valid
+    seconds = time.perf_counter() - began
     # A cut of one cell only occurs where the cell is too near to the start or blocks every target
     # pose.
     room = not (isinstance(cut, Cut) and len(cut.cells) == 1)
+    side = max(world.width, world.height)
     question = CensusCase(
-        item.name, number, pair.named, radius, metres, world.width, world.height, item.cell_size,
-        decision.result, proved, room, *joined, seconds,
-    )  # fmt: skip
+        item.name, pair.named, radius, side, decision.result, proved, room, *joined, seconds
+    )
     return question, world
 
 
-def _with_source(world: World, item: CensusMap, question: CensusCase, seed: int) -> World:
-    params: dict[str, Value] = {
-        **item.params,
-        "map": item.name,
-        "pair": question.pair,
-        "named": question.named,
-    }
-    return replace(world, provenance=Provenance("census", VERSION, seed, params))
+def counts(questions: Sequence[CensusCase]) -> Counter[str]:
+    """Return the number of questions in each of :data:`ROWS`."""
+    total = Counter[str]()
+    for question in questions:
+        if not question.proved:
+            total["undecided"] += 1
+        elif question.result == REACHABLE:
+            total["reachable"] += 1
+        else:
+            total["blocked"] += 1
+            total["no_room"] += not question.room
+            for name, path in (("four", question.four), ("eight", question.eight)):
+                total[f"{name}_only"] += path
+                total[f"{name}_parted"] += path and question.room
+    return total

@@ -7,8 +7,8 @@ from enum import StrEnum
 
 from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
-from fuzz.replay.fixed import is_fixed
-from fuzz.triage.judging import Replay, replay
+from fuzz.regression.fixed import is_fixed
+from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
 from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
 from sim.verdict import ARRIVALS, Verdict
