@@ -208,7 +208,7 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
     out = tmp_path / "out"
     run(begin(CONFIG, out, Budget(units=UNITS)))
     known = next(iter(sorted(out.glob("*.grid"))))
-    with contextlib.closing(FolderStore(out)) as folder:
+    with contextlib.closing(resume(out).store) as folder:
         folder.write_failure("beyond.grid", known.read_bytes())
         folder.write_failure("changed.grid", known.read_bytes())
     (out / "changed.grid").write_bytes(b"mine")
