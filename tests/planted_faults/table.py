@@ -228,10 +228,10 @@ FAULTS = (
     Fault(
         "resumed-short",
         "a campaign that is stopped and resumed ends as one that was not",
-        "fuzz/campaign/store/entry.py",
-        "steps=entry.steps,",
+        "fuzz/campaign/store/journal.py",
+        "steps=self.steps,",
         "steps=0,",
-        ("tests/fuzz/test_campaign_folder.py",),
+        ("tests/fuzz/test_campaign_interrupted.py",),
     ),
     Fault(
         "old-names",
