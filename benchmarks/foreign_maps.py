@@ -181,11 +181,12 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
         if found.world.is_dynamic:
             raise InvalidParameter("world-changes", "the world changes with time")
         return (Ends(found.world.start, found.world.target),)
-    if found.start is None or found.target is None:
+    start, target = found.robot.start, found.robot.target
+    if start is None or target is None:
         return ()
     half = lattice_to_metres(UNIT // 2, found.cell_size)
-    x, y, radius = (*found.target, half)[:3]
-    return (Ends(Pose(*found.start), Target(x, y, radius)),)
+    x, y, radius = (*target, half)[:3]
+    return (Ends(Pose(*start), Target(x, y, radius)),)
 
 
 def _scenario_ends(

@@ -17,7 +17,7 @@ from fuzz.screening.guarded import look_guarded
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
 from sim.controllers import CONTROLLERS
-from sim.motion import LATTICE, MOTIONS
+from sim.motion import MOTIONS
 from sim.options.run import MAX_STEPS, TARGET
 from sim.outcome import ENDINGS
 from sim.runners.controller_host import ControllerHost, host_of
@@ -229,7 +229,7 @@ def can_screen(scenario: Scenario) -> bool:
     It can run any controller with a target to reach, under a motion model on the pose lattice.
     """
     reaches = scenario.run.task == TARGET
-    return reaches and MOTIONS.get(scenario.run.motion).kernel == LATTICE
+    return reaches and MOTIONS.get(scenario.run.motion).on_lattice
 
 
 def evaluate(
@@ -363,7 +363,7 @@ class _Packed:
     def batch(self, layouts: Bytes, seeds: Words, kinds: Ints, budgets: Ints) -> Batch:
         """Return the runs of one call."""
         for run in self.runs:
-            run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+            run.settings.find_loop = run.search
             run.settings.digest = 0
         patience = _PATIENT if self.host.in_core else _BRISK
         settings = [run.settings for run in self.runs]

@@ -5,19 +5,12 @@ Whole batches run in another process, which may die.
 
 from __future__ import annotations
 
-import zlib
-from dataclasses import replace
-
 from fuzz._core import ffi, lib
-from fuzz.facts.crash_bucket import crash_bucket
-from fuzz.screening.batch import CRASH, HANG, Batch, Seat
+from fuzz.screening.batch import Batch, Seat
 from sim.controllers.shared.cage import Cage
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
-
-CRASH_NUMBERS = (1 << 24) - 1
-"""Numbers that identify crashes."""
 
 MOST_HANGS = 2
 """Limit on the hangs of a batch: each takes a whole deadline, and no unit proves more."""
@@ -58,19 +51,5 @@ def look_guarded(batch: Batch, seat: Seat, act: int, cage: Cage) -> None:
                 ) from None
             batch.deaths += 1
             hangs += death.verdict == Verdict.HANG
-            _note(batch, n, death)
+            batch.note_fault(n, death)
     batch.leave_out(slice(batch.at, None))
-
-
-def _note(batch: Batch, n: int, death: ControllerDied) -> None:
-    """Record how a run ended; equal crashes share a number.
-
-    This way, a frequent crash does not hide the others.
-    """
-    ended = batch.looks[n : n + 1]
-    if death.verdict == Verdict.HANG:
-        ended["ending"] = HANG
-        return
-    bucket = crash_bucket(replace(death.evidence, step=int(ended["steps"][0])))
-    ended["ending"] = CRASH
-    ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS

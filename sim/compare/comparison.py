@@ -21,7 +21,7 @@ from sim.controllers.noise import is_noisy
 from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import MAX_RECORDED, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED, Verdict
@@ -412,7 +412,7 @@ class _Column:
             options.steps, find_loop=True, record=False, digest=False
         )
         verdict = outcome.verdict
-        explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
+        explained = not self.declared_random and not MOTIONS.get(options.motion).on_lattice
         if outcome.steps > MAX_RECORDED // 2:
             # The run is too long to prove a loop or to explain a stall.
             verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict

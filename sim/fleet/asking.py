@@ -29,7 +29,7 @@ from worldgen.support.plain_text import counted
 _CHECKED_EVERY = 16
 
 
-def own_hosts(controllers: Sequence[Controller]) -> list[ControllerHost]:
+def own_hosts(controllers: Sequence[Controller | ControllerHost]) -> list[ControllerHost]:
     """Give each robot its own controller, so that robots share nothing; return their hosts.
 
     A controller that acts for all of its robots in one call, or has no state, is shared.

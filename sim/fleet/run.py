@@ -16,7 +16,7 @@ from sim.fleet.asking import FleetAskers, message_not_finite, own_hosts
 from sim.fleet.core_calls import CoreFleet
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
-from sim.runners.controller_host import Faults
+from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import memory_for
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
@@ -88,7 +88,7 @@ class FleetRun:
 
     Args:
         world: The world to drive in.
-        controllers: (n,) each robot's controller.
+        controllers: (n,) each robot's controller, or its host.
         options: (n,) each robot's options, which differ in ``robot`` only.
 
     Raises:
@@ -97,7 +97,10 @@ class FleetRun:
     """
 
     def __init__(
-        self, world: World, controllers: Sequence[Controller], options: Sequence[RunOptions]
+        self,
+        world: World,
+        controllers: Sequence[Controller | ControllerHost],
+        options: Sequence[RunOptions],
     ) -> None:
         self.world = world
         self.hosts = own_hosts(controllers)

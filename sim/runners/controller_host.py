@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import re
 from bdb import BdbQuit
-from types import TracebackType
+from types import SimpleNamespace, TracebackType
 from typing import Any
 
 import numpy as np
@@ -198,6 +198,21 @@ class ProgramHost(ControllerHost):
     def another(self) -> ControllerHost:
         """Return the host of another process of the program."""
         return host_of(self.controller.another())
+
+
+class OutsideHost(ControllerHost):
+    """The host of nobody: the commands of an environment's robots are its actions.
+
+    Args:
+        senses: The senses that the core computes.
+    """
+
+    def __init__(self, senses: tuple[str, ...]) -> None:
+        super().__init__(SimpleNamespace(senses=senses))
+
+    def another(self) -> ControllerHost:
+        """Return this host, which has no state."""
+        return self
 
 
 def host_of(controller: Any) -> ControllerHost:

@@ -39,4 +39,6 @@ def test_minigrids_own_grids_are_read_and_ours_are_what_it_prints(tmp_path):
         solid = [[kind in SOLID for kind in row] for row in their["kinds"]]
         assert found.params["format"] == "minigrid" and found.walls[::-1].tolist() == solid
         x, y = (0.1 * (cell + 0.5) for cell in their["agent"])
-        assert np.allclose(found.start, (x, 0.1 * len(solid) - y, HEADINGS[their["direction"]]))
+        assert np.allclose(
+            found.robot.start, (x, 0.1 * len(solid) - y, HEADINGS[their["direction"]])
+        )

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.requests.messages import message_of
 from sim import simulate
 from sim.scenario import Scenario
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import message_of, page_of, studio_of
 from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"

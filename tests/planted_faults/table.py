@@ -156,8 +156,8 @@ FAULTS = (
         "secret-memory",
         "a controller with memory that it doesn't declare proves no loop",
         "sim/runners/python_loop.py",
-        "self.complete = begun is not None and hidden_state(self._host.controller) == begun",
-        "self.complete = True",
+        "complete = begun is not None and hidden_state(host.controller) == begun",
+        "complete = True",
         ("tests/sim/test_episode.py",),
     ),
     Fault(

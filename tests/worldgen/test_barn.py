@@ -67,7 +67,7 @@ def test_barns_posts_become_the_squares_that_they_came_from_and_the_challenges_e
     back = found(posts([(-4.425, 0.075), (-2.175, 7.425), (-0.075, 14.925)]))
     assert back.walls.shape == (100, 30) and back.cell_size == 0.15 and back.origin == (-4.5, 0.0)
     assert np.argwhere(back.walls).tolist() == [[0, 0], [49, 15], [99, 29]]
-    assert back.start == (2.25, 3.0, 1.57) and back.target == (2.25, 13.0, 1.0)
+    assert back.robot.start == (2.25, 3.0, 1.57) and back.robot.target == (2.25, 13.0, 1.0)
 
 
 def test_an_inner_raster_lies_in_the_outer_one(found):
@@ -81,7 +81,7 @@ def test_boxes_of_others_are_exact_and_their_frame_is_all_that_stands_there(foun
     table = body(BOX.format("0.4 0.2 1"), "3 1 0.5 0 0 1.5708")
     wall = body(BOX.format("0.2 0.2 3"), "2 0 0 0 0 0", "w", inner="<pose>0.5 0.3 0 0 0 0</pose>")
     back = found(table + wall)
-    assert back.cell_size == 0.1 and back.origin == (2.4, 0.2) and back.start is None
+    assert back.cell_size == 0.1 and back.origin == (2.4, 0.2) and back.robot.start is None
     assert rows(back) == [*[".....##"] * 4, *["......."] * 4, *["##....."] * 2]
 
 

@@ -33,7 +33,7 @@ def test_a_drawing_says_what_it_has_moved():
 def test_the_radius_of_a_target_that_is_not_drawn_comes_back(tmp_path):
     world = replace(drawn(ROOM, target_radius=0.05), target=Target(0.16, 0.25, 0.05))
     found = read_map(write_export(export_world(world, "text"), tmp_path)[0])
-    assert found.target == (0.16, 0.25, 0.05)
+    assert found.robot.target == (0.16, 0.25, 0.05)
 
 
 def test_an_open_world_is_told_by_its_walls_farther_down(tmp_path):

@@ -243,9 +243,9 @@ def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
 def test_a_robot_that_is_missing_from_a_list_leaves_the_sidecars_robots_unknown(tmp_path):
     _, path = pogema_with_sidecar(tmp_path)
     alone, sidecar = read_map_alone(path, "pogema+agents=all")
-    listed = replace(alone, others=alone.others[:1], numbers=())
+    listed = replace(alone, robots=alone.robots[:2], numbers=())
     found = with_sidecar(listed, sidecar)
-    assert (found.robot_radius, found.others) == (listed.robot_radius, listed.others)
+    assert found.robots == listed.robots
     assert "values of 3 robots, but the file has 2" in found.warnings[0]
 
 

@@ -62,8 +62,8 @@ def test_each_is_told_from_a_drawing_and_read(write, name, text, end):
     assert find_format(path).name == name
     found = read_map(path)
     assert rows_of(found)[1][1:3] == ".." and found.walls.shape == (text.count("\n"), 5)
-    assert found.start[:2] == (0.15, pytest.approx(0.1 * text.count("\n") - 0.15))
-    assert found.target[0] == pytest.approx(0.35)
+    assert found.robot.start[:2] == (0.15, pytest.approx(0.1 * text.count("\n") - 0.15))
+    assert found.robot.target[0] == pytest.approx(0.35)
 
 
 def test_pogemas_at_sign_is_free(write):
@@ -73,9 +73,9 @@ def test_pogemas_at_sign_is_free(write):
 
 def test_another_agent_can_be_the_robot(write):
     path = write("a.bB\nA...\n")
-    assert read_map(path).start == (0.05, pytest.approx(0.15))
+    assert read_map(path).robot.start == (0.05, pytest.approx(0.15))
     other = read_map(path, "pogema+agent=b")
-    assert other.start[0] == pytest.approx(0.25) and "agent b of 2" in other.notes[0]
+    assert other.robot.start[0] == pytest.approx(0.25) and "agent b of 2" in other.notes[0]
     with raises(FormatError, "unknown-name", agent="c"):
         read_map(path, "pogema+agent=c")
 
@@ -104,7 +104,7 @@ def test_start_and_target_in_one_cell_or_a_wall_are_left_to_the_sidecar():
     ("word", "heading"), [(">>", 0.0), ("VV", -math.pi / 2), ("<<", math.pi), ("^^", math.pi / 2)]
 )
 def test_the_agents_direction_is_the_heading(write, word, heading):
-    assert read_map(write(MINIGRID.replace(">>", word))).start[2] == heading
+    assert read_map(write(MINIGRID.replace(">>", word))).robot.start[2] == heading
     world = replace(drawn(ROOM), start=Pose(0.15, 0.25, heading))
     assert word in export_world(world, "minigrid").data.decode().splitlines()[1]
 
@@ -201,7 +201,7 @@ def test_any_text_gives_a_map_or_a_fault_in_one_line(tmp_path, name, text, edits
     except (FormatError, InvalidParameter) as error:
         assert "m.txt" in str(error) and "\n" not in str(error)
     else:
-        assert found.start is None or 0 < found.start[0] < 0.1 * found.walls.shape[1]
+        assert found.robot.start is None or 0 < found.robot.start[0] < 0.1 * found.walls.shape[1]
 
 
 def test_a_maze_map_is_a_list_of_rows_with_a_wall_all_round():

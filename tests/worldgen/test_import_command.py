@@ -287,7 +287,7 @@ REFUSED = [
         {"code": "unknown-name", "name": "cell_size", "owner": "format ros on import"},
     ),
     (
-        [MAZE, "--unknown", "free"],
+        [MAZE, "--from", "movingai+unknown=free"],
         InvalidParameter,
         {"code": "unknown-name", "name": "unknown", "owner": "format movingai on import"},
     ),

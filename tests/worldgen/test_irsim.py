@@ -187,10 +187,9 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
         "vel_max: [0.5, 1]\n"
     )
     back = found(text)
-    assert (
-        back.start == (0.2, 0.1, 0.5) and back.target == (0.9, 0.5, 0.1) and back.robot_speed == 0.5
-    )
-    assert back.robot_radius == pytest.approx(math.sqrt(0.3**2 + 0.15**2))
+    start, target, radius, speed = back.robot
+    assert (start, target, speed) == ((0.2, 0.1, 0.5), (0.9, 0.5, 0.1), 0.5)
+    assert radius == pytest.approx(math.sqrt(0.3**2 + 0.15**2))
     assert "the file has 2 robots; only the first was used" in back.notes
 
 

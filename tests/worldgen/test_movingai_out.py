@@ -56,7 +56,7 @@ def test_of_several_problems_beside_the_map_none_is_taken(tmp_path):
     path = write_export(export_world(drawn(ROOM), "movingai", sidecar=False), tmp_path)[0]
     scenario = tmp_path / "world.map.scen"
     scenario.write_text(scenario.read_text() + scenario.read_text().splitlines()[1] + "\n")
-    assert read_map(path).start is None
+    assert read_map(path).robot.start is None
 
 
 def test_the_robots_of_an_exported_map_come_back_without_naming_its_scenario(tmp_path):
@@ -78,7 +78,10 @@ def test_a_problem_that_does_not_fit_the_map_is_passed_over_with_a_warning(tmp_p
     path = write_export(export_world(drawn(ROOM), "movingai", sidecar=False), tmp_path)[0]
     (tmp_path / "world.map.scen").write_text(text)
     found = read_map(path)
-    assert found.start is None and "world.map.scen next to the map was skipped" in found.warnings[0]
+    assert (
+        found.robot.start is None
+        and "world.map.scen next to the map was skipped" in found.warnings[0]
+    )
 
 
 def test_our_own_reader_of_scenarios_finds_the_same_cells(tmp_path):

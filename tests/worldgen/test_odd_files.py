@@ -91,7 +91,7 @@ def test_a_drawing_from_another_system_is_the_same_drawing(tmp_path, name, data,
     (tmp_path / name).write_bytes(odd[end])
     found = read_map(tmp_path / name)
     assert np.array_equal(found.walls, as_usual.walls)
-    assert (found.start, found.target) == (as_usual.start, as_usual.target)
+    assert (found.robot.start, found.robot.target) == (as_usual.robot.start, as_usual.robot.target)
 
 
 @pytest.mark.parametrize(

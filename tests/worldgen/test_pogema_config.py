@@ -44,7 +44,7 @@ def rows_of(found):
 def places(found):
     """Start and target of each robot, in cells from the top left: row and column."""
     height = found.walls.shape[0]
-    robots = [(found.start, found.target), *((one.start, one.target) for one in found.others)]
+    robots = [(one.start, one.target) for one in found.robots]
     return [
         [(height - 1 - int(point[1] / 0.1), int(point[0] / 0.1)) for point in robot]
         for robot in robots
@@ -168,8 +168,8 @@ def test_more_robots_than_letters_come_back_from_a_configuration(tmp_path):
     assert find_format(path).name == "pogema"
     found = read_map(path, ALL)
     assert rows_of(found) == ["." * 21] * 7
-    assert len(found.others) == 26
-    for robot, other in zip(world.robots[1:], found.others, strict=True):
+    assert len(found.robots) == 27
+    for robot, other in zip(world.robots[1:], found.robots[1:], strict=True):
         assert other.start == pytest.approx((robot.start.x, robot.start.y, robot.start.heading))
         assert other.target == pytest.approx((robot.target.x, robot.target.y, 0.04))
 

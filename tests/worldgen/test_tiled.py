@@ -73,8 +73,8 @@ def test_an_object_moved_and_turned_by_hand_counts(made):
         parts["layers"][1]["objects"][1].update(width=16, height=16, x=48, y=16)
 
     found = read_map(made(move))
-    assert found.start == (0.25, pytest.approx(0.15), pytest.approx(-math.pi / 2))
-    assert found.target == (0.35, 0.25, 0.05)
+    assert found.robot.start == (0.25, pytest.approx(0.15), pytest.approx(-math.pi / 2))
+    assert found.robot.target == (0.35, 0.25, 0.05)
 
 
 def test_rounded_pixels_of_another_program_are_no_edit(made):
@@ -104,7 +104,7 @@ def foreign(parts):
 def test_a_map_drawn_by_someone_else_is_read(made):
     found = read_map(made(foreign))
     assert found.walls.sum() == sum(NUMBERS) and found.cell_size == 0.1
-    assert (found.start, found.robot_radius) == ((0.15, 0.25, 0.0), None)
+    assert (found.robot.start, found.robot.radius) == ((0.15, 0.25, 0.0), None)
     assert (
         read_map(made(foreign), "tiled+layer=Floor").warnings[0].startswith("every cell has a tile")
     )

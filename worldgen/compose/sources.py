@@ -97,8 +97,8 @@ def read(path: str | PathLike[str]) -> Piece:
     if found.world is not None:
         return of_world(found.world)
     marks: dict[str, Mark] = {}
-    if found.target is not None:
-        x, y, *radius = (in_cells(value, found.cell_size) for value in found.target)
+    if found.robot.target is not None:
+        x, y, *radius = (in_cells(value, found.cell_size) for value in found.robot.target)
         marks[TARGET] = Mark(x, y, radius=radius[0] if radius else _HALF)
     return Piece(found.walls, np.ones_like(found.walls), frozen(marks), cell_size=found.cell_size)
 

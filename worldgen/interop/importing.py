@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
@@ -142,7 +143,7 @@ def _with_robot(
     # Complete the robot.
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
-    if robot.scenario is not None or robot.robots not in (None, 1 + len(found.others)):
+    if robot.scenario is not None or robot.robots not in (None, len(found.robots)):
         found = _with_scenario(robot, found)
     if sidecar is not None:
         found = with_sidecar(found, _fitting(sidecar, path, robot))
@@ -158,7 +159,7 @@ def _with_robot(
         params["origin"] = list(found.origin)
     radius_from = _radius_from(robot, found)
     if robot.scenario is not None:
-        robot = replace(robot, start=found.start, target=found.target)
+        robot = replace(robot, start=found.robot.start, target=found.robot.target)
     robot, notes = _at_programs_start(_complete(robot, found), found)
     try:
         world, placement = _place(robot, found)
@@ -229,9 +230,9 @@ def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
     """Return where the radius chosen by ``_complete`` comes from."""
     if robot.radius is not None:
         return "as given"
-    if robot.scenario is not None and found.robot_radius == _scenario_radius(found):
+    if robot.scenario is not None and found.robot.radius == _scenario_radius(found):
         return "0.4 cells, like a scenario's agent"
-    if found.world is not None or found.robot_radius is not None:
+    if found.world is not None or found.robot.radius is not None:
         return "from the file"
     return found.usual_robot.source
 
@@ -288,18 +289,16 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
     count = robot.robots or 1
     rows = range(robot.row, robot.row + count)
     problems = [read_scenario(robot.scenario, row, width, height, found.cell_size) for row in rows]
-    first = problems[0]
+    robots = [ForeignRobot(problem.start, problem.goal) for problem in problems]
+    robots[0] = robots[0]._replace(radius=_scenario_radius(found))
     params = {**found.params, "scenario": robot.scenario.name, "row": robot.row}
     if count > 1:
         params["robots"] = count
     return replace(
         found,
-        start=first.start,
-        target=first.goal,
-        robot_radius=_scenario_radius(found),
-        others=tuple(ForeignRobot(problem.start, problem.goal) for problem in problems[1:]),
+        robots=tuple(robots),
         numbers=tuple(rows),
-        params=params | {"optimal": first.optimal},
+        params=params | {"optimal": problems[0].optimal},
         # The problem next to the map, which they describe, does not count.
         notes=(),
         warnings=(),
@@ -316,13 +315,10 @@ def _fitting(sidecar: Sidecar, path: Path, robot: ImportedRobot) -> Sidecar:
 
 
 def _as_given(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
-    """Return the map without the values of its other robots that the user gives for all robots."""
-    others = found.others
-    if robot.radius is not None:
-        others = tuple(other._replace(radius=None) for other in others)
-    if robot.speed is not None:
-        others = tuple(other._replace(speed=None) for other in others)
-    return replace(found, others=others)
+    """Return the map with the values that the user gives for all robots."""
+    given = {"radius": robot.radius, "speed": robot.speed}
+    parts: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    return replace(found, robots=tuple(one._replace(**parts) for one in found.robots))
 
 
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
@@ -334,10 +330,10 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     if old is not None and robot.seed is None:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
-    target = target or found.target
+    target = target or found.robot.target
     usual = found.usual_robot.radius(found.cell_size)
-    radius = _first(robot.radius, old.robot_radius if old else found.robot_radius, usual)
-    speed = _first(robot.speed, old.robot_speed if old else found.robot_speed, DEFAULT_ROBOT_SPEED)
+    radius = _first(robot.radius, old.robot_radius if old else found.robot.radius, usual)
+    speed = _first(robot.speed, old.robot_speed if old else found.robot.speed, DEFAULT_ROBOT_SPEED)
     check_between("radius", radius, 1e-9, 1e9, "m")
     check_between("speed", speed, 1e-6, 1e6, "m/s")
     return replace(robot, start=start, target=target, radius=radius, speed=speed)
@@ -350,12 +346,12 @@ def _at_programs_start(
 
     If it does not fit, return the reason.
     """
-    if robot.start is not None or robot.seed is not None or found.start is None:
+    if robot.start is not None or robot.seed is not None or found.robot.start is None:
         return robot, ()
-    x, y = found.start[:2]
+    x, y = found.robot.start[:2]
     # _complete has already set the radius.
     if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):
-        return replace(robot, start=found.start), ()
+        return replace(robot, start=found.robot.start), ()
     return robot, (
         f"the map's own start ({x:g}, {y:g}) m has no room for the robot, so another one was "
         "chosen",
@@ -399,12 +395,14 @@ def _other_robots(
     if found.world is not None:
         return found.world.robots[1:]
     robots = []
-    for other in found.others:
-        at = (other.start[0], other.start[1])
-        to = (other.target[0], other.target[1])
-        headed = other.start[2] if len(other.start) > 2 else heading_towards(at, to)
+    for other in found.robots[1:]:
+        start = other.start or ()
+        target = other.target or ()
+        at = (start[0], start[1])
+        to = (target[0], target[1])
+        headed = start[2] if len(start) > 2 else heading_towards(at, to)
         size = _first(other.radius, radius)
-        sized = other.target[2] if len(other.target) > 2 else size
+        sized = target[2] if len(target) > 2 else size
         robots.append(
             Robot(Pose(*at, headed), Target(*to, sized), size, _first(other.speed, speed))
         )

@@ -187,30 +187,23 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
         return replace(found, warnings=(*found.warnings, warning))
 
     # Find each robot's values.
-    robots = (
-        ForeignRobot(found.start or (), found.target or (), found.robot_radius, found.robot_speed),
-        *found.others,
-    )
     values, warnings = _values_of_robots(found, sidecar)
     if found.numbers:
         half = found.cell_size / 2
-        values = [_unmoved(robot, own, half) for robot, own in zip(robots, values, strict=True)]
+        values = [
+            _unmoved(robot, own, half) for robot, own in zip(found.robots, values, strict=True)
+        ]
     of_map = {name: value for name, value in sidecar.values.items() if name not in ROBOT_FACTS}
     used = of_map.keys() | {name for own in values for name in own}
     if not used:
         return replace(found, warnings=(*found.warnings, *warnings))
 
     # Complete the robots, and report which values were used.
-    first, *others = map(_completed, robots, values)
     origin = of_map.get("origin")
     said = ", ".join(words for name, words in HELD.items() if name in used)
     return replace(
         found,
-        start=first.start or None,
-        target=first.target or None,
-        robot_radius=first.radius,
-        robot_speed=first.speed,
-        others=tuple(others),
+        robots=tuple(map(_completed, found.robots, values)),
         origin=found.origin if origin is None else (origin[0], origin[1]),
         params={**found.params, "sidecar_sha256": sidecar.sha256},
         notes=(*found.notes, f"{sidecar.name} says {said}"),
@@ -222,7 +215,7 @@ def _values_of_robots(found: ForeignMap, sidecar: Sidecar) -> tuple[list[_Values
     """Return the sidecar's values of each of the file's robots, with warnings if some have none."""
     first = {name: value for name, value in sidecar.values.items() if name in ROBOT_FACTS}
     known = (first, *sidecar.others)
-    count = 1 + len(found.others)
+    count = len(found.robots)
     # If the file just lists its robots, a missing one leaves the numbers of the rest unknown.
     if not found.numbers and count < len(known):
         warning = (
@@ -274,9 +267,10 @@ def _completed(robot: ForeignRobot, values: _Values) -> ForeignRobot:
 
 
 def _joined(
-    point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...]
-) -> tuple[float, ...]:
+    point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...] | None
+) -> tuple[float, ...] | None:
     """Return a point; its third number comes from the sidecar if that has one, else the file."""
-    if point is None and not own:
-        return ()
+    if point is None and own is None:
+        return None
+    own = own or ()
     return (*(point or own[:2]), *(third or own[2:]))

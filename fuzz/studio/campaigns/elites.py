@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from fuzz.campaign.store import FolderStore, read_summary, stored_elites
 from fuzz.layouts.features import decode_scene
+from fuzz.studio.requests.protocol import RecordedRun
 from worldgen.errors import InvalidParameter
+from worldgen.files.json_file import converted
 from worldgen.world import World
 
 
@@ -46,18 +47,13 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     )
 
 
-def runs_in(folder: Path) -> dict[str, Any] | None:
-    """Return the scenario of a campaign's worlds, in the form used for failures.
-
-    Null if the campaign varies its robots.
-    """
+def runs_in(folder: Path) -> RecordedRun | None:
+    """Return what a campaign runs in its worlds; ``None`` if it varies its robots."""
     stored = FolderStore.stored_in(folder)
     configuration = stored[0].configuration if stored else {}
-    scenario = configuration.get("scenario")
-    if (
-        configuration.get("vary")
-        or not isinstance(scenario, dict)
-        or not isinstance(scenario.get("parameters"), dict)
-    ):
+    if configuration.get("vary"):
         return None
-    return {name: scenario.get(name) for name in ("controller", "motion", "seed", "parameters")}
+    try:
+        return converted(configuration.get("scenario"), RecordedRun)
+    except ValueError:
+        return None

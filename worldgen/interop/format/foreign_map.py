@@ -60,17 +60,20 @@ FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's
 
 
 class ForeignRobot(NamedTuple):
-    """One of several robots in a file.
+    """What a file has of a robot.
+
+    A robot after the first has a start and a target, and the first one's numbers if it has none.
 
     Args:
-        start: x and y, m, and, if the file has it, the heading, rad.
+        start: x and y, m, and, if the file has it, the heading, rad; used if the robot is clear
+            there.
         target: x and y, m, and, if the file has it, the radius, m.
-        radius: Radius of the robot, m; None to use that of the first robot.
-        speed: Top speed, m/s; None to use that of the first robot.
+        radius: Radius of the robot, m.
+        speed: Top speed, m/s.
     """
 
-    start: tuple[float, ...]
-    target: tuple[float, ...]
+    start: tuple[float, ...] | None = None
+    target: tuple[float, ...] | None = None
     radius: float | None = None
     speed: float | None = None
 
@@ -86,16 +89,12 @@ class ForeignMap:
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         world: The world, if the format stores a complete one.
-        start: x, y, m, and, if the file has it, the heading, rad; used if the robot is clear there.
-        target: x, y and, if the file has it, radius, m.
-        robot_radius: Radius, m, if the file has it.
-        robot_speed: Top speed, m/s, if the file has it.
+        robots: The file's robots, at least one, in order.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
         unread: Elements of the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. Nothing
             is proved on such a map. ``read_map`` adds what the parsers were not asked for.
         is_picture: True if the cells are pixels, so that the map may show its surroundings too.
-        others: The robots after the first, if the file has several.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its
             own there; empty if the file just lists its robots.
     """
@@ -106,16 +105,17 @@ class ForeignMap:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     world: World | None = None
-    start: tuple[float, ...] | None = None
-    target: tuple[float, ...] | None = None
-    robot_radius: float | None = None
-    robot_speed: float | None = None
+    robots: tuple[ForeignRobot, ...] = (ForeignRobot(),)
     origin: tuple[float, float] = (0.0, 0.0)
     usual_robot: UsualRobot = THESIS_ROBOT
     unread: tuple[str, ...] = ()
     is_picture: bool = False
-    others: tuple[ForeignRobot, ...] = ()
     numbers: tuple[int, ...] = ()
+
+    @property
+    def robot(self) -> ForeignRobot:
+        """The first robot."""
+        return self.robots[0]
 
 
 def origin_of(world: World) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
+    ForeignRobot,
     check_sides,
     read_bounded,
     unix_text,
@@ -88,7 +89,8 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         if goals < 2
         else (f"there are {goals} goals; the target is the first, row by row from the top",)
     )
-    return ForeignMap(flip_rows(walls), cell_size, notes=notes, start=places[0], target=places[1])
+    robots = (ForeignRobot(places[0], places[1]),)
+    return ForeignMap(flip_rows(walls), cell_size, notes=notes, robots=robots)
 
 
 def _parts(line: bytes, row: int) -> list[tuple[bool, str]]:

@@ -14,7 +14,13 @@ import numpy as np
 
 from worldgen.errors import FormatError
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.format.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
+from worldgen.interop.format.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    ForeignRobot,
+    check_sides,
+    read_bounded,
+)
 from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows
@@ -91,7 +97,8 @@ def read_minigrid(
     )
     target = _centre(goals[0], len(rows), cell_size) if goals else None
     params: dict[str, Value] = {"doors": doors, "things": things}
-    return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
+    robots = (ForeignRobot(start, target),)
+    return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), robots=robots)
 
 
 def _check_words(rows: list[bytes]) -> None:

@@ -20,6 +20,7 @@ from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
+    ForeignRobot,
     check_sides,
     names_its_file,
     read_bounded,
@@ -94,9 +95,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             file=name,
         )
         radius = float(SCENARIO_RADIUS * exact(found.cell_size))
-        return replace(
-            found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,)
-        )
+        robots = (ForeignRobot(problem.start, problem.goal, radius),)
+        return replace(found, robots=robots, notes=(note,))
     return found
 
 

@@ -13,7 +13,7 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
-from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
 from worldgen.support.arrays import Bools
@@ -52,7 +52,7 @@ def read_picture(
     walls, greys = _solid(image, threshold, background)
     clear = 0 if image.opaque is None else int(np.count_nonzero(~image.opaque))
     try:
-        own_size, origin, places = _said(image)
+        own_size, origin, robot = _said(image)
     except InvalidParameter as error:
         raise FormatError.of(error.message.behind("its text: ")) from error
     # Explain what the picture leaves open.
@@ -87,7 +87,8 @@ def read_picture(
     params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
         flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes),
-        origin=origin, is_picture=True, **places,
+        origin=origin, is_picture=True,
+        robots=(robot,),
     )  # fmt: skip
 
 
@@ -104,12 +105,12 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[Bools, in
     return values < -(-threshold * maximum // _WHITE), int(between)
 
 
-def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], dict[str, Any]]:
+def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], ForeignRobot]:
     """Return the cell size, origin and places of our own picture; else None, 0 and none."""
     # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:
-        return None, (0.0, 0.0), {}
+        return None, (0.0, 0.0), ForeignRobot()
     words = {key: text[key].split() for key in (*KEYS, "resolution", "origin") if key in text}
     size = words.pop("resolution", None)
     corner = words.pop("origin", ["0", "0"])

@@ -115,8 +115,8 @@ def read_pogema(
         )
 
     # Make robots of them.
-    def centre(cell: tuple[int, int]) -> tuple[float, float]:
-        return cell_centre(cell[1], drawn.shape[0] - 1 - cell[0], cell_size)
+    def centre(cell: tuple[int, int] | None) -> tuple[float, float] | None:
+        return cell and cell_centre(cell[1], drawn.shape[0] - 1 - cell[0], cell_size)
 
     numbers = [first]
     notes: tuple[str, ...] = ()
@@ -142,10 +142,9 @@ def read_pogema(
         params["map_name"] = task.map_name
     return ForeignMap(
         flip_rows(walls), cell_size, params, notes, tuple(warnings),
-        start=centre(starts[first]) if first in starts else None,
-        target=centre(targets[first]) if first in targets else None,
-        others=tuple(
-            ForeignRobot(centre(starts[number]), centre(targets[number])) for number in numbers[1:]
+        robots=tuple(
+            ForeignRobot(centre(starts.get(number)), centre(targets.get(number)))
+            for number in numbers
         ),
         numbers=tuple(numbers),
     )  # fmt: skip

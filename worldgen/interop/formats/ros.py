@@ -8,11 +8,10 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +20,13 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_choice
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
-from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
+from worldgen.interop.format.foreign_map import (
+    FLOOR_ROBOT,
+    ForeignMap,
+    ForeignRobot,
+    read_bounded,
+    sibling_file,
+)
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
 from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
@@ -71,7 +76,7 @@ class RosMetadata:
     free_thresh: float
     negate: bool = False
     mode: str = "trinary"
-    places: Mapping[str, Any] | None = None
+    robot: ForeignRobot = field(default_factory=ForeignRobot)
     yaw: float = 0.0
 
 
@@ -101,7 +106,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
                 "transparent",
                 "{clear:,} of {cells:,} cells are transparent, hence unknown, as in Nav2; they count as "
                 "{unknown}",
-                "save the picture without transparency, or use --unknown free",
+                "save the picture without transparency, or use --from ros+unknown=free",
                 at_terminal=True,
                 clear=clear,
                 cells=cells.size,
@@ -137,7 +142,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     warnings = tuple(_warnings(image, metadata))
     return ForeignMap(
         flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y), is_picture=True,
-        **(metadata.places or {}),
+        robots=(metadata.robot,),
     )  # fmt: skip
 
 
@@ -345,10 +350,10 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _places(table: YamlTable, origin: tuple[float, float]) -> dict[str, Any]:
+def _places(table: YamlTable, origin: tuple[float, float]) -> ForeignRobot:
     """Return the facts under our own key in a map's file; map_server ignores that key."""
     if _OURS not in table:
-        return {}
+        return ForeignRobot()
     ours = table.tables(_OURS)
     if len(ours) != 1:
         raise FormatError(
@@ -369,15 +374,17 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> dict[str, Any]:
             known=list(KEYS),
             line=ours[0].line_of(strange[0]),
         )
-    places: dict[str, Any] = {}
+    robot = ForeignRobot()
     # Check one by one, so that a fault is reported with its line.
     for key in ours[0]:
         words = ours[0].words(key)
         try:
-            places |= read_places({key: [ours[0].word(key)] if words is None else words}, origin)
+            found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
         except InvalidParameter as error:
             raise FormatError.of(error.message, line=ours[0].line_of(key)) from error
-    return places
+        name = key.removeprefix("robot_")
+        robot = robot._replace(**{name: getattr(found, name)})
+    return robot
 
 
 def _mode(table: YamlTable) -> str:

@@ -11,7 +11,13 @@ import numpy as np
 
 from worldgen.errors import FormatError
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.format.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
+from worldgen.interop.format.foreign_map import (
+    ForeignMap,
+    ForeignRobot,
+    check_sides,
+    read_bounded,
+    unix_text,
+)
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows
@@ -62,8 +68,12 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     return ForeignMap(
         flip_rows(cells == 1),
         cell_size,
-        start=None if start is None else (*start, 0.0),
-        target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
+        robots=(
+            ForeignRobot(
+                None if start is None else (*start, 0.0),
+                None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
+            ),
+        ),
     )
 
 

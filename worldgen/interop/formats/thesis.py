@@ -20,7 +20,7 @@ import numpy as np
 
 from worldgen.errors import FormatError, InvalidWorld, Note
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded
 from worldgen.interop.readers.java_stream import Ints, read_ints, stream_bytes, write_ints
 from worldgen.lattice import (
     UNIT,
@@ -151,7 +151,7 @@ def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     x, y, radius = (lattice_to_metres(count * UNIT // 2, cell_size) for count in halves)
     return ForeignMap(
         flip_rows(values == WALL), cell_size, params, notes, warnings,
-        start=(start.x, start.y, start.heading), target=(x, y, radius),
+        robots=(ForeignRobot((start.x, start.y, start.heading), (x, y, radius)),),
     )  # fmt: skip
 
 

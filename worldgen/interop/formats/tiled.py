@@ -21,7 +21,13 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
 from worldgen.interop.format import HELD, Destination, Exported, Format
-from worldgen.interop.format.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
+from worldgen.interop.format.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    ForeignRobot,
+    check_sides,
+    read_bounded,
+)
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
     TiledPart,
@@ -99,13 +105,16 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
+    robot = ForeignRobot(
+        None if start is None else _start(start, scale, height * exact(size)),
+        None if target is None else _target(target, scale, height * exact(size)),
+        _above_0(said, "robot_radius"),
+        _above_0(said, "robot_speed"),
+    )
     params: dict[str, Value] = {"layer": name_of(walls_layer)}
     return ForeignMap(
         walls, size, params, tuple(notes), _warnings(walls),
-        start=None if start is None else _start(start, scale, height * exact(size)),
-        target=None if target is None else _target(target, scale, height * exact(size)),
-        robot_radius=_above_0(said, "robot_radius"), robot_speed=_above_0(said, "robot_speed"),
-        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
+        robots=(robot,), origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
     )  # fmt: skip
 
 

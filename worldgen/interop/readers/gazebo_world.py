@@ -20,7 +20,7 @@ import numpy as np
 from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError
 from worldgen.interop.format import Destination, decimal_text
-from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded
 from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
@@ -175,7 +175,7 @@ def read_gazebo_world(
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
         walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), (), None,
-        start, target, radius, speed, origin, unread=_unread(scene),
+        (ForeignRobot(start, target, radius, speed),), origin, unread=_unread(scene),
     )  # fmt: skip
 
 

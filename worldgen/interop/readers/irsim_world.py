@@ -15,7 +15,7 @@ import numpy as np
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.format.foreign_map import ForeignMap, read_bounded, sibling_file
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_picture_file
@@ -81,8 +81,8 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
-        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), (), None, *robot,
-        origin=origin, unread=tuple(scene.unread),
+        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), (), None, (robot,),
+        origin, unread=tuple(scene.unread),
     )  # fmt: skip
 
 
@@ -325,13 +325,13 @@ def _paint(raster: Raster, scene: _IrsimScene, size: Fraction) -> None:
 _Point = tuple[float, ...] | None
 
 
-def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | None, float | None]:
-    """Return the start, target, radius and speed of the first robot."""
+def _robot(top: YamlTable, scene: _IrsimScene) -> ForeignRobot:
+    """Return the first robot."""
     # Take the first robot.
     tables = _tables(top, "robot")
     if not tables:
         scene.notes.append("there is no robot in the file")
-        return None, None, None, None
+        return ForeignRobot()
     first = tables[0]
     number = sum(int(_fraction(table, "number", Fraction(1))) for table in tables)
     if number > 1:
@@ -361,7 +361,7 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
             speed=float(speeds[0]),
             line=first.line_of("vel_max"),
         )
-    return start, target, _radius(first, scene), float(speeds[0])
+    return ForeignRobot(start, target, _radius(first, scene), float(speeds[0]))
 
 
 def _from_corner(

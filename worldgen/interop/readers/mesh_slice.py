@@ -22,7 +22,7 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.account import report_unread
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
-from worldgen.interop.format.foreign_map import ForeignMap, check_sides
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, check_sides
 from worldgen.interop.geometry.section import Bodies, Section, cut, open_count, paint, sort_bodies
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
@@ -201,13 +201,13 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     start = held.get("start")
     target = held.get("target")
     radius = [held["target_radius"]] if "target_radius" in held else []
-    return replace(
-        found,
-        start=None if start is None else (*start, held.get("heading", 0.0)),
-        target=None if target is None else (*target, *radius),
-        robot_radius=held.get("robot_radius"),
-        robot_speed=held.get("robot_speed"),
+    robot = ForeignRobot(
+        None if start is None else (*start, held.get("heading", 0.0)),
+        None if target is None else (*target, *radius),
+        held.get("robot_radius"),
+        held.get("robot_speed"),
     )
+    return replace(found, robots=(robot,))
 
 
 def _as_written(mesh: RawMesh, plane: Plane) -> bool:

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
 
 from worldgen.domain import DECIMAL
 from worldgen.errors import InvalidParameter
 from worldgen.interop.format import Destination, decimal
+from worldgen.interop.format.foreign_map import ForeignRobot
 from worldgen.lattice import exact
 from worldgen.world import World
 
@@ -34,7 +34,7 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
     }
 
 
-def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> dict[str, Any]:
+def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> ForeignRobot:
     """Parse the output of :func:`place_words`; a world's numbers are restored bit for bit.
 
     Args:
@@ -75,7 +75,9 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
                 key=key,
                 length=found[key][-1],
             )
-    return {key: numbers if len(numbers) > 1 else numbers[0] for key, numbers in found.items()}
+    radius = found.get("robot_radius", (None,))
+    speed = found.get("robot_speed", (None,))
+    return ForeignRobot(found.get("start"), found.get("target"), radius[0], speed[0])
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
