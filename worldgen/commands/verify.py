@@ -17,7 +17,7 @@ _FIRST = 10
 
 EXAMPLES = (
     "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n"
-    "  worldgen verify mazes.zip --radius 0.3"
+    "  worldgen verify mazes.zip"
 )
 
 
