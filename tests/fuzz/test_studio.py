@@ -17,7 +17,7 @@ from fuzz.studio import Folder
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.requests.limits import MOST_MESSAGE
 from fuzz.studio.requests.messages import restored, world_of
-from fuzz.studio.requests.protocol import Files, Limits
+from fuzz.studio.requests.protocol import Files, Limits, decoded
 from fuzz.studio.workers import Worker
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen
@@ -421,11 +421,26 @@ def test_half_of_a_character_is_the_message_s_fault(page):
     "text", [b"{}", "", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": '
                                                      '"files"}', '{"id": true, "do": "files"}',
              "[" * 100_000, '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}',
-             '{"id": 9, "do": "open", "name": 3}'],
+             '{"id": 9, "do": "open", "name": 3}', '{"id": 10, "do": "files", "more": 1}'],
 )  # fmt: skip
 def test_nonsense_gets_a_sentence(page, text):
     page.socket.send(text)
     assert page.hear()["error"]
+
+
+@pytest.mark.parametrize(
+    ("message", "problem"),
+    [
+        ({"do": "watch", "folder": 3}, "folder = 3: Expected `str`, got `int`"),
+        ({"do": "picture", "motion": "x", "time_step": 1, "seed": 0, "options": {}, "looked": -1},
+         "looked = -1: Expected `int` >= 0"),
+        ({"do": "files", "more": 1}, "the page's message: Object contains unknown field `more`"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_message_is_said_by_field_value_and_rule(message, problem):
+    with raises(InvalidParameter, "wrong-message") as caught:
+        decoded(json.dumps({"id": 1} | message))
+    assert caught.value.message.problem == problem
 
 
 def test_a_message_larger_than_allowed_ends_the_connection(gate):

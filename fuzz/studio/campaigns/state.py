@@ -195,8 +195,9 @@ def beginning(memory: Path) -> Iterator[Path]:
         mark.unlink(missing_ok=True)
 
 
-def end_beginnings(memory: Path) -> bool:
-    """End all campaigns that are about to begin in a store; return True if there were any."""
+def end_beginnings(folder: Path) -> bool:
+    """End all campaigns that are about to begin in a folder; return True if there were any."""
+    memory = folder / MEMORY
     marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
     for mark in marks:
         mark.unlink(missing_ok=True)

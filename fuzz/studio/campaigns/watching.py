@@ -8,8 +8,6 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import MEMORY
-from fuzz.studio.campaigns import state as states
 from fuzz.studio.requests.edits import code_files, digest_of_file, own_files
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.protocol import CampaignState, Request, Stop, Watch
@@ -99,6 +97,9 @@ class Watching:
 
         If it has not begun yet, the process that waits for it to begin ends it.
         """
+        # Expensive to import, so not before a page watches a campaign.
+        from fuzz.studio.campaigns import state as states  # noqa: PLC0415
+
         place = states.own_folder(self._folder, request.folder)
         if isinstance(request, Stop) and _stopped(place) and not states.is_campaign(place):
             return None
@@ -107,9 +108,11 @@ class Watching:
 
 def _stopped(place: Path) -> bool:
     """Stop a campaign and wait for its end; return True if there was one to stop."""
+    from fuzz.studio.campaigns import state as states  # noqa: PLC0415
+
     process = states.running_process(place)
     if process is None:
-        return states.end_beginnings(place / MEMORY)
+        return states.end_beginnings(place)
     states.interrupt(process)
     until = time.monotonic() + _ENDS
     while states.running_process(place) is not None and time.monotonic() < until:

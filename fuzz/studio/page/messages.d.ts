@@ -1,21 +1,5 @@
 // Written by `python -m build_tools.page_types` from fuzz/studio/requests/protocol.py; not edited.
 
-/** The yield of a strategy so far. */
-interface StrategyYield {
-  /** Its name. */
-  strategy: string;
-  /** Units it was given. */
-  units: number;
-  /** Scenarios simulated. */
-  worlds: number;
-  /** Steps simulated. */
-  steps: number;
-  /** Failures proved and classified. */
-  failures: number;
-  /** Keys of failures that it was the first to find. */
-  variants: number;
-}
-
 /** Changes of cells, in columns; state 0 is free, 1 solid, 2 burning. */
 interface Events {
   times: number[];
@@ -555,6 +539,22 @@ interface Begins {
   file: string | null;
   protocol: number;
   limits: Limits;
+}
+
+/** The yield of a strategy so far. */
+interface StrategyYield {
+  /** Its name. */
+  strategy: string;
+  /** Units it was given. */
+  units: number;
+  /** Scenarios simulated. */
+  worlds: number;
+  /** Steps simulated. */
+  steps: number;
+  /** Failures proved and classified. */
+  failures: number;
+  /** Keys of failures that it was the first to find. */
+  variants: number;
 }
 
 /** The budget of a campaign. */

@@ -17,9 +17,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, Union
 import msgspec
 from msgspec import Meta, Struct
 
-from fuzz.campaign.store import Budget
 from fuzz.studio.requests import limits
-from fuzz.unit.result import StrategyYield
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.support.plain_text import quote
@@ -40,7 +38,10 @@ class Seed(int):
     """A 64-bit number; sent as digits, because a browser's numbers cannot hold it."""
 
 
-# Tables that fuzz.player makes, and their types in its page/types.d.ts.
+# Tables of the campaign store, and those that fuzz.player makes, with their types in TypeScript. Both
+# would take long to import.
+Budget = Annotated[dict[str, Any], Meta(title="Budget")]
+StrategyYields = Annotated[list[dict[str, Any]], Meta(title="StrategyYield[]")]
 DrawnWorld = Annotated[dict[str, Any] | None, Meta(title="DrawnWorld")]
 DrawnRun = Annotated[dict[str, Any] | None, Meta(title="DrawnRun | null")]
 Sensors = Annotated[dict[str, Any] | None, Meta(title="Sensors | null")]
@@ -913,7 +914,7 @@ class CampaignState(Struct, kw_only=True):
     verdicts: dict[str, int] = {}
     met: dict[str, int] = {}
     known: dict[str, int] = {}
-    strategies: list[StrategyYield] = []
+    strategies: StrategyYields = []
     archive: ArchiveMessage | None = None
     error: Refusal | None = None
 
