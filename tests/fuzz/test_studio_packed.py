@@ -84,7 +84,9 @@ def test_a_failure_in_an_archive_is_marked_as_known_by_a_copy(asked, folder):
     one = failures(asked, "old.zip")["failures"][0]
     assert "answer" in asked.ask("know", name=one["name"], known=True)
     again = failures(asked, "old.zip")["failures"]
-    assert [other["name"] for other in again if other["known"]] == [one["name"]]
+    # All failures of its cause are known from now on.
+    assert all(other["known"] == (other["group"] == one["group"]) for other in again)
+    assert any(other["known"] for other in again)
     shutil.rmtree(folder / "known")
 
 
