@@ -134,7 +134,7 @@ FAULTS = (
         "sim/episode/batch.py",
         "starts = poses or (world.start,)",
         "starts = poses or (worlds[0].start,)",
-        ("tests/sim/test_batch.py",),
+        ("tests/agreement/test_drivers.py",),
     ),
     Fault(
         "lockstep-in-transit",
@@ -142,7 +142,7 @@ FAULTS = (
         "sim/runners/lockstep.py",
         'ends = entries[looped] + reports["period"][looped]',
         'ends = entries[looped] + 2 * reports["period"][looped]',
-        ("tests/sim/test_vector_controllers.py",),
+        ("tests/agreement/test_drivers.py",),
     ),
     Fault(
         "command-of-a-class",
