@@ -5,10 +5,10 @@ The C is compiled on first use; ``python -m build_tools.cores`` compiles it agai
 
 from __future__ import annotations
 
-import fcntl
 import importlib
 import subprocess
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
 from sim.verdict import Verdict
+from worldgen.files.locks import lock
 
 _FOLDER = Path(__file__).parent
 
@@ -25,11 +26,14 @@ def _compiled() -> Any:
     try:
         return importlib.import_module("._core", __package__)
     except ModuleNotFoundError:
-        with (_FOLDER / ".lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+        checkout = _FOLDER.parents[1]
+        (checkout / "build").mkdir(exist_ok=True)
+        with (checkout / "build" / "faults.lock").open("w") as stream:
+            while not lock(stream.fileno()):
+                time.sleep(0.2)
             if not any(_FOLDER.glob("_core.*")):
                 command = [sys.executable, "-m", "build_tools.cores", "benchmarks.faults._core"]
-                subprocess.run(command, cwd=_FOLDER.parents[1], check=True, stdout=sys.stderr)
+                subprocess.run(command, cwd=checkout, check=True, stdout=subprocess.DEVNULL)
         importlib.invalidate_caches()
         return importlib.import_module("._core", __package__)
 

@@ -134,7 +134,7 @@ FAULTS = (
         "sim/episode/batch.py",
         "starts = poses or (world.start,)",
         "starts = poses or (worlds[0].start,)",
-        ("tests/sim/test_batch.py",),
+        ("tests/agreement/test_drivers.py",),
     ),
     Fault(
         "lockstep-in-transit",
@@ -142,7 +142,7 @@ FAULTS = (
         "sim/core/runs/batch.c",
         "settings->steps = settings->loop_entry + report->period;",
         "settings->steps = settings->loop_entry + 2 * report->period;",
-        ("tests/sim/test_vector_controllers.py",),
+        ("tests/agreement/test_drivers.py",),
     ),
     Fault(
         "command-of-a-class",

@@ -39,20 +39,6 @@ def single(world, controller, seed, **options):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
-def test_many_runs_are_the_single_ones(motion):
-    worlds, names = (
-        [cup(), burning(), generate("trap", seed=3)],
-        ["turn-left", "turn-right", "turn-random"],
-    )
-    runs = simulate_many(worlds, names, seeds=3, digest=True, motion=motion, steps=3000)
-    assert len(runs) == 27
-    for row in runs.to_numpy():
-        world, name = worlds[row["world"]], names[row["controller"]]
-        found = tuple(row[field].item() for field in FIELDS)
-        assert found == single(world, name, int(row["seed"]), motion=motion, steps=3000)
-
-
 @settings(max_examples=15)
 @given(st.integers(1, 4), st.permutations(range(6)), st.booleans())
 def test_neither_threads_nor_order_change_a_run(workers, order, digest):

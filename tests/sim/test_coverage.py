@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.evidence_checks import check_evidence
-from sim import Command, RunOptions, simulate, simulate_many
+from sim import Command, RunOptions, simulate
 from sim.drawing.picture import trail_of
 from sim.episode import prepare
 from sim.evidence import CoveredEvidence
@@ -133,15 +133,6 @@ def test_a_random_run_that_covers_has_visited_what_it_should(seed, draws):
     wanted = {(x, y) for y, x in np.argwhere(reachable_cells(world)).tolist()}
     assert episode.cells_left == len(wanted - cells)
     assert (episode.verdict == "covered") == (episode.cells_left == 0)
-
-
-def test_many_runs_cover_as_single_ones_do():
-    world = generate("corridor", 1, size=12)
-    options = Scenario.parse("random-walk+task=cover").options(world)
-    many = simulate_many(world, "random-walk", options, seeds=8, digest=True)
-    for row in range(8):
-        one = simulate(world, "random-walk", replace(options, seed=row))
-        assert (one.verdict, one.steps) == (many.verdicts[row], many.steps[row])
 
 
 def test_a_budget_follows_from_the_cells():

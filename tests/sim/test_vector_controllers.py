@@ -14,7 +14,7 @@ from sim import Command, Commands, Observation, Observations, RobotOptions, simu
 from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
-from tests.sim.test_batch import FIELDS, burning, single
+from tests.sim.test_batch import FIELDS, single
 from tests.sim.test_episode import arena, cup
 from worldgen import InvalidParameter, Pose, generate
 
@@ -79,18 +79,6 @@ def assert_all_single(worlds, controller, runs, **options):
     for row in runs.to_numpy():
         found = tuple(row[field].item() for field in FIELDS)
         assert found == single(worlds[row["world"]], controller, int(row["seed"]), **options)
-
-
-@pytest.mark.gate
-@pytest.mark.parametrize("motion", ["swept", pytest.param("endpoint", marks=pytest.mark.gate)])
-@pytest.mark.parametrize(
-    "controller",
-    [pytest.param(TurnsAway(), marks=pytest.mark.nightly), AlwaysTheSame(), AlwaysTheSame(3.0)],
-)
-def test_runs_in_lockstep_are_the_single_ones(controller, motion):
-    worlds = [cup(), burning(), arena(), *(generate("trap", seed=seed) for seed in range(4))]
-    runs = simulate_many(worlds, controller, seeds=3, digest=True, motion=motion, steps=3000)
-    assert_all_single(worlds, controller, runs, motion=motion, steps=3000)
 
 
 def test_loops_of_many_periods_end_after_their_first_period_each():

@@ -1,13 +1,14 @@
 """The checker refuses certificates that prove nothing."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 from tests.helpers.drawn_worlds import drawn
-from worldgen.reach import BLOCKED, UNDECIDED, check_certificate, decide
-from worldgen.timeline import CellState, Timeline
+from worldgen.reach import BLOCKED, UNDECIDED, check_certificate, decide, witness_margin
+from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, Pose, Target, Witness, World
 
 ROOM = """
@@ -83,6 +84,40 @@ def test_a_witness_is_refused_for_a_disc_that_it_does_not_let_through():
 
 def test_a_witness_through_a_wall_is_refused():
     assert "comes within 0 m of cells 0 to 7 of row 3" in refusal(drawn(WALLED), GOOD)
+
+
+@pytest.mark.parametrize(
+    "through",
+    [(0.06, 0.35), (0.74, 0.35), (0.4, 0.06), (0.4, 0.64)],
+    ids=["left", "right", "bottom", "top"],
+)
+def test_a_witness_too_near_to_the_outside_is_refused(through):
+    world = World(np.zeros((7, 8), bool), Pose(0.15, 0.15), Target(0.65, 0.55, 0.05))
+    path = witness([0, 1, 2], [(0.15, 0.15), through, (0.65, 0.55)])
+    assert "the outside of the grid" in refusal(world, path)
+
+
+def past_the_corner(right, up, gap, burning):
+    """Return a world with a fire, and a witness that passes one of its corners after 2 s."""
+    fire = [Event(burning, 4, 4, CellState.BURNING), Event(burning + 0.1, 4, 4, CellState.FREE)]
+    # It passes the corner at right angles to the cell's diagonal.
+    nearest = 0.45 + (0.05 + gap / np.sqrt(2)) * np.array([right, up])
+    along = np.array([right, -up]) * 0.15
+    start, end = nearest - along, nearest + along
+    world = World(
+        np.zeros((9, 9), bool), Pose(*start), Target(*end, 0.05), timeline=Timeline.of(fire)
+    )
+    return world, witness([0, 4], [start, end], clearance=0.05)
+
+
+@pytest.mark.parametrize("up", [-1, 1], ids=["below", "above"])
+@pytest.mark.parametrize("right", [-1, 1], ids=["left", "right"])
+def test_a_witness_for_a_disc_of_7_cm_passes_the_corner_of_a_fire_at_7_cm(right, up):
+    assert not check_certificate(*past_the_corner(right, up, 0.069, burning=1.95)).valid
+    assert check_certificate(*past_the_corner(right, up, 0.071, burning=1.95)).valid
+    # It meets a later fire if it begins later.
+    assert 0.3 < witness_margin(*past_the_corner(right, up, 0.069, burning=2.5)) < 0.5
+    assert witness_margin(*past_the_corner(right, up, 0.071, burning=2.5)) == math.inf
 
 
 def test_a_world_without_a_certificate_proves_nothing():
