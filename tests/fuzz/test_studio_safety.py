@@ -340,6 +340,8 @@ def test_a_folder_that_nobody_can_write_is_read_and_what_is_written_is_refused(d
         "controller": "turn-left",
         "motion": "swept",
     }
+    if do == "export":
+        message |= {"name": "f.gex"}
     with read_only(tmp_path), studio_of(tmp_path) as gate, page_of(gate) as page:
         assert page.ask("open", name="f.grid")["answer"]["world"]["cells"]
         said = page.ask(do, **fitting(do, strategies=[], units=1, **message))
