@@ -36,7 +36,6 @@ from fuzz.search.native import scenes
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import FailureKey
 from sim import RunOptions, simulate_many
-from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
 from sim.runners.core_calls import CoreEpisode, Driver
@@ -157,7 +156,7 @@ def _bare(scenario: Scenario, looks: Screening) -> float:
         )
         run.settings.steps = int(looks.budget[n])
         run.settings.digest = 0
-        run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+        run.settings.find_loop = run.search
         episode = CoreEpisode(run.arena(), run.settings, Driver(controller, controller.memory))
         taken += _timed(functools.partial(episode.run, run.settings.steps))[1]
         steps += int(episode.report.steps)

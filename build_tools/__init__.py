@@ -1,1 +1,1 @@
-"""Build the C cores: compile them, find a compiler, make wheels for other systems."""
+"""Build the C cores and wheels for other systems, and write the types of the studio's messages."""

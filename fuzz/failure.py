@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-from collections.abc import Container
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 from fuzz.cause import CAUSE, Cause
 from fuzz.simplicity import Case, FailureOrder, simplicity
@@ -22,6 +23,9 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.plugins.trust import admit_argument
 from worldgen.world import Cut, FailureRecord, Value, World
+
+T = TypeVar("T")
+K = TypeVar("K")
 
 MOST_SHOWN = 3
 """Failures of one group that campaigns and corpora show; their signatures differ."""
@@ -305,6 +309,24 @@ class Failure:
         return replace(
             self, record=replace(self.record, details={**self.record.details, **details})
         )
+
+
+def few_of_each(
+    ordered: Iterable[T], group: Callable[[T], K], signature: Callable[[T], str]
+) -> dict[K, list[T]]:
+    """Return the failures to show of each group: the first ones that differ in their signature.
+
+    Args:
+        ordered: The failures, or what stands for them, the first to show first.
+        group: Returns the group of one.
+        signature: Returns its signature.
+    """
+    found: dict[K, dict[str, T]] = {}
+    for one in ordered:
+        own = found.setdefault(group(one), {})
+        if len(own) < MOST_SHOWN:
+            own.setdefault(signature(one), one)
+    return {key: list(own.values()) for key, own in found.items()}
 
 
 def stem_of(name: str, number: int, names: Container[str]) -> str:

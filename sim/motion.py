@@ -9,11 +9,6 @@ from sim._core import lib
 from worldgen.errors import InvalidParameter
 from worldgen.parameters.known_names import unknown_name
 
-# Integer poses, any controller.
-LATTICE = "lattice"
-# float64 poses in pixels, the thesis's own robots.
-THESIS = "thesis"
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -22,22 +17,23 @@ class Motion:
     Args:
         name: Its name on the command line.
         version: Increases when equal scenarios no longer give equal traces; failures record it.
-        kernel: The simulator that runs it, ``LATTICE`` or ``THESIS``.
-        code: The core's number for it.
         overlap_tolerance: How far the disc may cut into a wall, in cells, before that is reported
             as ``overlap``.
         summary: One line for people.
         exact_events: Whether events happen at their time within a step; otherwise they happen at
             the beginning of that step.
+        code: The core's number for it, on the pose lattice.
+        on_lattice: Whether poses are on the lattice, and any controller runs. Otherwise they are in
+            float64 pixels, and the thesis's simulator runs its own robots.
     """
 
     name: str
     version: int
-    kernel: str
-    code: int
     overlap_tolerance: float
     summary: str
     exact_events: bool = False
+    code: int = 0
+    on_lattice: bool = True
 
 
 class Motions:
@@ -77,7 +73,6 @@ MOTIONS = Motions(
     Motion(
         "swept",
         version=3,
-        kernel=LATTICE,
         code=lib.WG_SWEPT,
         overlap_tolerance=0.0,
         exact_events=True,
@@ -89,7 +84,6 @@ MOTIONS = Motions(
     Motion(
         "endpoint",
         version=2,
-        kernel=LATTICE,
         code=lib.WG_ENDPOINT,
         overlap_tolerance=0.1,
         summary="checks only the end of each step: fast robots tunnel",
@@ -99,8 +93,7 @@ MOTIONS = Motions(
     Motion(
         "stepped",
         version=1,
-        kernel=THESIS,
-        code=0,
+        on_lattice=False,
         overlap_tolerance=0.1,
         summary="the thesis's one-pixel stepping, including its faults; runs the thesis's robots",
     ),

@@ -8,6 +8,7 @@ from typing import Literal, Protocol, TypeAlias
 
 from sim._core import lib
 from sim.evidence import (
+    BudgetEvidence,
     Evidence,
     FaultEvidence,
     JointLoopEvidence,
@@ -145,6 +146,10 @@ class Runnable(Protocol):
             The outcome up to the end of the period and the state at the entry; ``None`` if that
             state does not recur.
         """
+        ...
+
+    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
+        """Add to the evidence of a run that stalled after ``steps`` what confines the robot."""
         ...
 
 

@@ -16,13 +16,14 @@ import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
-from sim import CompiledController, Observation
+from sim import Observation
 from sim._core import lib
 from sim.controllers.base import Neighbour
 from sim.fleet import FleetRun
 from sim.fleet.core_calls import CoreFleet
 from sim.options.run import MAX_STEPS, whole
-from sim.runners.core_calls import Driver, Workspace
+from sim.runners.controller_host import OutsideHost
+from sim.runners.core_calls import Workspace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
 from worldgen.support.arrays import Bytes
@@ -46,10 +47,6 @@ _OF_NEIGHBOUR = 5
 
 # The core never runs out of steps by itself; the environment counts them.
 _ENDLESS = 1 << 40
-
-
-def _nobody(observation: object, memory: object, command: object) -> None:
-    """Do nothing; never called, because the environment's actions are the commands."""
 
 
 class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo has no types
@@ -255,11 +252,11 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
 
     def _begin(self) -> None:
         """Put the robots at their starts, and let them sense."""
-        driver = CompiledController("pettingzoo", _nobody, senses=self.interface.senses)
+        outside = OutsideHost(self.interface.senses)
         count = len(self._world.robots)
-        run = FleetRun(self._world, [driver] * count, [self._rules.run_options()] * count)
-        outside = [Driver(None, ()) for _ in range(count)]
-        self._fleet = CoreFleet(run.runs, outside, _ENDLESS, lib.WG_NO_LOOP)
+        run = FleetRun(self._world, [outside] * count, [self._rules.run_options()] * count)
+        drivers = [outside.driver((), one.settings) for one in run.runs]
+        self._fleet = CoreFleet(run.runs, drivers, _ENDLESS, lib.WG_NO_LOOP)
         self._fleet.run(1)
         self._workspaces = [Workspace(member) for member in self._fleet.members]
         self.arrived = np.zeros(count, np.bool_)

@@ -185,7 +185,7 @@ class FailureTest(pytest.Item):
             check_hidden()
         except WorldgenError as error:
             raise NotAsExpected(error) from error
-        from fuzz.regression.regression import check
+        from fuzz.regression.checks import check
 
         settings = self.config.stash[_SETTINGS]
         try:
@@ -296,7 +296,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
 @pytest.fixture
 def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> Episode:
     """Return the recorded run of the mark's controller in the world; its seed is the world's."""
-    from fuzz.regression.regression import run
+    from fuzz.regression.checks import run
     from worldgen.errors import WorldgenError
 
     case: _Case = request.node.callspec.params["worldgen_world"]
@@ -326,7 +326,7 @@ def pytest_runtest_makereport(
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":
-        from fuzz.regression.regression import tell
+        from fuzz.regression.checks import tell
 
         folder = _artifacts(item.config)
         told = tell(seen, None if folder is None else folder / _artifact_name(item))

@@ -28,19 +28,37 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _filters(command: F) -> F:
-    """Add the options ``--controller``, ``--cause`` and ``--verdict``, which take patterns."""
-    for name, argument, what in (
-        ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
-        ("--cause", "causes", "Select only this cause: 'circles-*'."),
-        (
-            "--controller",
-            "controllers",
-            "Select only this controller, with its options: 'thesis-1*'.",
-        ),
-    ):
-        command = click.option(name, argument, multiple=True, metavar="PATTERN", help=what)(command)
-    return command
+class _Only(click.ParamType[tuple[str, str]]):
+    """A field of failures and a pattern for it: ``verdict=loop``."""
+
+    name = "FIELD=PATTERN"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, str]:
+        """Split the text at its first equals sign: a controller's options have others."""
+        field, equals, pattern = str(value).partition("=")
+        if not equals or field not in FIELDS:
+            self.fail(
+                f"{value!r} is not {'=..., '.join(FIELDS)}=...; write verdict=loop", param, ctx
+            )
+        return field, pattern
+
+
+FIELDS = ("verdict", "cause", "controller")
+
+
+def _filter(command: F) -> F:
+    """Add the option ``--only``, which selects failures."""
+    return click.option(
+        "--only",
+        "only",
+        multiple=True,
+        type=_Only(),
+        metavar="FIELD=PATTERN",
+        help="Select failures by verdict, cause or controller: verdict=loop, 'cause=circles-*', "
+        "'controller=thesis-1*'; may be repeated.",
+    )(command)
 
 
 def _paths(command: F) -> F:
@@ -59,13 +77,13 @@ def corpus() -> None:
     """
 
 
-@corpus.command("list", epilog="\b\n  worldgen corpus list failures/ --verdict loop")
+@corpus.command("list", epilog="\b\n  worldgen corpus list failures/ --only verdict=loop")
 @_paths
-@_filters
+@_filter
 @json_option
-def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
+def list_(paths: tuple[Path, ...], as_json: bool, only: tuple[tuple[str, str], ...]) -> None:
     """List failures: cause, verdict, controller, motion model, first date, size, shrinking, digest."""
-    found = _read(paths, patterns)
+    found = _read(paths, only)
     entries = found.entries
     causes = len({entry.facts.key for entry in entries})
     if as_json:
@@ -104,7 +122,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 
 @corpus.command(epilog="\b\n  worldgen corpus show failures/ --picture failures.png")
 @_paths
-@_filters
+@_filter
 @click.option("--picture", type=PATH, metavar="OUT.png", help="Draw all on one sheet instead.")
 @json_option
 @force_option
@@ -113,7 +131,7 @@ def show(
     picture: Path | None,
     as_json: bool,
     force: bool,
-    **patterns: tuple[str, ...],
+    only: tuple[tuple[str, str], ...],
 ) -> None:
     """Show failures in the terminal: picture, evidence and the command that replays each.
 
@@ -126,7 +144,7 @@ def show(
 
     # Draw the contact sheet.
     check_out("--picture", picture, ".png", force=force)
-    entries = _read(paths, patterns).entries
+    entries = _read(paths, only).entries
     if picture is not None:
         write_bytes(picture, contact_sheet(entries), force=force)
         note(f"wrote {picture}: {counted(len(entries), 'failure')}")
@@ -153,12 +171,16 @@ def show(
 
 @corpus.command(epilog="\b\n  worldgen corpus merge baseline/ failures/ --out baseline/ --force")
 @_paths
-@_filters
+@_filter
 @click.option("--out", type=PATH, required=True, help="Folder for the failures.")
 @json_option
 @force_option
 def merge(
-    paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]
+    paths: tuple[Path, ...],
+    out: Path,
+    as_json: bool,
+    force: bool,
+    only: tuple[tuple[str, str], ...],
 ) -> None:
     """Copy the smallest failures of each cause into a folder, as CONTROLLER/MOTION/CAUSE.grid.
 
@@ -168,7 +190,7 @@ def merge(
     """
     from fuzz.corpus import merge as merge_failures
 
-    entries = _read(paths, patterns).entries
+    entries = _read(paths, only).entries
     written = merge_failures(entries, out, force=force)
     if as_json:
         emit_json(
@@ -184,9 +206,9 @@ def merge(
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
 @click.argument("old", type=PATH, metavar="OLD")
 @click.argument("new", type=PATH, metavar="NEW")
-@_filters
+@_filter
 @json_option
-def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
+def diff(old: Path, new: Path, as_json: bool, only: tuple[tuple[str, str], ...]) -> None:
     """Report causes of failures that are new, missing, or now in a smaller or larger world.
 
     Exits with 1 if NEW has a cause that OLD does not have, and with 0 otherwise: known failures do
@@ -194,7 +216,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
     """
     from fuzz.corpus import differences
 
-    found = differences(_read((old,), patterns).entries, _read((new,), patterns).entries)
+    found = differences(_read((old,), only).entries, _read((new,), only).entries)
     count = Counter[str](difference.change for difference in found)
     changes = ("new", "gone", "smaller", "larger", "same")
     if as_json:
@@ -232,10 +254,10 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 
 @corpus.command(epilog="\b\n  worldgen corpus prune failures/ --dry-run")
 @click.argument("folder", type=PATH, metavar="DIR")
-@_filters
+@_filter
 @click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
-def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
+def prune(folder: Path, dry_run: bool, as_json: bool, only: tuple[tuple[str, str], ...]) -> None:
     """Delete failures that no longer occur, and keep only the smallest of each cause.
 
     It first runs every failure, with the controllers that the files name, and then deletes without
@@ -255,7 +277,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
         )
     # Judge everything before anything is deleted.
     judged = []
-    for judgement in judge_all(_read((folder,), patterns).entries):
+    for judgement in judge_all(_read((folder,), only).entries):
         judged.append(judgement)
         if not as_json and judgement.reason:
             word = "keep" if judgement.keep else "would drop" if dry_run else "drop"
@@ -287,7 +309,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
 
 @corpus.command(epilog="\b\n  worldgen corpus export failures/ --out failures.zip")
 @_paths
-@_filters
+@_filter
 @click.option(
     "--out",
     type=PATH,
@@ -297,7 +319,11 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
 @json_option
 @force_option
 def export(
-    paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]
+    paths: tuple[Path, ...],
+    out: Path,
+    as_json: bool,
+    force: bool,
+    only: tuple[tuple[str, str], ...],
 ) -> None:
     """Write failures into one file: an archive with pictures and a table, or a table.
 
@@ -307,17 +333,17 @@ def export(
     """
     from fuzz.corpus import export as export_failures
 
-    count = export_failures(_read(paths, patterns).entries, out, force=force)
+    count = export_failures(_read(paths, only).entries, out, force=force)
     if as_json:
         emit_json({"file": str(out), "failures": count})
         return
     say(f"wrote {out}: {counted(count, 'failure')}")
 
 
-def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:
+def _read(paths: Sequence[Path], only: Sequence[tuple[str, str]]) -> Corpus:
     from fuzz.corpus import Selection, read_corpus
 
-    return read_corpus(paths, Selection(**patterns), skip_bad_file)
+    return read_corpus(paths, Selection(tuple(only)), skip_bad_file)
 
 
 def _json(entry: CorpusEntry) -> dict[str, Any]:

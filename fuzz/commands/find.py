@@ -52,22 +52,12 @@ EXAMPLES = (
 )
 @click.option("--from", "begin", type=PATH, help="Start from this world and edit it.")
 @click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
-@click.option(
-    "--symmetric",
-    is_flag=True,
-    help="Keep worlds symmetric about the diagonal through the upper left.",
-)
 @click.option("--keep-target", is_flag=True, help="Do not move the target.")
 @click.option(
     "--leash",
     type=click.IntRange(0),
     metavar="CELLS",
     help="Move walls and target at most this far, and add no walls.",
-)
-@click.option(
-    "--together",
-    is_flag=True,
-    help="With --leash, keep each obstacle in one piece and separate from the others.",
 )
 @click.option("--no-edit", is_flag=True, help="Do not edit worlds; use them as generated.")
 @motion_option
@@ -84,10 +74,8 @@ def find(
     settings: tuple[str, ...],
     begin: Path | None,
     start: str | None,
-    symmetric: bool,
     keep_target: bool,
     leash: int | None,
-    together: bool,
     no_edit: bool,
     motion: str,
     time_step: float | None,
@@ -126,8 +114,6 @@ def find(
             no_edit and not families,
             "--no-edit uses worlds as a family makes them; name a family with --family",
         ),
-        (together and leash is None, "use --together with --leash, which bounds the edits"),
-        (no_edit and symmetric, "use --no-edit or --symmetric, not both: mirroring is an edit"),
     ):
         if contradiction:
             raise click.UsageError(reason)
@@ -141,11 +127,9 @@ def find(
         params=tuple(_parameters(families, settings).items()),
         begin=None if begin is None else read_whole_world(begin),
         start=None if start is None else _pose(start),
-        mirror=symmetric,
         fixed_target=keep_target,
         leash=leash,
         edit=not no_edit,
-        together=together,
     )
     with working("trying the controllers"):
         _try_out(config)

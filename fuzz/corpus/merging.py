@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fuzz.corpus.entry import CorpusEntry, name_of
-from fuzz.failure import MOST_SHOWN, Failure
+from fuzz.failure import Failure, few_of_each
 from fuzz.simplicity import FailureOrder
 from worldgen.errors import OutputError
 from worldgen.files.whole import refused_writes, write_bytes
@@ -30,16 +30,10 @@ def places(entries: Iterable[CorpusEntry]) -> dict[FailureOrder, int]:
 
 
 def shortlist(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], list[CorpusEntry]]:
-    """Return the failures to keep by controller, motion model and cause, the simplest first.
-
-    They are at most three, with different signatures, like those that a campaign shows.
-    """
-    kept: dict[tuple[str, str, str], dict[str, CorpusEntry]] = {}
-    for entry in distinct(entries):
-        own = kept.setdefault(entry.facts.key, {})
-        if len(own) < MOST_SHOWN:
-            own.setdefault(entry.facts.signature, entry)
-    return {key: list(own.values()) for key, own in kept.items()}
+    """Return the failures to keep by controller, motion model and cause, the simplest first."""
+    return few_of_each(
+        distinct(entries), lambda one: one.facts.key, lambda one: one.facts.signature
+    )
 
 
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:

@@ -39,7 +39,7 @@ def contact_sheet(entries: Sequence[CorpusEntry]) -> bytes:
         raise InvalidParameter(
             "too-many",
             "{count} failures are more than the {most} that fit on a sheet",
-            "select some with --cause",
+            "select some with --only cause=...",
             at_terminal=True,
             count=len(entries),
             most=_MOST,

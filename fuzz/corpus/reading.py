@@ -20,26 +20,23 @@ from worldgen.files.worlds import Skip, walk
 class Selection:
     """Patterns that select failures.
 
-    A failure must match one pattern of each kind; no patterns of a kind match all failures.
+    A failure must match one pattern of each field; no patterns for a field match all failures.
 
     Args:
-        controllers: Shell patterns for controllers, such as ``turn-*``.
-        causes: Shell patterns for causes.
-        verdicts: Shell patterns for verdicts.
+        patterns: Fields (``verdict``, ``cause``, ``controller``), each with a shell pattern such as
+            ``turn-*``.
     """
 
-    controllers: tuple[str, ...] = ()
-    causes: tuple[str, ...] = ()
-    verdicts: tuple[str, ...] = ()
+    patterns: tuple[tuple[str, str], ...] = ()
 
     def fits(self, facts: Facts) -> bool:
         """Return True if a failure is selected."""
-        wanted = (
-            (self.controllers, facts.controller),
-            (self.causes, facts.group),
-            (self.verdicts, facts.verdict),
-        )
-        return all(not patterns or _fits_one(text, patterns) for patterns, text in wanted)
+        texts = {"verdict": facts.verdict, "cause": facts.group, "controller": facts.controller}
+        asked = {
+            name: [pattern for field, pattern in self.patterns if field == name]
+            for name, _ in self.patterns
+        }
+        return all(_fits_one(texts[name], patterns) for name, patterns in asked.items())
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ def read_corpus(
     return Corpus(tuple(entries), others)
 
 
-def _fits_one(text: str, patterns: tuple[str, ...]) -> bool:
+def _fits_one(text: str, patterns: Iterable[str]) -> bool:
     return any(text == pattern or fnmatchcase(text, pattern) for pattern in patterns)
 
 

@@ -6,7 +6,7 @@ import shapely
 
 from fuzz.evidence_checks._plain import lattice_cell, step_path
 from sim.evidence import ReachedEvidence
-from sim.motion import THESIS, Motion
+from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
@@ -17,7 +17,7 @@ def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion:
     The tolerance is 1/1024 of a cell, because the pose lattice rounds both start and target.
     """
     side = world.cell_size
-    if motion.kernel == THESIS:
+    if not motion.on_lattice:
         here, there = (
             (int(lattice_cell(x / side)), int(lattice_cell(y / side)))
             for x, y in ((trace.x[-1], trace.y[-1]), (world.target.x, world.target.y))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bools
@@ -28,68 +28,34 @@ class Layout:
 
     Args:
         empty: The world without the boxes; its border stays unchanged.
-        boxes: The boxes; with ``mirror``, those of one half.
-        mirror: True to mirror every box in the diagonal from the upper left to the lower right.
+        boxes: The boxes.
         fixed_target: True if the target does not move.
         leash: Cells that a box's side, or the target, may move from its place in ``home``.
         home: The layout that the leash is tied to; boxes are then neither added nor removed.
             ``None`` for no leash.
-        together: True if boxes that touch in ``home``, directly or through others, stay together,
-            and the others stay apart, so that the number and kind of obstacles does not change.
     """
 
     empty: World
     boxes: tuple[Box, ...]
-    mirror: bool = False
     fixed_target: bool = False
     leash: int = 0
     home: Layout | None = None
-    together: bool = False
 
     @classmethod
-    def of(
-        cls,
-        world: World,
-        *,
-        mirror: bool = False,
-        fixed_target: bool = False,
-        leash: int | None = None,
-        together: bool = False,
-    ) -> Layout:
-        """Return a world's inner solid cells as boxes, the largest first.
-
-        Raises:
-            InvalidParameter: If a world that is not square is to be mirrored.
-        """
-        if mirror and world.width != world.height:
-            raise InvalidParameter(
-                "not-square",
-                "a world of {width} x {height} cells has no diagonal mirror",
-                "leave out --symmetric",
-                at_terminal=True,
-                width=world.width,
-                height=world.height,
-            )
+    def of(cls, world: World, *, fixed_target: bool = False, leash: int | None = None) -> Layout:
+        """Return a world's inner solid cells as boxes, the largest first."""
         border = np.zeros_like(world.walls)
         border[[0, -1], :] = border[:, [0, -1]] = True
         empty = replace(world.bare, walls=world.walls & border)
-        inner = world.walls & ~border
-        boxes = _half(inner) if mirror else _boxes(inner)
-        home = cls(empty, tuple(boxes), mirror, fixed_target)
-        return home if leash is None else replace(home, leash=leash, home=home, together=together)
+        home = cls(empty, tuple(_boxes(world.walls & ~border)), fixed_target)
+        return home if leash is None else replace(home, leash=leash, home=home)
 
     def world(self) -> World:
         """Return the world that the layout describes."""
         walls = self.empty.walls.copy()
-        for x0, y0, x1, y1 in self.drawn():
+        for x0, y0, x1, y1 in self.boxes:
             walls[y0:y1, x0:x1] = True
         return replace(self.empty, walls=walls)
-
-    def drawn(self) -> tuple[Box, ...]:
-        """Return every box, including mirror images."""
-        if not self.mirror:
-            return self.boxes
-        return (*self.boxes, *(_mirrored(box, self.empty.width) for box in self.boxes))
 
     def edited(self, rng: RandomStream) -> Layout | None:
         """Return the layout after one random edit; ``None`` if that edit is impossible."""
@@ -152,8 +118,6 @@ class Layout:
                 for side, before in zip(box, old, strict=True)
             ):
                 return None
-            if self.together and _obstacles(boxes) != _obstacles(self.home.boxes):
-                return None
         # Start and target must stay clear.
         layout = replace(self, boxes=boxes)
         side = self.empty.cell_size
@@ -166,7 +130,7 @@ class Layout:
             at_x = float(in_cells(x, side))
             at_y = float(in_cells(y, side))
             room = float(in_cells(clear, side))
-            for x0, y0, x1, y1 in layout.drawn():
+            for x0, y0, x1, y1 in boxes:
                 if math.hypot(max(x0 - at_x, 0, at_x - x1), max(y0 - at_y, 0, at_y - y1)) <= room:
                     return None
         return layout
@@ -174,11 +138,8 @@ class Layout:
     def _with_target(self, rng: RandomStream) -> Layout | None:
         if self.fixed_target:
             return None
-        # The target stays on the diagonal if the layout is mirrored.
         dx = rng.between(-2, 2)
         dy = rng.between(-2, 2)
-        if self.mirror:
-            dy = -dx
         side = self.empty.cell_size
         target = self.empty.target
         ix = math.floor(in_cells(target.x, side)) + dx
@@ -204,39 +165,6 @@ class Layout:
         return (
             (x, y, x + length, y + thickness) if rng.below(2) else (x, y, x + thickness, y + length)
         )
-
-
-def _obstacles(boxes: tuple[Box, ...]) -> list[int]:
-    """Return the first box of each box's obstacle; boxes that touch, even at corners, form one."""
-    first = list(range(len(boxes)))
-    for k, (x0, y0, x1, y1) in enumerate(boxes):
-        for j, (left, low, right, high) in enumerate(boxes[:k]):
-            touches = x0 <= right and left <= x1 and y0 <= high and low <= y1
-            if touches and first[k] != first[j]:
-                one, other = sorted((first[k], first[j]))
-                first = [one if place == other else place for place in first]
-    return first
-
-
-def _mirrored(box: Box, side: int) -> Box:
-    x0, y0, x1, y1 = box
-    return side - y1, side - x1, side - y0, side - x0
-
-
-def _half(walls: Bools) -> list[Box]:
-    """Return boxes that, with their mirror images, make up a symmetric world's solid cells.
-
-    Boxes on the diagonal stay whole. The mirror image of a cell may belong to another box than the
-    mirror image of the cell's box, so both boxes are left out; the missing cells then form separate
-    boxes.
-    """
-    side = len(walls)
-    boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]
-    missing = walls & (np.add.outer(np.arange(side), np.arange(side)) < side)
-    for box in boxes:
-        for x0, y0, x1, y1 in (box, _mirrored(box, side)):
-            missing[y0:y1, x0:x1] = False
-    return boxes + _boxes(missing)
 
 
 def _boxes(walls: Bools) -> list[Box]:

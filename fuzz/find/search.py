@@ -12,7 +12,7 @@ from functools import partial
 
 from fuzz.campaign.executors import local_executor
 from fuzz.campaign.schedule import Schedule
-from fuzz.campaign.scheduler import Scheduler, Work
+from fuzz.campaign.scheduler import Goal, Scheduler, Work
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.layouts.features import decode_world
@@ -47,13 +47,10 @@ class FindConfig:
         params: Fixed parameters of the family.
         begin: A world to start from instead.
         start: Start pose of every world.
-        mirror: True if worlds are symmetric about the diagonal through the upper left.
         fixed_target: True if edits leave the target in place.
         leash: Cells that edits may move a wall's side, or the target, from its place;
             ``None`` for any.
         edit: True to edit sampled worlds.
-        together: True if edits on a leash keep obstacles in one piece, and separate from each
-            other.
     """
 
     targets: tuple[OutcomeTarget, ...]
@@ -62,11 +59,9 @@ class FindConfig:
     params: tuple[tuple[str, Value], ...] = ()
     begin: World | None = None
     start: Pose | None = None
-    mirror: bool = False
     fixed_target: bool = False
     leash: int | None = None
     edit: bool = True
-    together: bool = False
 
 
 @dataclass(frozen=True)
@@ -322,16 +317,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
     if config.start is not None:
         world = replace(world, start=config.start)
         provenance = None
-    layout = Layout.of(
-        world,
-        mirror=config.mirror,
-        fixed_target=config.fixed_target,
-        leash=config.leash,
-        together=config.together,
-    )
-    if config.mirror:
-        world = layout.world()
-        provenance = None
+    layout = Layout.of(world, fixed_target=config.fixed_target, leash=config.leash)
     return _Candidate(layout, world, provenance=provenance)
 
 
@@ -352,7 +338,7 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
     return world, family.provenance(seed, complete)
 
 
-class OutcomeSearch:
+class OutcomeSearch(Goal[NearestWorld]):
     """A campaign that ends with the first world that has every outcome.
 
     Args:

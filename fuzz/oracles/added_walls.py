@@ -14,7 +14,6 @@ from scipy import ndimage
 
 from fuzz.oracles.trial import Trial
 from sim.controllers import CONTROLLERS
-from sim.motion import THESIS
 from sim.runners.lattice import LatticeRun
 from worldgen.errors import InvalidParameter
 from worldgen.reach import check_certificate
@@ -55,7 +54,7 @@ def walled_where_unnoticed(trial: Trial) -> World | None:
     unneeded = _unneeded(trial) & (away > _reach(trial))
     places = np.argwhere(unneeded)
     places = places[np.argsort(away[unneeded], kind="stable")]
-    if trial.options.motion_model().kernel == THESIS:
+    if not trial.options.motion_model().on_lattice:
         return _with_walls(trial, places)
     # Under `stepped` the distance alone is enough; otherwise compare what the robot senses.
     run = _far_sighted(trial, world)
@@ -130,7 +129,7 @@ def _reach(trial: Trial) -> int:
     touch = math.ceil(
         (world.robot_radius + world.robot_speed * options.time_step) / world.cell_size
     )
-    if options.motion_model().kernel != THESIS:
+    if options.motion_model().on_lattice:
         return max(touch, options.robot.sensor_cells) + _SPARE
     if options.thesis.signal != "open":
         raise InvalidParameter(

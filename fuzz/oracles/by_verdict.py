@@ -13,7 +13,6 @@ from fuzz.oracles.oracle import Oracle
 from fuzz.oracles.trial import Trial
 from fuzz.violation import Violation
 from sim.evidence import WallEvidence
-from sim.motion import THESIS
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.world import Cut, World
 
@@ -51,7 +50,7 @@ class BreachOracle(Oracle):
         )
         if not is_through_a_wall or not isinstance(wall, WallEvidence) or trial.trace is None:
             return None
-        if trial.options.motion_model().kernel != THESIS:
+        if trial.options.motion_model().on_lattice:
             return None
         # Run it again with walls that do not end the run, to see if the robot gets to the target.
         whole = trial.again(record=True, thesis=replace(trial.options.thesis, keep_going=True))

@@ -14,7 +14,7 @@ from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.cause import Cause, Severity
 from fuzz.corpus import Baseline
-from fuzz.failure import MOST_SHOWN, SHRINKING, Failure, ShrinkState, stem_of
+from fuzz.failure import SHRINKING, Failure, ShrinkState, few_of_each, stem_of
 from fuzz.overview.causes import causes_of, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare, with_states
@@ -365,13 +365,15 @@ def files_of(best: Iterable[Failure], clearest: Iterable[Failure] = ()) -> dict[
     Returns:
         Of each group at most three, the others in order: ``CAUSE``, ``CAUSE-2`` and ``CAUSE-3``.
     """
-    groups: dict[str, dict[str, Failure]] = {}
-    for failure in (*clearest, *sorted(best, key=lambda one: one.order)):
-        groups.setdefault(failure.group, {}).setdefault(failure.signature, failure)
+    groups = few_of_each(
+        (*clearest, *sorted(best, key=lambda one: one.order)),
+        lambda one: one.group,
+        lambda one: one.signature,
+    )
     return {
         stem_of(group, number, groups): failure
         for group, own in groups.items()
-        for number, failure in enumerate(list(own.values())[:MOST_SHOWN], 1)
+        for number, failure in enumerate(own, 1)
     }
 
 

@@ -19,7 +19,7 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.motion import MOTIONS, THESIS, Motion
+from sim.motion import MOTIONS, Motion
 from sim.options.run import RunOptions
 from sim.outcome import FleetEpisode
 from sim.trace import BEHAVIOURS, Trace
@@ -146,7 +146,7 @@ def sensors_of(controller: Controller, options: RunOptions, side: float) -> dict
         options: Options of the run.
         side: Size of a cell, m.
     """
-    if MOTIONS.get(options.motion).kernel == THESIS:
+    if not MOTIONS.get(options.motion).on_lattice:
         return {"beams": 0, "signal": options.thesis.signal == "open"}
     robot = robot_for(controller, options.robot)
     return {

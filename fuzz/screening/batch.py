@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
+import zlib
 from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -12,12 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz._core import ffi, lib
+from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.layouts import layout_bytes
 from fuzz.layouts.features import TARGET_RADII, decode_world
 from sim._core import ffi as sim_ffi
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.shared.guarded import PRIVATE, CoreMemory
 from sim.runners.core_calls import Driver, headings, ray_table
 from sim.runners.packing import disc_numbers
+from sim.verdict import Verdict
 from worldgen.lattice import UNIT, in_cells
 from worldgen.support.arrays import Bytes, Ints, Words
 from worldgen.support.ccall import check, kept, pointer, writable
@@ -32,6 +37,14 @@ CRASH: int = lib.WG_CRASH
 
 HANG = CRASH + 1
 """An ending that the core does not know: a program gave no answer in time."""
+
+_OF_FAULTS = {
+    Verdict.CRASH: CRASH,
+    Verdict.HANG: HANG,
+    Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND),
+}
+# Numbers that identify crashes.
+_CRASH_NUMBERS = (1 << 24) - 1
 
 _KINDS = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
 
@@ -169,6 +182,18 @@ class Batch:
             return self.looks
         # This includes the padding between columns, so that bytes can be compared.
         return self.looks.view(np.uint8).copy().view(LOOK)
+
+    def note_fault(self, run: int, fault: ControllerError) -> None:
+        """Record how the controller failed in a run, whose steps are known.
+
+        Equal crashes share a number, so that a frequent one does not keep others from being proved.
+        """
+        ended = self.looks[run : run + 1]
+        ended["ending"] = _OF_FAULTS[fault.verdict]
+        ended["overlap_step"] = -1
+        if fault.verdict == Verdict.CRASH:
+            bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
+            ended["hit_ix"] = zlib.crc32(bucket.encode()) & _CRASH_NUMBERS
 
     def leave_out(self, runs: Any) -> None:
         """Mark runs as not run."""

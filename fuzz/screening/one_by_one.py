@@ -6,14 +6,11 @@ It runs one world after another, and the core stops in each step.
 from __future__ import annotations
 
 import contextlib
-import zlib
 from collections.abc import Callable
-from dataclasses import replace
 
 from fuzz._core import ffi, lib
-from fuzz.facts.crash_bucket import crash_bucket
-from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat
-from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
+from fuzz.screening.batch import REPORT_FIELDS, Batch, Seat
+from fuzz.screening.in_core import MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes
@@ -22,12 +19,6 @@ from sim.runners.python_act import Stops
 from sim.verdict import Verdict
 from worldgen.support.results import only_results_on_stdout
 from worldgen.world import World
-
-_ENDINGS = {
-    Verdict.CRASH: CRASH,
-    Verdict.HANG: HANG,
-    Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND),
-}
 
 # Bytes of attributes that can be compared before each world, which takes up to 0.1 ms. The state of
 # larger controllers is only compared in the runs that prove failures.
@@ -120,10 +111,4 @@ class OneByOne:
                 ended[name] = 0
         else:
             self._batch.c.looks[n].report = seat.c.episode.robot.report
-        ended["ending"] = _ENDINGS[fault.verdict]
-        ended["overlap_step"] = -1
-        if fault.verdict == Verdict.CRASH:
-            # Equal crashes share a number, so that a frequent one does not keep other failures from
-            # being proved.
-            bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
-            ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS
+        self._batch.note_fault(n, fault)

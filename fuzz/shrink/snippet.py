@@ -14,7 +14,7 @@ from worldgen.support.plain_text import shown, shown_lines
 
 _MODULE = '''"""{title}."""
 
-from fuzz.regression.regression import fixed
+from fuzz.regression.checks import fixed
 from worldgen.files.grid import loads
 
 {comment}GRID = """\\

@@ -14,7 +14,7 @@ from fuzz.simplicity import Case, simplicity
 from fuzz.unit.constraint import Constraint
 from sim._core import lib
 from sim.controllers import CompiledController
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import TARGET
 from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_path
 from sim.verdict import Verdict
@@ -63,7 +63,7 @@ class Trying:
         self._quick_is_enough = still_fails.oracle == VERDICT and still_fails.is_proved_by_the_run
         run = still_fails.scenario.run
         # The core can't compute the cells to cover in an edited world.
-        self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
+        self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).on_lattice
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
         """Return the first edit from ``begin`` onwards that keeps the failure, and the edited case.

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from typing import Any
 
+import msgspec
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import Response
@@ -18,16 +17,13 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
-from fuzz.studio.requests.edits import Edits
+from fuzz.studio.gate import IMPORTS, Gate, Guarded
 from fuzz.studio.requests.folder import Folder
-from fuzz.studio.requests.limits import limits
-from fuzz.studio.session import PROTOCOL, Session
-from fuzz.studio.workers import WORKER_OF, Worker
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
+from fuzz.studio.requests.protocol import FULL, REQUESTS, SUBPROTOCOL, Begins, Given
+from fuzz.studio.session import Session
+from fuzz.studio.workers import Worker
 
 MOST_PAGES = 64  # connected at the same time; more would mean a program out of control
-FULL = 4000  # WebSocket code that closes one more; its reason is a sentence for the page
 _KINDS = {
     ".html": "text/html",
     ".js": "text/javascript",
@@ -45,22 +41,8 @@ def _parts() -> dict[str, bytes]:
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
         found |= _parts_below(files(package) / "page", f"/{address}")
     page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
-    page = page.replace(b"@@GIVEN@@", json.dumps(_given()).encode("ascii"))
+    page = page.replace(b"@@GIVEN@@", msgspec.json.encode(Given()))
     return found | {"/": page, "/studio/index.html": page}
-
-
-def _given() -> dict[str, Any]:
-    """Return what the page needs to know before it has a connection."""
-    return {
-        "protocol": PROTOCOL,
-        "subprotocol": SUBPROTOCOL,
-        "full": FULL,
-        "world": {
-            "cell_size": DEFAULT_CELL_SIZE,
-            "robot_radius": DEFAULT_ROBOT_RADIUS,
-            "robot_speed": DEFAULT_ROBOT_SPEED,
-        },
-    }
 
 
 def _parts_below(folder: Traversable, address: str) -> dict[str, bytes]:
@@ -98,17 +80,15 @@ def make_app(studio: Studio) -> ASGIApp:
     # Requests are answered by separate processes; watching needs none.
     processes = {
         name: Worker(studio.folder, studio.named)
-        for name in dict.fromkeys(WORKER_OF.values())
-        if name not in ("edits", "watching")
+        for name in dict.fromkeys(kind.worker for kind in REQUESTS.values())
+        if name != "server"
     }
-    edits = Edits(
-        studio.named, lambda: {file for worker in processes.values() for file in worker.loaded}
+    watching = Watching(
+        studio.folder,
+        studio.named,
+        lambda: {file for worker in processes.values() for file in worker.loaded},
     )
-    workers: dict[str, Worker | Watching | Edits] = {
-        **processes,
-        "edits": edits,
-        "watching": Watching(studio.folder, studio.named),
-    }
+    workers: dict[str, Worker | Watching] = {**processes, "server": watching}
 
     # The page and its files. Unknown addresses never reach the file system.
     async def part(request: Request) -> Response:
@@ -120,6 +100,7 @@ def make_app(studio: Studio) -> ASGIApp:
 
     # The connections, up to the limit.
     pages: set[WebSocket] = set()
+    begins = Begins(str(studio.folder.root), studio.file)
 
     async def connection(socket: WebSocket) -> None:
         if len(pages) >= MOST_PAGES:
@@ -130,7 +111,7 @@ def make_app(studio: Studio) -> ASGIApp:
             return
         pages.add(socket)
         try:
-            await Session(socket, workers, _begins(studio)).serve()
+            await Session(socket, workers, begins).serve()
         finally:
             pages.remove(socket)
 
@@ -143,8 +124,3 @@ def make_app(studio: Studio) -> ASGIApp:
 
     routes = [WebSocketRoute("/socket", connection), Route("/{path:path}", part)]
     return Guarded(Starlette(routes=routes, lifespan=life), studio.gate)
-
-
-def _begins(studio: Studio) -> dict[str, Any]:
-    """Return the first message of each connection."""
-    return {"folder": str(studio.folder.root), "file": studio.file, "limits": limits()}

@@ -8,18 +8,28 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.campaigns.fuzz_arguments import options
-from fuzz.studio.requests.folder import KNOWN
+from fuzz.studio.requests.folder import KNOWN, Opened, answer
+from fuzz.studio.requests.protocol import (
+    FamilyMessage,
+    FormatMessage,
+    Hello,
+    Idle,
+    MotionMessage,
+    Offered,
+    OfferedController,
+    ParameterMessage,
+    SendPart,
+)
 from fuzz.studio.requests.refusals import refusal
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from sim.options.thesis import ThesisOptions
@@ -33,9 +43,9 @@ from worldgen.parameters.bounds import Bounds
 # s: a controller that took longer to fail is not tried again, because each new page would have to
 # wait.
 _SLOW = 3.0
-_FAILED: dict[tuple[str, int], dict[str, Any]] = {}
+_FAILED: dict[tuple[str, int], OfferedController] = {}
 
-_MAZES = (
+_MAZES = [
     "wilson",
     "aldous-broder",
     "backtracker",
@@ -46,18 +56,18 @@ _MAZES = (
     "sidewinder",
     "binary-tree",
     "recursive-division",
-)
-IDLE: Mapping[str, Mapping[str, tuple[str, tuple[str, ...]]]] = {
+]
+IDLE: Mapping[str, Mapping[str, Idle]] = {
     "corridor": {
-        "bends": ("shape", ("T", "X", "tunnel")),
-        "branches": ("shape", ("bends", "S", "tunnel")),
+        "bends": Idle("shape", ["T", "X", "tunnel"]),
+        "branches": Idle("shape", ["bends", "S", "tunnel"]),
     },
-    "maze": {"newest": ("algorithm", _MAZES), "oldest": ("algorithm", _MAZES)},
-    "rooms": {"corridor": ("plan", ("suite",))},
+    "maze": {"newest": Idle("algorithm", _MAZES), "oldest": Idle("algorithm", _MAZES)},
+    "rooms": {"corridor": Idle("plan", ["suite"])},
     "trap": {
-        "inside": ("faces", ("target",)),
-        "parts": ("shape", ("U", "L", "spiral", "V", "pair")),
-        "turns": ("shape", ("U", "L", "V", "comb", "nested", "pair")),
+        "inside": Idle("faces", ["target"]),
+        "parts": Idle("shape", ["U", "L", "spiral", "V", "pair"]),
+        "turns": Idle("shape", ["U", "L", "V", "comb", "nested", "pair"]),
     },
 }
 """By family and parameter: the parameter that decides, and its values for which this parameter has
@@ -67,7 +77,12 @@ The families refuse such a parameter with the code ``no-effect``; the page does 
 """
 
 
-def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+@answer.register
+def _hello(request: Hello, opened: Opened, part: SendPart[str]) -> Offered:
+    return catalogue(opened.named, part)
+
+
+def catalogue(named: Sequence[str], part: SendPart[str]) -> Offered:
     """Return everything that the page offers as a choice.
 
     Args:
@@ -77,60 +92,51 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
     controllers = []
     for label in dict.fromkeys((*named, *CONTROLLERS.names())):
         if label in named:
-            part({"loading": label})
-        controllers.append(_tried(label) | {"named": label in named})
-    return {
-        "families": [_family(name) for name in FAMILIES.names()],
-        "controllers": controllers,
-        "motions": [_motion(name) for name in MOTIONS.names()],
-        "formats": [_format(name) for name in FORMATS.names()],
-        "motion": RunOptions().motion,
-        "time_step": DEFAULT_TIME_STEP,
-        "strategies": list(OWN_STRATEGIES),
-        "oracles": ORACLES.names(),
-        "cores": os.cpu_count() or 1,
-        "known": KNOWN,
-        "options": options(),
-    }
+            part(label)
+        controllers.append(_tried(label, label in named))
+    return Offered(
+        families=[*map(_family, FAMILIES.names())],
+        controllers=controllers,
+        motions=[*map(_motion, MOTIONS.names())],
+        formats=[*map(_format, FORMATS.names())],
+        motion=RunOptions().motion,
+        time_step=DEFAULT_TIME_STEP,
+        strategies=list(OWN_STRATEGIES),
+        oracles=ORACLES.names(),
+        cores=os.cpu_count() or 1,
+        known=KNOWN,
+        options=options(),
+    )
 
 
-def _family(name: str) -> dict[str, Any]:
+def _family(name: str) -> FamilyMessage:
     family = FAMILIES.get(name)
-    return {
-        "name": name,
-        "about": family.description.partition("\n\n")[0],
-        "changes": family.changes,
-        "parameters": [
-            _parameter(parameter) | {"idle": _idle(name, parameter.name)}
-            for parameter in family.parameters
-        ],
-    }
+    about = family.description.partition("\n\n")[0]
+    idle = IDLE.get(name, {})
+    parameters = [_parameter(one, idle.get(one.name)) for one in family.parameters]
+    return FamilyMessage(name, about, family.changes, parameters)
 
 
-def _idle(family: str, parameter: str) -> dict[str, Any] | None:
-    found = IDLE.get(family, {}).get(parameter)
-    return None if found is None else {"by": found[0], "values": list(found[1])}
-
-
-def _parameter(parameter: Parameter) -> dict[str, Any]:
+def _parameter(parameter: Parameter, idle: Idle | None = None) -> ParameterMessage:
     bounds = parameter.bounds or Bounds()
-    return {
-        "name": parameter.name,
-        "default": parameter.default,
-        "kind": type(parameter.default).__name__,
-        "choices": list(parameter.choices),
-        "low": bounds.low,
-        "high": bounds.high,
-        "above": bounds.above,
-        "chosen": bounds.chosen,
-        "bounds": bounds.words,
-        "unit": bounds.unit,
-        "group": parameter.group,
-        "help": parameter.help,
-    }
+    return ParameterMessage(
+        name=parameter.name,
+        default=parameter.default,
+        kind=type(parameter.default).__name__,
+        choices=list(parameter.choices),
+        low=bounds.low,
+        high=bounds.high,
+        above=bounds.above,
+        chosen=bounds.chosen,
+        bounds=bounds.words,
+        unit=bounds.unit,
+        group=parameter.group,
+        help=parameter.help,
+        idle=idle,
+    )
 
 
-def _tried(label: str) -> dict[str, Any]:
+def _tried(label: str, named: bool) -> OfferedController:
     """Return the entry of a controller after loading it.
 
     If loading failed slowly before, return that result again until the controller's file changes.
@@ -139,8 +145,8 @@ def _tried(label: str) -> dict[str, Any]:
     if key in _FAILED:
         return _FAILED[key]
     began = time.monotonic()
-    entry = _controller(label)
-    if entry["fault"] and time.monotonic() - began > _SLOW:
+    entry = _controller(label, named)
+    if entry.fault and time.monotonic() - began > _SLOW:
         _FAILED[key] = entry
     return entry
 
@@ -154,29 +160,28 @@ def _changed(label: str) -> int:
         return 0
 
 
-def _controller(label: str) -> dict[str, Any]:
+def _controller(label: str, named: bool) -> OfferedController:
     """Return a controller's label and the motion models it can run under, the usual one first.
 
     Faults are reported in the entry, not raised.
     """
-    entry = {
-        "name": label,
-        "thesis": False,
-        "lattice": True,
-        "motion": "swept",
-        "also": "",
-        "fault": None,
-    }
     try:
         scenario = Scenario.parse(label)
         found = CONTROLLERS.get(scenario.controller)
     except InvalidParameter as error:
         with contextlib.suppress(InvalidParameter):  # its options may belong to the thesis's robot
-            found = CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
-            return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
-        return entry | {"fault": refusal(error)}
-    thesis = isinstance(found, CompiledController) and bool(found.thesis_rule)
-    return entry | {"thesis": thesis, "motion": scenario.run.motion, "also": _other_name(label)}
+            CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
+            return OfferedController(
+                name=label, named=named, thesis=True, lattice=False, motion="stepped"
+            )
+        return OfferedController(name=label, named=named, fault=refusal(error))
+    return OfferedController(
+        name=label,
+        named=named,
+        thesis=isinstance(found, CompiledController) and bool(found.thesis_rule),
+        motion=scenario.run.motion,
+        also=_other_name(label),
+    )
 
 
 def _other_name(label: str) -> str:
@@ -197,30 +202,26 @@ def _registered(name: str) -> Controller | None:
         return None
 
 
-def _motion(name: str) -> dict[str, Any]:
+def _motion(name: str) -> MotionMessage:
     motion = MOTIONS.get(name)
-    thesis = motion.kernel == THESIS
-    return {
-        "name": name,
-        "about": motion.summary,
-        "thesis": thesis,
-        "options": [
-            _parameter(option)
-            for option in (ThesisOptions if thesis else RobotOptions).declared()
-            if not isinstance(option.default, tuple)  # lists can only be set on the command line
-        ],
-    }
+    thesis = not motion.on_lattice
+    options = [
+        _parameter(option)
+        for option in (ThesisOptions if thesis else RobotOptions).declared()
+        if not isinstance(option.default, tuple)  # lists can only be set on the command line
+    ]
+    return MotionMessage(name, motion.summary, thesis, options)
 
 
-def _format(name: str) -> dict[str, Any]:
+def _format(name: str) -> FormatMessage:
     known = FORMATS.get(name)
-    return {
-        "name": name,
-        "about": known.summary,
-        "suffixes": list(known.suffixes),
-        "reads": known.read is not None,
-        "writes": known.write is not None,
-        "changes": known.changes,
-        "options": [_parameter(parameter) for parameter in known.write_options],
-        "read_options": [_parameter(parameter) for parameter in known.read_options],
-    }
+    return FormatMessage(
+        name,
+        known.summary,
+        list(known.suffixes),
+        reads=known.read is not None,
+        writes=known.write is not None,
+        changes=known.changes,
+        options=[*map(_parameter, known.write_options)],
+        read_options=[*map(_parameter, known.read_options)],
+    )

@@ -23,9 +23,9 @@ from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from fuzz.player.one_file import policy_source
+from fuzz.studio.requests.protocol import SUBPROTOCOL
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
-SUBPROTOCOL = "worldgen-studio"
 IMPORTS = '{"imports":{"#player/":"/player/","#studio/":"/studio/"}}'
 """The page's import map: where a browser finds what a module imports as ``#player/dom.js``."""
 _IMPORTS_SOURCE = policy_source(IMPORTS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import functools
 import multiprocessing
 import os
 import signal
@@ -14,59 +13,17 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fuzz.studio.requests.edits import edited_files, loaded_files
 from fuzz.studio.requests.folder import Folder
-from fuzz.studio.requests.refusals import our_fault, refusal
+from fuzz.studio.requests.protocol import Compare, Request, Run
+from fuzz.studio.requests.refusals import our_fault
 from worldgen.errors import Message, WorldgenError
 from worldgen.plugins.trust import Inherited
 from worldgen.plugins.workers import become_worker, sigint_blocked
 
-if TYPE_CHECKING:
-    from fuzz.studio.requests.messages import SendPart
-
 _NICE = 5  # gives the page priority
-_RUN = ("run", "compare")  # requests whose results depend on the user's code
-
-WORKER_OF = {
-    "hello": "files",
-    "files": "files",
-    "open": "files",
-    "save": "files",
-    "bring": "files",
-    "export": "files",
-    "decide": "proofs",
-    "widest": "widths",
-    "signal": "making",
-    "generate": "making",
-    "preview": "looks",
-    "shift": "making",
-    "measure": "widths",
-    "run": "runs",
-    "drive": "looks",
-    "check": "looks",
-    "compare": "tables",
-    "picture": "pictures",
-    "before": "pictures",
-    "begin": "campaigns",
-    "command": "campaigns",
-    "resume": "campaigns",
-    "edits": "edits",
-    "watch": "watching",
-    "stop": "watching",
-    "campaigns": "walls",
-    "failures": "walls",
-    "know": "walls",
-    "look": "looks",
-    "elite": "looks",
-    "snippet": "looks",
-}
-"""The process for each kind of request.
-
-Saving is never interrupted, a long search for a proof does not delay a run, and anything that is
-slow to start can be stopped while it starts.
-"""
 
 
 def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProcess:
@@ -123,18 +80,18 @@ class Worker:
         self.loaded: dict[str, str] = {}
         """The user's files whose code the process has loaded, with the digest of each."""
 
-    async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
+    async def ask(self, request: Request) -> AsyncGenerator[tuple[str, Any, dict[str, str]]]:
         """Pass one request to a worker, and return the answer.
 
         Yields:
-            ``("turn", {})`` when it is this request's turn, ``("part", table)`` for each part, then
-            ``("answer", table)`` or ``("error", refusal)``.
+            ``"turn"`` when it is this request's turn, ``"part"`` with each part, then ``"answer"``
+            or ``"error"`` with a refusal; each with the user's files whose code has run.
 
         Raises:
             Ended: If the process was ended in the meantime.
         """
         async with self._turn:
-            yield "turn", {}
+            yield "turn", None, {}
             wait = asyncio.get_running_loop().run_in_executor
             edited = await wait(self._thread, edited_files, self.loaded) if self.loaded else []
             if edited:
@@ -144,12 +101,12 @@ class Worker:
             heard_all = False
             try:
                 # Sending a large message blocks until the process has started.
-                await wait(self._thread, pipe.send, (kind, message))
+                await wait(self._thread, pipe.send, request)
                 while not heard_all:
-                    what, table, loaded = await wait(self._thread, pipe.recv)
+                    what, value, loaded = await wait(self._thread, pipe.recv)
                     heard_all = what != "part"
                     self.loaded = loaded if heard_all else self.loaded
-                    yield what, table
+                    yield what, value, loaded
             except (EOFError, OSError) as error:
                 raise Ended from error
             finally:
@@ -179,52 +136,42 @@ class Worker:
 
 def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
     """Answer requests in the process until the server ends."""
-    from fuzz.studio.answers import Answers  # noqa: PLC0415 - expensive, needed only here
+    from fuzz.studio.answers import answer  # noqa: PLC0415 - expensive, needed only here
+    from fuzz.studio.requests.folder import Opened  # noqa: PLC0415
     from fuzz.studio.requests.running import allow_only  # noqa: PLC0415
 
     allow_only(named)
-    answers = Answers(Folder(Path(folder)), named)
+    opened = Opened(Folder(Path(folder)), named)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
-            kind, message = pipe.recv()
+            request = pipe.recv()
             since = time.time()
-            send_part = functools.partial(_send_part, pipe, since, runs_code=kind in _RUN and named)
-            what, table = _answer(answers, kind, message, send_part)
-            pipe.send((what, table, loaded_files(since)))
+            # A part of a run says which code of the user's was loaded.
+            runs_code = isinstance(request, Run | Compare) and named
+
+            def send_part(part: Any, since: float = since, runs_code: object = runs_code) -> None:
+                pipe.send(("part", part, loaded_files(since) if runs_code else {}))
+
+            try:
+                what, value = "answer", answer(request, opened, send_part)
+            except (BrokenPipeError, EOFError):
+                raise
+            except Exception as error:  # noqa: BLE001 - no error must end the studio
+                what, value = "error", opened.folder.refusal(_fault(error))
+            pipe.send((what, value, loaded_files(since)))
 
 
-def _send_part(pipe: Connection, since: float, table: dict[str, Any], *, runs_code: object) -> None:
-    """Send a part of an answer; that of a run also says which code of the user's was loaded."""
-    pipe.send(("part", table | {"code": loaded_files(since)} if runs_code else table, {}))
-
-
-def _answer(
-    answers: Any, kind: str, message: dict[str, Any], send_part: SendPart
-) -> tuple[str, Any]:
-    try:
-        return "answer", getattr(answers, kind)(message, send_part)
-    except (BrokenPipeError, EOFError):
-        raise
-    except WorldgenError as error:
-        return "error", answers.folder.refusal(error)
-    except UnicodeEncodeError:
-        return "error", refusal(
-            Message(
-                "half-a-character",
-                "a text in the message contains half of a surrogate pair",
-                "send whole characters",
-            )
+def _fault(error: Exception) -> WorldgenError | Message:
+    """Return the message for an error in a worker."""
+    if isinstance(error, WorldgenError):
+        return error
+    if isinstance(error, MemoryError):
+        return Message("out-of-memory", "out of memory", "use a smaller world")
+    if isinstance(error, OSError):  # for example a full disk, perhaps of the temporary folder
+        return Message(
+            "disk-refuses",
+            "the disk reported an error: {reason}",
+            "free some space, or use another disk",
+            reason=error.strerror or str(error),
         )
-    except MemoryError:
-        return "error", refusal(Message("out-of-memory", "out of memory", "use a smaller world"))
-    except OSError as error:  # for example a full disk, perhaps of the temporary folder
-        return "error", answers.folder.refusal(
-            Message(
-                "disk-refuses",
-                "the disk reported an error: {reason}",
-                "free some space, or use another disk",
-                reason=error.strerror or str(error),
-            )
-        )
-    except Exception as error:  # noqa: BLE001 - an internal error must not end the studio
-        return "error", refusal(our_fault(error))
+    return our_fault(error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.scenario import Scenario
 
 DATABASE = "database"
@@ -23,4 +23,4 @@ def can_breach(scenario: Scenario) -> bool:
 
     Only then can a robot reach a walled-off target, which is a breach.
     """
-    return MOTIONS.get(scenario.run.motion).kernel == THESIS and not scenario.run.thesis.keep_going
+    return not (MOTIONS.get(scenario.run.motion).on_lattice or scenario.run.thesis.keep_going)

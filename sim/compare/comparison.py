@@ -15,13 +15,13 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sim.controllers.base import CompiledController, Controller
+from sim.controllers.base import Controller
 from sim.controllers.catalogue import CONTROLLERS
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_noisy, is_random
 from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import MAX_RECORDED, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, UNENDED, Verdict
@@ -350,8 +350,7 @@ class _Column:
     @property
     def declared_random(self) -> bool:
         """True if the controller, or the simulator under it, declares that it is random."""
-        chance = isinstance(self.controller, CompiledController) and self.controller.randomised
-        return chance or is_noisy(self.controller, self.scenario.run)
+        return is_random(self.controller, self.scenario.run)
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
@@ -412,7 +411,7 @@ class _Column:
             options.steps, find_loop=True, record=False, digest=False
         )
         verdict = outcome.verdict
-        explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
+        explained = not self.declared_random and not MOTIONS.get(options.motion).on_lattice
         if outcome.steps > MAX_RECORDED // 2:
             # The run is too long to prove a loop or to explain a stall.
             verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,12 @@ from sim._core import lib
 from sim.controllers.base import Controller
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import simulate
-from sim.motion import LATTICE, MOTIONS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
 from sim.runners.controller_host import ControllerHost, host_of
 from sim.runners.lattice import LatticeRun
-from sim.runners.lockstep import LockstepRun
+from sim.runners.lockstep import run_in_lockstep
 from sim.runners.many import run_many
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
@@ -145,7 +146,7 @@ class _RunBlock:
 
     @property
     def _is_on_lattice(self) -> bool:
-        return MOTIONS.get(self.options.motion).kernel == LATTICE
+        return MOTIONS.get(self.options.motion).on_lattice
 
 
 def simulate_many(
@@ -224,13 +225,13 @@ def simulate_many(
 
 def _run_side_by_side(jobs: Sequence[_RunBlock], threads: int, runs: Runs, digest: bool) -> None:
     """Run jobs in threads; an exception here, such as Ctrl-C, soon stops the threads too."""
-    stop = np.zeros(1, np.int64)
+    stop = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
             for _ in pool.map(lambda job: _run_compiled(job, runs, digest, stop), jobs):
                 pass
         except BaseException:
-            stop[0] = 1
+            stop.set()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 
@@ -318,10 +319,14 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
     for first in range(0, len(rows), most):
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)
-        group = LockstepRun(
-            host, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]]
+        found = run_in_lockstep(
+            host,
+            [packed[k] for k in used],
+            index,
+            poses[part],
+            runs.seed[rows[part]],
+            digest=digest,
         )
-        found = group.run(digest=digest)
         if found is None:
             warnings.warn(
                 f"{called(host.controller)} raised an exception for some of its robots, or changed "
@@ -337,7 +342,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
             )
 
 
-def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
+def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Event) -> None:
     """Run a job in one call of the core; if the controller raises, run each of its runs alone."""
     run = LatticeRun(replace(job.world, start=job.starts[0]), job.host, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)

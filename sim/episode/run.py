@@ -18,21 +18,15 @@ from sim.evidence import (
     ReachedEvidence,
 )
 from sim.fleet.assignment import assigned
-from sim.motion import MOTIONS, THESIS
-from sim.options.run import (
-    TARGET,
-    RunOptions,
-    check_recordable,
-    check_world,
-    options_from,
-    switch_sets,
-)
+from sim.motion import MOTIONS
+from sim.options.run import TARGET, RunOptions, check_world, options_from, switch_sets
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.controller_host import host_of
+from sim.runners.decide import decide
 from sim.runners.lattice import LatticeRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
-from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Words
 from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
@@ -83,14 +77,20 @@ def simulate(
     # Slow controllers record in their first run, to be run only once. Compiled ones are fast enough
     # to run again, and record only the steps that the verdict needs.
     run = prepare(world, found, options, lean=lean)
+    name = named[0]
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not host_of(found).in_core
-    outcome = run.run(options.steps, find_loop=True, record=at_once)
-    if outcome.ending == Verdict.LOOP:
-        return _loop(run, world, outcome, options, record, named[0])
-    if record and outcome.trace is None:
-        check_recordable(outcome.steps)
-        outcome = run.run(outcome.steps, find_loop=False, record=True)
-    return _decided(run, world, outcome, options)
+    decided = decide(
+        run,
+        options.steps,
+        record=record,
+        at_once=at_once,
+        renewed=(lambda: prepare(world, as_loaded(name), options))
+        if isinstance(name, str)
+        else None,
+    )
+    if isinstance(decided, Outcome):
+        return _decided(run, world, decided, options)
+    return _loop(world, options, *decided)
 
 
 def prepare(
@@ -100,66 +100,29 @@ def prepare(
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(
-        motion.name,
-        options.robot.changed() if motion.kernel == THESIS else options.thesis.changed(),
+        motion.name, options.thesis.changed() if motion.on_lattice else options.robot.changed()
     )
-    if motion.kernel != THESIS:
+    if motion.on_lattice:
         return LatticeRun(world, found, options, lean=lean)
-    rule = host_of(found).thesis_rule
-    if not rule:
-        raise InvalidParameter(
-            "motion-is-the-thesis-robots",
-            "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
-            "use --motion swept or endpoint for other controllers",
-            at_terminal=True,
-            name=motion.name,
-        )
     from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
 
-    return ThesisRun(world, rule, options)
+    return ThesisRun(world, found, options)
 
 
-def _loop(
-    run: Runnable,
-    world: World,
-    found: Outcome,
-    options: RunOptions,
-    record: bool,
-    named: str | Controller | type,
-) -> Episode:
-    """Prove a loop that the core reported; the run then ends with the loop's first period."""
-    entry = found.entry
-    period = found.period
-    if record:
-        check_recordable(entry + period)
-    proof = run.prove(entry, period, record=record)
-    if proof is None:
-        # The controller hides memory that it does not declare, so only the budget decides. The runs
-        # so far may have changed that memory.
-        if isinstance(named, str):
-            run = prepare(world, as_loaded(named), options)
-        return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
-    outcome, state = proof
+def _loop(world: World, options: RunOptions, outcome: Outcome, state: Words) -> Episode:
+    """Return the episode of a proved loop, which ends with the loop's first period."""
     if outcome.overlap_step >= 0:
         return _episode(Verdict.OVERLAP, world, outcome, options, wall_evidence(outcome))
-    evidence = LoopEvidence(entry=entry, period=period, state_digest=state_digest(state))
+    evidence = LoopEvidence(
+        entry=outcome.entry, period=outcome.period, state_digest=state_digest(state)
+    )
     return _episode(Verdict.LOOP, world, outcome, options, evidence)
 
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    if (
-        outcome.verdict == Verdict.STALLED
-        and isinstance(evidence, BudgetEvidence)
-        and MOTIONS.get(options.motion).kernel == THESIS
-    ):
-        from sim.thesis.run import ThesisRun  # noqa: PLC0415 - loaded for `stepped` only
-
-        # A stalled run of the thesis's robot is more informative if the cells that confine it are
-        # known.
-        if isinstance(run, ThesisRun):
-            check_recordable(outcome.steps)
-            evidence = run.with_confinement(evidence, outcome.steps)
+    if outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence):
+        evidence = run.with_confinement(evidence, outcome.steps)
     return _episode(outcome.verdict, world, outcome, options, evidence)
 
 

@@ -20,9 +20,10 @@ from sim.evidence import (
 )
 from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.run import RunOptions
-from sim.outcome import LIMIT, Episode, FleetEpisode, Outcome, area_of, wall_evidence
+from sim.outcome import Episode, FleetEpisode, Outcome, area_of, wall_evidence
+from sim.runners.decide import decide
 from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
@@ -51,22 +52,15 @@ def simulate_fleet(
         InvalidWorld: If a robot does not fit at its start.
     """
     run, each = _prepared(world, controllers, options)
-    budget = each[0].steps
-    outcome = run.run(budget, find_loop=True, record=False)
-    if outcome.ending == Verdict.LOOP:
-        proof = run.prove(outcome.entry, outcome.period, record=record)
-        if proof is not None:
-            return _joint_loop(world, each[0], proof)
-        # A controller hides memory that it does not declare, so only the budget decides.
-        outcome = run.run(budget, find_loop=False, record=record)
-        return _decided(world, each[0], outcome)
-    if outcome.ending == LIMIT:
-        apart = run.prove_apart(outcome.steps, record=record)
-        if apart is not None:
-            return _joint_loop(world, each[0], apart)
-    if record:
-        outcome = run.run(outcome.steps, find_loop=False, record=True)
-    return _decided(world, each[0], outcome)
+    found = decide(
+        run,
+        each[0].steps,
+        record=record,
+        prove_otherwise=lambda steps: run.prove_apart(steps, record=record),
+    )
+    if isinstance(found, JointProof):
+        return _joint_loop(world, each[0], found)
+    return _decided(world, each[0], found)
 
 
 def fleet_traces(
@@ -107,7 +101,7 @@ def _prepared(
 def _check_options(options: Sequence[RunOptions]) -> None:
     """Refuse options for a single robot, and robots under different motion models."""
     for one in options:
-        if MOTIONS.get(one.motion).kernel == THESIS:
+        if not MOTIONS.get(one.motion).on_lattice:
             raise InvalidParameter(
                 "motion-for-one-robot",
                 "motion {motion!r} runs one robot, and the world has several",

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
 
-from sim.motion import MOTIONS, THESIS, Motion
+from sim.motion import MOTIONS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.options.thesis import ThesisOptions
@@ -141,7 +141,7 @@ def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
     Raises:
         InvalidParameter: If no motion model has that name.
     """
-    return ThesisOptions if MOTIONS.get(motion).kernel == THESIS else RobotOptions
+    return RobotOptions if MOTIONS.get(motion).on_lattice else ThesisOptions
 
 
 def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:

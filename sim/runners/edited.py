@@ -105,7 +105,7 @@ class EditedRuns:
         self._run = run = LatticeRun(world, controller, options)
         run.settings.steps = options.steps
         run.settings.digest = 0
-        run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+        run.settings.find_loop = run.search
         run.settings.start_x = metres_to_lattice(world.start.x, world.cell_size)
         run.settings.start_y = metres_to_lattice(world.start.y, world.cell_size)
         self._controller = controller

@@ -19,6 +19,7 @@ from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
 from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import CoreMemory
+from sim.evidence import BudgetEvidence
 from sim.kernels import layout
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
@@ -39,7 +40,7 @@ from sim.runners.core_calls import (
 )
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
-from sim.runners.python_loop import PythonLoop
+from sim.runners.python_loop import run_in_python
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
 from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
@@ -211,15 +212,11 @@ class LatticeRun:
         """Run once; there is no episode if the controller failed before it began."""
         self.settings.steps = steps
         self.settings.digest = int(digest)
-        self.settings.find_loop = (
-            lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
-        )
+        self.settings.find_loop = self.search if find_loop else lib.WG_NO_LOOP
         if self.host.in_core:
             return self._run_compiled(record)
-        loop = PythonLoop(self.host, self.arena(), self.settings, self.world)
-        loop.run(steps, record=record)
-        recording = loop.recording()
-        return self.outcome_of(loop.episode, recording, loop.complete, loop.fault), loop.episode
+        ended = run_in_python(self.host, self.arena(), self.settings, self.world, record=record)
+        return self.outcome_of(*ended), ended.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
         """Simulate a controller from the start, and return its memory at the end, too.
@@ -276,6 +273,10 @@ class LatticeRun:
             return None
         return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
 
+    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
+        """Return the evidence unchanged: a robot on the lattice does not drift."""
+        return evidence
+
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Shapes of the grid and of the distance table; runs in lockstep must have the same."""
@@ -301,6 +302,11 @@ class LatticeRun:
         reads_wrong_pose = is_displaced and bool(self.settings.senses & lib.WG_SENSE_ODOMETRY)
         noisy = is_noisy(self.controller, self.options)
         return self.host.shows_memory and not (reads_clock or reads_wrong_pose or noisy)
+
+    @property
+    def search(self) -> int:
+        """``WgSettings.find_loop`` of a run that ends with its first recurrence, if it can have one."""
+        return int(lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP)
 
     def sensed_of_walls(self, states: Ints) -> Floats:
         """Return what the controller senses of the walls at some poses, before the first event.

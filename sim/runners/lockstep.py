@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
+from sim.controllers.base import Memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
@@ -17,7 +18,6 @@ from sim.kernels.layout import OBS_SIZE
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import REPORT, Driver
 from sim.runners.lattice import LatticeRun
-from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.support.results import only_results_on_stdout
@@ -25,8 +25,16 @@ from worldgen.support.results import only_results_on_stdout
 Reports = npt.NDArray[Any]
 
 
-class LockstepRun:
-    """Many episodes in worlds of one shape.
+def run_in_lockstep(
+    host: ControllerHost,
+    runs: Sequence[LatticeRun],
+    world: Ints,
+    starts: Ints,
+    seeds: Words,
+    *,
+    digest: bool,
+) -> Reports | None:
+    """Run many episodes in worlds of one shape, and report as :func:`sim.runners.many.run_many` does.
 
     Args:
         host: The host of a controller that acts for all robots.
@@ -34,111 +42,35 @@ class LockstepRun:
         world: (n,) index of each robot's world.
         starts: (n, 3) starts from :meth:`sim.runners.lattice.LatticeRun.start_of`.
         seeds: (n,) uint64 seeds.
+        digest: Whether to compute the traces' digests.
+
+    Returns:
+        The reports. ``None`` if the controller raised or changed state outside its memory: runs
+        may then have influenced each other, and each robot must be run alone.
     """
-
-    def __init__(
-        self,
-        host: ControllerHost,
-        runs: Sequence[LatticeRun],
-        world: Ints,
-        starts: Ints,
-        seeds: Words,
-    ) -> None:
-        self._host = host
-        self._runs = runs
-        self._world = world
-        self._starts = starts
-        self._seeds = seeds
-        self._memory: Floats = np.zeros(0)
-
-    def run(self, *, digest: bool) -> Any:
-        """Run all robots, and report as :func:`sim.runners.many.run_many` does.
-
-        Returns:
-            The reports. ``None`` if the controller raised or changed state outside its memory: runs
-            may then have influenced each other, and each robot must be run alone.
-        """
-        with only_results_on_stdout():
-            try:
-                with Faults(self._host):
-                    self._memory = np.array(self._host.begin(None))
-                before = self._host.hidden()
-                if before is None:
-                    return None
-                found = self._run(digest)
-            except ControllerError:
+    faults = Faults(host)
+    with only_results_on_stdout():
+        try:
+            with faults:
+                memory = host.begin(None)
+            before = host.hidden()
+            if before is None:
                 return None
-        return found if hidden_state(self._host.controller) == before else None
-
-    def _run(self, digest: bool) -> Reports:
-        # Run every robot with its whole budget, looking for loops.
-        can_loop = np.array([run.can_loop for run in self._runs])[self._world]
-        budgets = np.array([run.options.steps for run in self._runs])[self._world]
-        everyone = np.arange(len(self._world))
-        find_loop = np.where(can_loop, int(lib.WG_SEEK_LOOP), int(lib.WG_NO_LOOP))
-        reports, entries = self._drive(
-            everyone, budgets, find_loop, np.zeros_like(everyone), digest=digest
-        )
-
-        # Run loops again up to the end of their first period, which also proves them.
-        looped = np.flatnonzero(reports["ending"] == int(lib.WG_LOOP))
-        ends = entries[looped] + reports["period"][looped]
-        prove = np.full(len(looped), int(lib.WG_PROVE_LOOP))
-        reports[looped] = self._drive(looped, ends, prove, entries[looped], digest=digest)[0]
-
-        # Two different states may share a fingerprint. Those runs did not loop, so the budget
-        # decides.
-        unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
-        no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
-        again = self._drive(
-            unproved, budgets[unproved], no_loop, np.zeros_like(unproved), digest=digest
-        )
-        reports[unproved] = again[0]
-        return reports
-
-    def _drive(
-        self, robots: Ints, steps: Ints, find_loop: Ints, loop_entry: Ints, *, digest: bool
-    ) -> tuple[Reports, Ints]:
-        """Run some robots from their starts until each of them has ended.
-
-        Args:
-            robots: (n,) indices of the robots.
-            steps: (n,) budgets.
-            find_loop: (n,) WgSettings.find_loop.
-            loop_entry: (n,) WgSettings.loop_entry.
-            digest: Whether to compute the traces' digests.
-
-        Returns:
-            (n,) reports, and (n,) the first steps of the loops.
-        """
-        if not len(robots):
-            return np.zeros(0, REPORT), np.zeros(0, np.int64)
-        # Give each robot its own settings.
-        group = _Group(self._runs, self._world[robots], self._memory)
-        for k, robot in enumerate(robots.tolist()):
-            settings = group.settings[k]
-            settings.start_x, settings.start_y, settings.start_heading = self._starts[
-                robot
-            ].tolist()
-            settings.seed = int(self._seeds[robot])
-            settings.digest = int(digest)
-            settings.steps = int(steps[k])
-            settings.find_loop = int(find_loop[k])
-            settings.loop_entry = int(loop_entry[k])
-
-        # Alternate between the core, which moves the robots, and the controller.
-        with contextlib.closing(group):
-            group.begin()
-            faults = Faults(self._host)
-            asker = Asker(self._host.controller, group.observation, group.memory, group.command)
-            after = np.zeros((0, self._memory.size))
-            count = group.step(len(robots), after)
-            while count:
-                after = np.empty((count, self._memory.size))
-                with faults:
-                    asker.ask(count, after)
-                count = group.step(count, after)
-            return group.reports()
+            with contextlib.closing(_Group(runs, world, memory)) as group:
+                group.begin(starts, seeds, digest=digest)
+                asker = Asker(host.controller, group.observation, group.memory, group.command)
+                # Alternate between the core, which moves the robots, and the controller.
+                after = np.zeros((0, len(memory)))
+                count = group.step(len(world), after)
+                while count:
+                    after = np.empty((count, len(memory)))
+                    with faults:
+                        asker.ask(count, after)
+                    count = group.step(count, after)
+                found = group.reports()
+        except ControllerError:
+            return None
+    return found if hidden_state(host.controller) == before else None
 
 
 class _Group:
@@ -150,21 +82,18 @@ class _Group:
         memory: The controller's memory at reset.
     """
 
-    def __init__(self, runs: Sequence[LatticeRun], world: Ints, memory: Floats) -> None:
+    def __init__(self, runs: Sequence[LatticeRun], world: Ints, memory: Memory) -> None:
         n = len(world)
-        self._runs = runs  # the settings point to their data
+        self._of_worlds = runs  # the settings point to their data
         self._fresh = [run.arena() for run in runs]
         self._world = world
-        self._driver = Driver(None, memory.tolist())
-        self.settings: Any = ffi.new("WgSettings[]", n)
+        self._driver = Driver(None, memory)
+        self._settings: Any = ffi.new("WgSettings[]", n)
         self._arenas: Any = ffi.new("WgArena[]", n)
-        self._episodes: Any = ffi.new("WgEpisode *[]", n)
-        self._slots: Any = ffi.new("WgEpisode *[]", n)
-        for k, index in enumerate(world.tolist()):
-            self.settings[k] = runs[index].settings[0]
-            self._arenas[k] = self._fresh[index].c[0]
+        self._runs: Any = ffi.new("WgRun[]", n)
+        self._slots: Any = ffi.new("WgRun *[]", [self._runs + k for k in range(n)])
         self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams), np.nan)
-        self.memory = np.zeros((n, memory.size))
+        self.memory = np.zeros((n, len(memory)))
         self.command = np.zeros((n, 3))
 
         # Each robot has its own copy of what changes: the cells that it has visited and, if there
@@ -175,29 +104,25 @@ class _Group:
         self._cells = np.zeros((n, *shape) if happens else (0,), np.uint8)
         self._near = np.zeros((n, *shape) if happens else (0,), np.int32)
 
-    def begin(self) -> None:
-        """Put all robots at the starts given in their settings."""
-        height, width = self._visited.shape[1:]
+    def begin(self, starts: Ints, seeds: Words, *, digest: bool) -> None:
+        """Put all robots at their starts."""
         for k, index in enumerate(self._world.tolist()):
-            # Point the robot's arena at its own copies, and mark its start as visited.
-            settings = self.settings[k]
-            arena = self._arenas[k]
-            row = min(settings.start_y // UNIT, height - 1)
-            self._visited[k, row, min(settings.start_x // UNIT, width - 1)] = 1
-            arena.visited = writable(ffi, self._visited[k], np.uint8)
-            if self._cells.size:
-                self._cells[k] = self._fresh[index].cells
-                self._near[k] = self._fresh[index].near
-                arena.cells = writable(ffi, self._cells[k], np.uint8)
-                arena.near = writable(ffi, self._near[k], np.int32)
-
-        # Reserve a log for each robot whose loops are looked for.
-        seek = lib.WG_SEEK_LOOP
-        steps = [one.steps if one.find_loop == seek else 0 for one in self.settings]
-        logs = pointer(ffi, np.array(steps, np.int64), np.int64)
-        robots = (self._arenas, self.settings, self._driver.c)
-        check(lib.wg_lockstep_new(*robots, logs, len(steps), self._episodes))
-        ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
+            # Give each robot its own settings, and point its arena at its own copies.
+            run = self._of_worlds[index]
+            fresh = self._fresh[index]
+            self._settings[k] = run.settings[0]
+            settings = self._settings[k]
+            settings.start_x, settings.start_y, settings.start_heading = starts[k].tolist()
+            settings.seed = int(seeds[k])
+            settings.digest = int(digest)
+            self._arenas[k] = fresh.c[0]
+            self._arenas[k].visited = writable(ffi, self._visited[k], np.uint8)
+            if len(fresh.events):
+                self._arenas[k].cells = writable(ffi, self._cells[k], np.uint8)
+                self._arenas[k].near = writable(ffi, self._near[k], np.int32)
+            budget = run.options.steps
+            self._runs[k] = (ffi.NULL, self._settings + k, fresh.c, budget, run.search)
+        check(lib.wg_lockstep_new(self._arenas, self._driver.c, self._runs, len(self._world)))
 
     def step(self, count: int, after: Floats) -> int:
         """Apply the commands of the robots in the first slots, and run until they act again.
@@ -214,15 +139,14 @@ class _Group:
         filled = (writable(ffi, array, np.float64) for array in (self.observation, self.memory))
         return int(lib.wg_lockstep_step(self._slots, count, *read, *filled))
 
-    def reports(self) -> tuple[Reports, Ints]:
-        """Return (n,) reports, and (n,) the first step of each loop, or -1 without a loop."""
-        n = len(self.settings)
-        reports = np.zeros(n, REPORT)
-        entries = np.zeros(n, np.int64)
-        into = ffi.cast("WgReport *", ffi.from_buffer(reports))
-        lib.wg_lockstep_reports(self._episodes, n, into, writable(ffi, entries, np.int64))
-        return reports, entries
+    def reports(self) -> Reports:
+        """Return (n,) reports."""
+        reports = np.zeros(len(self._world), REPORT)
+        into = ffi.cast("WgReport *", ffi.from_buffer(reports, require_writable=True))
+        for k in range(len(reports)):
+            into[k] = self._runs[k].episode.robot.report
+        return reports
 
     def close(self) -> None:
         """Free the episodes."""
-        lib.wg_lockstep_free(self._episodes, len(self.settings))
+        lib.wg_lockstep_free(self._runs, len(self._world))

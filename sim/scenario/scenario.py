@@ -11,7 +11,7 @@ from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
-from sim.motion import MOTIONS, THESIS
+from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
     TARGET,
@@ -58,7 +58,7 @@ class Scenario:
         controller = CONTROLLERS.get(self.controller)
         rule = controller.thesis_rule if isinstance(controller, CompiledController) else 0
         # Under ``stepped`` the thesis's own program runs its robots, with options for each part.
-        if rule and MOTIONS.get(self.run.motion).kernel == THESIS:
+        if rule and not MOTIONS.get(self.run.motion).on_lattice:
             from sim.controllers.library.thesis import thesis_arbitration  # noqa: PLC0415 - of these robots only
 
             return thesis_arbitration(rule, self.run.thesis)

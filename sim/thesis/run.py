@@ -17,11 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
+from sim.controllers.base import Controller
+from sim.controllers.catalogue import CONTROLLERS
 from sim.evidence import BudgetEvidence
 from sim.options.robot import SIGNALS
-from sim.options.run import RunOptions, check_step_length
+from sim.options.run import RunOptions, check_recordable, check_step_length
 from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.outcome import ENDINGS, Outcome
+from sim.runners.controller_host import host_of
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
 from sim.thesis.core_calls import (
     CELL,
@@ -68,20 +71,29 @@ _DRIFT_PERIODS = 4
 
 
 class ThesisRun:
-    """One world, rule and set of options, ready to run any number of times.
+    """One world, robot of the thesis and set of options, ready to run any number of times.
 
     Args:
         world: The world to drive in.
-        rule: Number of the thesis's rule, 1 to 3.
+        controller: The controller; it must be one of the thesis's.
         options: Options of the run.
 
     Raises:
-        InvalidParameter: If the robot is wider than two cells, or the step longer than a cell
-            allows.
+        InvalidParameter: If it is another controller, the robot is wider than two cells, or the
+            step longer than a cell allows.
         InvalidWorld: If start or target are in a wall.
     """
 
-    def __init__(self, world: World, rule: int, options: RunOptions) -> None:
+    def __init__(self, world: World, controller: Controller, options: RunOptions) -> None:
+        rule = host_of(controller).thesis_rule
+        if not rule:
+            raise InvalidParameter(
+                "motion-is-the-thesis-robots",
+                "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
+                "use --motion swept or endpoint for other controllers",
+                at_terminal=True,
+                name=options.motion,
+            )
         self.world = world
         self.options = options
         check_step_length(world, options.time_step, Fraction(0))
@@ -254,6 +266,7 @@ class ThesisRun:
 
         It drifts if its poses recur within a millionth of a pixel; otherwise it is only confined.
         """
+        check_recordable(steps)
         # Run the first half without recording, and record the second.
         half = steps // 2
         episode = self._episode(steps, digest=0)
@@ -356,8 +369,8 @@ def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
         InvalidWorld: If start or target are in a wall.
         InvalidParameter: If the robot is wider than two cells.
     """
-    run = ThesisRun(world, 1, RunOptions("stepped", thesis=ThesisOptions(noise=noise)))
-    return run.signal()
+    options = RunOptions("stepped", thesis=ThesisOptions(noise=noise))
+    return ThesisRun(world, CONTROLLERS.get("thesis-1"), options).signal()
 
 
 def _drift(poses: Floats) -> tuple[int, int]:

@@ -114,7 +114,7 @@ def prepared(world, name, motion, robot, *, digest, task="target"):
     run = prepare(world, name, options)
     run.settings.steps = STEPS
     run.settings.digest = int(digest)
-    run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+    run.settings.find_loop = run.search
     return run
 
 

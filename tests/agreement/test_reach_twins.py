@@ -29,7 +29,7 @@ from worldgen.reach.single.prove import decide
 from worldgen.reach.still import lattice_graph, path
 from worldgen.reach.still.coarse import walk_squares
 from worldgen.reach.still.cut import find_chain, rim_cells
-from worldgen.reach.still.disc import Disc, beyond, is_away, parts, target_disc
+from worldgen.reach.still.disc import Disc, beyond, is_away, target_disc, winds_around
 from worldgen.reach.still.disc import _chain_lines as chain_lines
 from worldgen.reach.still.disc import _inside as is_inside
 from worldgen.reach.still.lattice_graph import (
@@ -257,7 +257,8 @@ def chain_exists(world, radius, points):
     for (x, y), (dx, dy) in itertools.product(cells, half):
         if (x + dx, y + dy) in number:
             a, b = number[x, y], number[x + dx, y + dy]
-            bit = parts(np.array([(x, y), (x + dx, y + dy), (x + dx, -2), (x, -2)]), *points)
+            ring = np.array([(x, y), (x + dx, y + dy), (x + dx, -2), (x, -2)])
+            bit = winds_around(ring, points[0]) != winds_around(ring, points[1])
             links += [(2 * a, 2 * b + bit), (2 * a + 1, 2 * b + 1 - bit)]
     joined = sparse.coo_matrix(
         (np.ones(len(links)), np.array(links).reshape(-1, 2).T), shape=(2 * len(cells),) * 2

@@ -20,7 +20,7 @@ import pytest
 from fuzz.campaign.configure import configure
 from fuzz.ci.place import place_of
 from fuzz.failure import Failure
-from fuzz.regression.regression import fixed
+from fuzz.regression.checks import fixed
 from fuzz.studio.campaigns.answers import fuzz_command
 from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay

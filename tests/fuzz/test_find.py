@@ -254,15 +254,6 @@ def test_keep_target_leaves_the_target_where_it_is(tmp_path):
     )
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("source", [("--from", SKETCHES / "config-02.grid"), ("--family", "trap")])
-def test_symmetric_makes_walls_symmetric_about_the_diagonal(source, tmp_path):
-    options = ("--motion", "stepped", *source, "--symmetric", *QUICK)
-    worldgen("find", "--outcome", "thesis-1=reached@400", *options, "--out", tmp_path / "w.grid")
-    walls = read_world(tmp_path / "w.grid").walls
-    assert (walls == walls[::-1, ::-1].T).all() and walls[1:-1, 1:-1].any()
-
-
 def test_no_edit_leaves_the_world_as_its_family_makes_it(tmp_path):
     options = ("--family", "trap", "--set", "depth=5", "--no-edit", *QUICK)
     result = worldgen("find", "--outcome", "turn-left=loop", *options, "--out", tmp_path / "w.grid")
@@ -348,7 +339,6 @@ def test_force_overwrites(tmp_path):
         (("--budget", "1s", "--units", 1), "use --budget or --units"),
         (("--from", SKETCH, "--family", "trap"), "use --from or --family"),
         (("--no-edit",), "name a family with --family"),
-        (("--no-edit", "--family", "trap", "--symmetric"), "use --no-edit or --symmetric"),
         (("--family", "mace"), "did you mean 'maze'?"),
         (("--family", "trap", "--set", "deep=3"), "--family trap has no option 'deep'"),
         (("--family", "trap", "--set", "depth=deep"), "depth='deep' is not a whole number"),

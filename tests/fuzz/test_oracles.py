@@ -13,7 +13,7 @@ from fuzz.failure import Failure
 from fuzz.oracles import ORACLES, NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
-from fuzz.regression.regression import CONFIRMED, check
+from fuzz.regression.checks import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.judging import failure_of
@@ -266,8 +266,8 @@ def spy(tmp_path):
         "    def reset(self): return ()\n"
         "    def act(self, o, memory):\n"
         "        frame = sys._getframe()\n"
-        "        while not hasattr(frame.f_locals.get('self'), '_arena'): frame = frame.f_back\n"
-        "        walls = frame.f_locals['self']._arena.cells.sum()\n"
+        "        while not hasattr(frame.f_locals.get('arena'), 'cells'): frame = frame.f_back\n"
+        "        walls = frame.f_locals['arena'].cells.sum()\n"
         "        return Command(0.0 if walls else o.top_speed), memory\n"
     )
     return f"{tmp_path}/spy.py:Spy"

@@ -8,9 +8,9 @@ import pytest
 
 from fuzz.player import drawn_run, drawn_world
 from fuzz.player.streams import numbers
-from fuzz.studio.requests.messages import message_of
 from sim import simulate
 from tests.helpers.page_scripts import FOLDER, called, missing_node, run_tests
+from tests.helpers.studio import message_of
 from worldgen import generate
 from worldgen.files.grid import read_world
 from worldgen.timeline import CellState

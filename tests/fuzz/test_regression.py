@@ -12,8 +12,8 @@ import pytest
 
 from fuzz.failure import Failure
 from fuzz.regression.answer import State, answer, describe_summary
+from fuzz.regression.checks import CONFIRMED, check, run, tell
 from fuzz.regression.fixed import RegressionRun
-from fuzz.regression.regression import CONFIRMED, check, run, tell
 from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay
 from sim.scenario import Scenario

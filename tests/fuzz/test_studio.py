@@ -8,19 +8,21 @@ import multiprocessing
 import threading
 import zipfile
 
+import msgspec
 import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from fuzz.studio import Folder
 from fuzz.studio.catalogue import catalogue
-from fuzz.studio.requests.limits import MOST_MESSAGE, limits
-from fuzz.studio.requests.messages import message_of, restored, world_of
+from fuzz.studio.requests.limits import MOST_MESSAGE
+from fuzz.studio.requests.messages import restored, world_of
+from fuzz.studio.requests.protocol import Files, Limits, decoded
 from fuzz.studio.workers import Worker
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from tests.helpers.studio import get, page_of, studio_of
+from tests.helpers.studio import fitting, get, message_of, page_of, received, sent, studio_of
 from worldgen import generate
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, read_world, write_world
@@ -177,16 +179,15 @@ def test_no_name_leads_out_of_the_folder(folder, name):
 
 
 def test_links_hidden_files_and_what_is_no_map_are_not_listed(folder):
-    assert [entry["name"] for entry in Folder(folder).files((".map",))] == ["fire.grid", "w.grid"]
-    assert "mine.py" in [entry["name"] for entry in Folder(folder).files((".py",))]
+    assert [file.name for file in Folder(folder).files((".map",))] == ["fire.grid", "w.grid"]
+    assert "mine.py" in [file.name for file in Folder(folder).files((".py",))]
 
 
 @pytest.mark.gate
 @pytest.mark.parametrize("do", ["open", "save", "bring", "export"])
 def test_no_question_leads_out_of_the_folder(page, folder, do):
-    said = page.ask(
-        do, name="outside/new.grid", world=world(), overwrite=True, keep=True, format="thesis"
-    )
+    given = {"name": "outside/new.grid", "world": world(), "overwrite": True, "keep": True}
+    said = page.ask(do, **fitting(do, format="thesis", **given))
     assert said["error"]["code"] == "outside-of-folder"
     assert not (folder.parent / "new.grid").exists()
 
@@ -206,10 +207,10 @@ def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
 
 def test_it_says_first_what_is_open(page, folder):
     assert page.begins == {
-        "protocol": 3,
+        "protocol": 4,
         "folder": str(folder),
         "file": "w.grid",
-        "limits": limits(),
+        "limits": sent(Limits()),
     }
 
 
@@ -223,7 +224,7 @@ def test_it_offers_what_is_registered_and_what_was_named(page, folder):
 
 def test_a_named_controller_stands_first_with_the_motion_model_it_drives_in():
     labels = ["thesis-1+repaired+motion=stepped", "bug1"]
-    offered = catalogue(labels, print)["controllers"]
+    offered = sent(catalogue(labels, print).controllers)
     assert [(one["name"], one["motion"]) for one in offered if one["named"]] == list(
         zip(labels, ["stepped", "swept"], strict=True)
     )
@@ -237,14 +238,14 @@ def test_a_controller_that_took_long_to_fail_is_tried_again_when_its_file_is_men
     monkeypatch.setattr("fuzz.studio.catalogue._SLOW", -1.0)
     (tmp_path / "mine.py").write_text(f"print('tried')\nraise OSError({'x' * 50!r})\n")
     label = f"{tmp_path / 'mine.py'}:Robot"
-    first, again = (catalogue([label], print)["controllers"][0] for _ in range(2))
+    first, again = (sent(catalogue([label], print).controllers)[0] for _ in range(2))
     assert first["fault"] and again["fault"] == first["fault"]
     (tmp_path / "mine.py").write_text(CONTROLLER)
-    assert not catalogue([label], print)["controllers"][0]["fault"]
+    assert not sent(catalogue([label], print).controllers)[0]["fault"]
 
 
 def test_a_robot_s_second_name_is_told():
-    also = {one["name"]: one["also"] for one in catalogue([], print)["controllers"]}
+    also = {one["name"]: one["also"] for one in sent(catalogue([], print).controllers)}
     assert (also["thesis-1"], also["turn-right"], also["bug1"]) == ("turn-right", "thesis-1", "")
 
 
@@ -274,7 +275,7 @@ def test_a_proof_comes_with_its_way_or_its_cut(page):
 
 @pytest.mark.nightly
 def test_the_widest_robot_just_passes(page):
-    widest = page.ask("widest", world=world())["answer"]["widest"]
+    widest = page.ask("widest", world=world())["answer"]
     assert (
         page.ask("decide", world=world(robot_radius=widest * (1 - 1e-6)))["answer"]["result"]
         == "reachable"
@@ -309,7 +310,7 @@ def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, fol
 
 @pytest.mark.gate
 @pytest.mark.parametrize(
-    "name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3]
+    "name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate"]
 )
 def test_no_other_controller_runs(page, name):
     (_, part) = page.ask("run", **run_message(controllers=[name]))["parts"]
@@ -321,7 +322,8 @@ def test_no_other_controller_runs(page, name):
     ("do", "message"), [("generate", {"family": "./mine.py:Robot"}), ("bring", {"format": "./x:y"})]
 )
 def test_no_file_s_code_is_run_as_a_family_or_format(page, do, message):
-    said = page.ask(do, **({"seed": "1", "parameters": {}, "name": "w.grid"} | message))
+    given = {"seed": "1", "parameters": {}, "name": "w.grid"} | message
+    said = page.ask(do, **fitting(do, **given))
     assert said["error"]["code"] == "not-registered"
 
 
@@ -339,23 +341,28 @@ DRAWING = "\n".join(
 
 def test_a_dropped_map_becomes_a_world_and_is_exported_as_the_command_line_does(page, folder):
     data = base64.b64encode(DRAWING.encode()).decode()
-    brought = page.ask("bring", name="../../drawing.txt", data=data)["answer"]["world"]
+    brought = page.ask("bring", files=[{"name": "../../drawing.txt", "data": data}])["answer"][
+        "world"
+    ]
     (made,) = page.ask("export", name="d.gex", world=brought, format="thesis", keep=False)[
         "answer"
     ]["files"]
     with zipfile.ZipFile(io.BytesIO(base64.b64decode(made["data"]))) as archive:
         data = archive.read("d.gex")
-    assert data == export_world(restored(brought), "thesis", file="d.gex").data
+    assert data == export_world(restored(received(brought)), "thesis", file="d.gex").data
 
 
 def test_what_is_wrong_with_a_dropped_file_is_said_by_its_own_name(page):
     data = base64.b64encode(b"##\n#?\n").decode()
-    assert page.ask("bring", name="../drawing.txt", data=data)["error"]["source"] == "drawing.txt"
+    assert (
+        page.ask("bring", files=[{"name": "../drawing.txt", "data": data}])["error"]["source"]
+        == "drawing.txt"
+    )
 
 
 def test_a_document_type_in_a_dropped_file_is_said_once(page):
     data = base64.b64encode(b"<?xml version='1.0'?><!DOCTYPE sdf><sdf version='1.7'/>").decode()
-    error = page.ask("bring", name="e.world", data=data)["error"]
+    error = page.ask("bring", files=[{"name": "e.world", "data": data}])["error"]
     assert (error["source"], error["line"]) == ("e.world", 1)
     assert (
         error["problem"].startswith("a document type ('sdf') is declared")
@@ -378,7 +385,7 @@ def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
         page.send("run", **run_message(controllers=["turn-left"] * 6, steps=20_000))
         page.hear()
         last = page.send("run", **run_message(controllers=["turn-right"]))
-        said = iter(page.hear, {"id": last, "answer": {}})
+        said = iter(page.hear, {"id": last, "answer": None})
         names = [one["part"].get("name") for one in said if one["id"] == last]
     assert names == [None, "turn-right"]
 
@@ -405,19 +412,35 @@ def test_what_is_no_parameter_of_a_family_is_told(page, name, more):
 
 
 def test_half_of_a_character_is_the_message_s_fault(page):
-    said = page.ask("save", name="x.grid", overwrite=True, world=world(source="\ud800"))
-    assert said["error"]["code"] == "half-a-character"
+    page.send("save", name="x.grid", overwrite=True, world=world(source="\ud800"))
+    said = page.hear()
+    assert said["error"]["code"] == "not-json"
 
 
 @pytest.mark.parametrize(
     "text", [b"{}", "", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": '
                                                      '"files"}', '{"id": true, "do": "files"}',
              "[" * 100_000, '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}',
-             '{"id": 9, "do": "open", "name": 3}'],
+             '{"id": 9, "do": "open", "name": 3}', '{"id": 10, "do": "files", "more": 1}'],
 )  # fmt: skip
 def test_nonsense_gets_a_sentence(page, text):
     page.socket.send(text)
     assert page.hear()["error"]
+
+
+@pytest.mark.parametrize(
+    ("message", "problem"),
+    [
+        ({"do": "watch", "folder": 3}, "folder = 3: Expected `str`, got `int`"),
+        ({"do": "picture", "motion": "x", "time_step": 1, "seed": 0, "options": {}, "looked": -1},
+         "looked = -1: Expected `int` >= 0"),
+        ({"do": "files", "more": 1}, "the page's message: Object contains unknown field `more`"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_message_is_said_by_field_value_and_rule(message, problem):
+    with raises(InvalidParameter, "wrong-message") as caught:
+        decoded(json.dumps({"id": 1} | message))
+    assert caught.value.message.problem == problem
 
 
 def test_a_message_larger_than_allowed_ends_the_connection(gate):
@@ -433,30 +456,30 @@ def test_a_message_larger_than_allowed_ends_the_connection(gate):
      {"events": {"times": [0.0], "ix": [], "iy": [], "state": []}}],
 )  # fmt: skip
 def test_a_message_that_is_no_world_is_refused(changes):
-    with pytest.raises((InvalidParameter, InvalidWorld)):
-        world_of(world(**changes))
+    with pytest.raises((msgspec.ValidationError, InvalidParameter, InvalidWorld)):
+        world_of(received(world(**changes)))
 
 
 def test_a_world_with_changes_comes_back_from_its_message():
     burning = generate("fire", 3)
-    assert restored(json.loads(json.dumps(message_of(burning)))) == burning
+    assert restored(received(message_of(burning))) == burning
 
 
 def test_a_world_of_several_robots_keeps_them_whatever_is_drawn():
     world = generate("doorway", 1, robots=3)
     message = message_of(world)
-    assert restored(message) == world
+    assert restored(received(message)) == world
     # After an edit, the first robot is the drawn one, and the others stay.
-    edited = restored({**message, "robot_speed": 1.0})
+    edited = restored(received({**message, "robot_speed": 1.0}))
     assert edited.robot_speed == 1.0 and edited.robots[1:] == world.robots[1:]
     assert edited.certificate is None
     # A robot drawn onto another one is an error, not a loss.
     x, y = world.robots[1].start.x, world.robots[1].start.y
     with raises(InvalidWorld, "robots-overlap"):
-        restored({**message, "start": [x, y, 0.0]})
+        restored(received({**message, "start": [x, y, 0.0]}))
     with raises(InvalidWorld, "other-robots", robots=3):
         restored(
-            {**message, **message_of(generate("doorway", 1, size=20)), "source": message["source"]}
+            received(message_of(generate("doorway", 1, size=20)) | {"source": message["source"]})
         )
 
 
@@ -480,9 +503,9 @@ def test_a_port_that_is_taken_is_told(gate, tmp_path):
 def test_a_message_that_is_too_large_ends_that_connection_alone(gate):
     with page_of(gate) as page, page_of(gate) as other:
         with pytest.raises(ConnectionClosed) as closed:
-            page.ask("files", more="x" * MOST_MESSAGE)
+            page.ask("open", name="x" * MOST_MESSAGE)
         assert closed.value.rcvd.code == 1009
-        assert "files" in other.ask("files")["answer"]
+        assert "answer" in other.ask("files")
 
 
 def test_what_is_wrong_with_a_name_is_said_without_the_path_of_the_folder(page, folder):
@@ -505,7 +528,7 @@ def test_a_worker_that_waits_holds_no_other_up(tmp_path, monkeypatch):
         return ours
 
     async def ask(worker):
-        return [said async for said in worker.ask("files", {})][-1]
+        return [said async for said in worker.ask(Files(id=0))][-1]
 
     async def all_wait_but_one():
         workers = [Worker(Folder(tmp_path), ()) for _ in range(40)]
@@ -521,13 +544,12 @@ def test_a_worker_that_waits_holds_no_other_up(tmp_path, monkeypatch):
             await asyncio.wait(tasks)
 
     monkeypatch.setattr(Worker, "_start", start)
-    assert asyncio.run(all_wait_but_one()) == ("answer", "here")
+    assert asyncio.run(all_wait_but_one()) == ("answer", "here", {})
 
 
 def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
     plain, noisy = (
-        page.ask("signal", world=world(), noise=noise)["answer"]["signal"]
-        for noise in (False, True)
+        page.ask("signal", world=world(), noise=noise)["answer"] for noise in (False, True)
     )
     assert plain != noisy
 
@@ -537,6 +559,6 @@ def test_a_world_that_meets_a_constraint_is_searched_for_and_measured(page):
     said = page.ask(
         "generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2"
     )
-    metrics = page.ask("measure", world=said["answer"]["world"])["answer"]["metrics"]
+    metrics = page.ask("measure", world=said["answer"]["world"])["answer"]
     assert next(metric["value"] for metric in metrics if metric["name"] == "detour") > 1.2
-    assert said["parts"][-1]["tried"] == len(said["parts"])
+    assert said["parts"][-1]["done"] == len(said["parts"])

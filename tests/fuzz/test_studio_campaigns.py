@@ -10,6 +10,7 @@ import shlex
 import signal
 import subprocess
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -21,16 +22,15 @@ from fuzz.failure import Failure
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
-from fuzz.studio.answers import Answers
 from fuzz.studio.campaigns.state import campaign_state
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.requests.messages import message_of
+from fuzz.studio.requests.protocol import Watch
 from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.unit.options import CampaignOptions
 from tests.helpers.campaign_folder import CORPUS, LOOP
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import Answers, fitting, message_of, page_of, studio_of
 from tests.helpers.studio_campaign import HANGS, SHORT, acts, begin, watch
 from worldgen import generate
 from worldgen.errors import OutputError
@@ -53,7 +53,7 @@ def page(folder):
 @pytest.fixture(scope="module")
 def done(page):
     """Return the folder's name and the last state of a campaign of two units."""
-    assert begin(page, "done", units=2)["answer"]["state"]["controller"] == "turn-right"
+    assert begin(page, "done", units=2)["answer"]["controller"] == "turn-right"
     return watch(page, "done")
 
 
@@ -96,9 +96,7 @@ def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
     )
     begin(page, "by page", **asked)
     watch(page, "by page")
-    line = page.ask("command", folder="by line", **asked, world_name="drawn.grid")["answer"][
-        "command"
-    ]
+    line = page.ask("command", folder="by line", **asked, world_name="drawn.grid")["answer"]
     program, *words = shlex.split(line)
     assert program == "worldgen" and worldgen(*words).code in (0, 1)
     assert written(folder / "by line") == written(folder / "by page") != {}
@@ -112,10 +110,13 @@ def written(out):
         for name, path in files.items()
         if name.endswith((".grid", "campaign.json"))
     }
-    units = {
-        name: json.loads(path.read_text()) for name, path in files.items() if "/units/" in name
-    }
-    return whole | {name: said | {"seconds": 0, "digest": ""} for name, said in units.items()}
+    lines = (out / ".campaign/journal.txt").read_text().splitlines()
+    records = [json.loads(line.partition(" ")[2]) for line in lines]
+    units = [record for record in records if record["type"] == "unit"]
+    whole["units"] = [
+        one | {"seconds": 0, "first_met": [met[:2] for met in one["first_met"]]} for one in units
+    ]
+    return whole
 
 
 @pytest.mark.gate
@@ -154,12 +155,12 @@ def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, 
 def test_a_failure_without_a_recorded_cause_is_looked_at_with_that_of_its_run(tmp_path):
     failure = Failure.read(CORPUS / LOOP).without("cause", "circumstance")
     failure.write(tmp_path / LOOP)
-    seen = Answers(Folder(tmp_path), ()).look({"name": LOOP}, None)
+    seen = Answers(tmp_path).ask("look", name=LOOP)
     assert seen["sentence"] == diagnosis_of(failure).sentence()
     gone = read_world(tmp_path / LOOP)
     gone = replace(gone, failure=replace(gone.failure, controller="./gone.py:Robot"))
     write_world(gone, tmp_path / "gone.grid")
-    seen = Answers(Folder(tmp_path), ()).look({"name": "gone.grid"}, None)
+    seen = Answers(tmp_path).ask("look", name="gone.grid")
     assert (seen["sentence"], seen["words"]) == ("", "") and seen["error"] is not None
 
 
@@ -168,13 +169,11 @@ def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path
     here.mkdir()
     (here / "mine.py").write_text("")
     monkeypatch.chdir(here)
-    answers = Answers(Folder(here), (label,))
+    answers = Answers(here, (label,))
     failure = FailureRecord("./mine.py:Robot", "swept", 0, "loop", "0" * 16, {"steps": 10})
     write_world(replace(generate("trap", 1), failure=failure), here / "f.grid")
-    line = answers.command(SHORT | {"folder": "out", "controller": label, "units": 1}, None)[
-        "command"
-    ]
-    for one in (line, answers.look({"name": "f.grid"}, None)["replay"]):
+    line = answers.ask("command", **(SHORT | {"folder": "out", "controller": label, "units": 1}))
+    for one in (line, answers.ask("look", name="f.grid")["replay"]):
         subprocess.run(
             f"worldgen() {{ test -f ./mine.py; }}\n{one}", shell=True, cwd="/", check=True
         )
@@ -183,7 +182,7 @@ def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path
 @pytest.mark.gate
 def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
     name = failures(page, "done")[0]["name"]
-    assert page.ask("snippet", name=name)["answer"]["text"] == snippet(Failure.read(folder / name))
+    assert page.ask("snippet", name=name)["answer"] == snippet(Failure.read(folder / name))
 
 
 @pytest.mark.nightly
@@ -203,7 +202,7 @@ def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(do
 def watched(page, folder, units):
     """Watches a campaign until it has done more units than that."""
     page.send("watch", folder=folder)
-    while page.hear()["part"]["state"]["units"] <= units:
+    while page.hear()["part"]["units"] <= units:
         pass
 
 
@@ -220,7 +219,7 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
             None,
             "stopped",
         )
-        assert page.ask("resume", folder="long")["answer"]["state"]["running"]
+        assert page.ask("resume", folder="long")["answer"]["running"]
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
         assert not watch(page, "long")["running"]
@@ -235,12 +234,12 @@ def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path
         acts(tmp_path)
         stop = page.send("stop", folder="a/b")
         said = [page.hear() for _ in range(3)]
-        assert said[0] == {"id": asked, "part": {"begins": "a/b"}}
+        assert said[0] == {"id": asked, "part": "a/b"}
         said = {one["id"]: one for one in said[1:]}
-        assert said[stop]["answer"] == {"state": None}
+        assert said[stop]["answer"] is None
         assert said[asked]["error"]["code"] == "campaign-stopped"
         assert not (tmp_path / "a").exists()
-        assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
+        assert begin(page, "a/b", units=1)["answer"]["folder"] == "a/b"
 
 
 @pytest.mark.nightly
@@ -255,10 +254,10 @@ def test_what_goes_on_is_stopped_before_it_does_and_keeps_what_it_had(tmp_path):
         stored["configuration"]["scenario"]["controller"] = label
         (memory / "campaign.json").write_text(json.dumps(stored))
         asked = page.send("resume", folder="c", units=2)
-        assert page.hear() == {"id": asked, "part": {"begins": "c"}}
+        assert page.hear() == {"id": asked, "part": "c"}
         stop = page.send("stop", folder="c")
         said = {one["id"]: one for one in (page.hear(), page.hear())}
-        assert said[stop]["answer"]["state"]["units"] == state["units"] == 1
+        assert said[stop]["answer"]["units"] == state["units"] == 1
         assert "error" in said[asked] and not list(memory.glob("studio.begins.*"))
 
 
@@ -305,8 +304,8 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
     ("changes", "why"),
     [({"controller": "./mine.py:Robot"}, "not-named"), ({"strategies": ["./mine.py:family"]}, "not-registered"),
      ({"oracles": ["./mine.py:oracle=3"]}, "not-registered"), ({"motion": "./mine.py:M"}, "not-registered"),
-     ({"units": 0}, "out-of-range"), ({"units": None}, "wrong-type"), ({"seed": "-1"}, "not-a-seed"),
-     ({"workers": 1000}, "out-of-range"), ({"epoch": -1}, "out-of-range"), ({"database": "../x"}, "outside-of-folder"),
+     ({"units": 0}, "wrong-message"), ({"units": None}, "no-budget"), ({"seed": "-1"}, "wrong-message"),
+     ({"workers": 1000}, "wrong-message"), ({"epoch": -1}, "out-of-range"), ({"database": "../x"}, "outside-of-folder"),
      ({"baseline": ["../x"]}, "outside-of-folder"), ({"baseline": ["none"]}, "wrong-kind-of-file"),
      ({"vary": ["nothing=1"]}, "unknown-name")],
 )  # fmt: skip
@@ -321,7 +320,7 @@ def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(
 @pytest.mark.parametrize("name", ["../outside", ".hidden", "", "/tmp/x", "a/../../x"])
 @pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
 def test_no_campaign_leads_out_of_the_folder(page, do, name):
-    assert page.ask(do, folder=name, **SHORT, units=1)["error"]["code"] in (
+    assert page.ask(do, **fitting(do, folder=name, **SHORT, units=1))["error"]["code"] in (
         "outside-of-folder",
         "not-a-file-name",
     )
@@ -459,15 +458,15 @@ def write_summary(folder, status, units):
 
 def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder(stored):
     give_up(stored)
-    error = campaign_state(stored, "c", stored.parent)["error"]
-    assert (error["code"], error["facts"]) == ("worker-died", {"out": "c"})
-    assert (error["problem"], error["terminal"]) == ("a worker of c died", True)
+    error = campaign_state(stored, "c", stored.parent).error
+    assert (error.code, error.facts) == ("worker-died", {"out": "c"})
+    assert (error.problem, error.terminal) == ("a worker of c died", True)
 
 
 def test_a_campaign_that_begins_again_has_not_given_up(stored):
     give_up(stored)
     store.resume(stored).store.close()
-    assert campaign_state(stored, "c")["error"] is None
+    assert campaign_state(stored, "c").error is None
 
 
 @pytest.mark.parametrize(
@@ -483,19 +482,19 @@ def test_a_campaign_that_begins_again_has_not_given_up(stored):
 )
 def test_a_campaign_that_no_process_runs_says_how_it_ended(stored, status, units, activity):
     write_summary(stored, status, units)
-    assert campaign_state(stored, "c")["activity"] == activity
+    assert campaign_state(stored, "c").activity == activity
 
 
 def test_a_campaign_whose_error_is_recorded_gave_up(stored):
     give_up(stored)
-    assert campaign_state(stored, "c")["activity"] == "gave-up"
+    assert campaign_state(stored, "c").activity == "gave-up"
 
 
 def test_what_was_refused_after_a_campaign_was_done_says_nothing_of_it(stored):
     write_summary(stored, "done", 2)
     give_up(stored)
     state = campaign_state(stored, "c")
-    assert (state["activity"], state["error"]) == ("done", None)
+    assert (state.activity, state.error) == ("done", None)
 
 
 @pytest.mark.parametrize(
@@ -520,11 +519,11 @@ def test_a_page_hears_of_a_running_campaign_while_only_time_passes(tmp_path, mon
     monkeypatch.setattr("fuzz.studio.campaigns.watching._EVERY", 0.0)
     watching = Watching(Folder(tmp_path))
     monkeypatch.setattr(
-        watching, "_state", lambda _: {"running": True, "elapsed": next(elapsed), "worlds": 3}
+        watching, "_read", lambda _: SimpleNamespace(running=True, elapsed=next(elapsed))
     )
 
     async def heard():
-        states = watching.ask("watch", {})
+        states = watching.ask(Watch(id=0, folder="c"))
         return [(await anext(states))[0] for _ in range(3)]
 
     assert asyncio.run(heard()) == ["part", "part", "part"]

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.requests.messages import message_of
 from sim.compare.comparison import NamedWorld, compare
 from sim.compare.report import describe_detail
 from sim.scenario import Scenario
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import message_of, page_of, studio_of
 from worldgen import generate
 from worldgen.files.grid import read_world
 
@@ -39,10 +38,10 @@ def cells_of(said):
 
 @pytest.mark.gate
 def test_every_cell_is_that_of_the_command(gate):
-    sent = [
-        {"name": "file", "file": "config-05.grid"},
-        {"name": "made", "family": "trap", "seed": "7"},
-        {"name": "open", "world": message_of(generate("corridor", 3))},
+    worlds_sent = [
+        {"file": "config-05.grid"},
+        {"family": "trap", "seed": "7"},
+        {"world": message_of(generate("corridor", 3))},
     ]
     worlds = [
         read_world(CORPORA / "thesis/config-05.grid"),
@@ -50,7 +49,7 @@ def test_every_cell_is_that_of_the_command(gate):
         generate("corridor", 3),
     ]
     with page_of(gate) as page:
-        said = ask(page, sent)
+        said = ask(page, worlds_sent)
     expected = compare(
         [NamedWorld(str(row), world) for row, world in enumerate(worlds)],
         {name: Scenario.parse(name, motion="swept", time_step=0.015) for name in ROBOTS},
@@ -88,9 +87,9 @@ def test_a_world_that_cannot_be_read_costs_its_own_row_only(gate):
 @pytest.mark.parametrize(
     ("changes", "code"),
     [
-        ({"worlds": []}, "out-of-range"),
-        ({"controllers": ["turn-right"] * 13}, "out-of-range"),
-        ({"seeds": 0}, "out-of-range"),
+        ({"worlds": []}, "wrong-message"),
+        ({"controllers": ["turn-right"] * 13}, "wrong-message"),
+        ({"seeds": 0}, "wrong-message"),
         ({"controllers": ["/tmp/mine.py:Robot"]}, "not-named"),
         ({"controllers": ["behaviours:avoid,/tmp/mine.py:Mine"]}, "not-named"),
     ],

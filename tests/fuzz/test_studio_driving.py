@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from fuzz.studio.driving import MOST_DRIVEN, HandDriven
-from fuzz.studio.requests.messages import message_of, opened_message
 from sim import simulate
 from tests.helpers.raising import raises
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import Answers, message_of, page_of, studio_of
 from worldgen import Pose, Target, World, generate
 from worldgen.errors import InvalidParameter
 
@@ -61,26 +60,26 @@ def test_it_turns_left_by_a_positive_rate():
 @pytest.mark.parametrize(
     ("commands", "code"),
     [
-        ([], "out-of-range"),
+        ([], "wrong-message"),
         ([[MOST_DRIVEN, 1.0, 0.0], [1, 0.0, 0.0]], "out-of-range"),
-        ([[0, 1.0, 0.0]], "wrong-type"),
-        ([[1, 2.0, 0.0]], "wrong-type"),
-        ([[1, 1.0, 21.0]], "wrong-type"),
-        ([[1, 1.0, math.nan]], "wrong-type"),
-        ([[1, True, 0.0]], "wrong-type"),
-        ([[1.0, 1.0, 0.0]], "wrong-type"),
-        ([[1, 1.0]], "wrong-type"),
-        (["forward"], "wrong-type"),
+        ([[0, 1.0, 0.0]], "wrong-message"),
+        ([[1, 2.0, 0.0]], "wrong-message"),
+        ([[1, 1.0, 21.0]], "wrong-message"),
+        ([[1, 1.0, math.nan]], "not-json"),
+        ([[1, True, 0.0]], "wrong-message"),
+        ([[1.5, 1.0, 0.0]], "wrong-message"),
+        ([[1, 1.0]], "wrong-message"),
+        (["forward"], "wrong-message"),
     ],
 )
-def test_commands_of_another_form_are_refused(commands, code):
+def test_commands_of_another_form_are_refused(tmp_path, commands, code):
     with raises(InvalidParameter, code):
-        HandDriven.of(commands)
+        Answers(tmp_path).ask("drive", **SETUP, world=message_of(CORRIDOR), commands=commands)
 
 
 def test_a_world_of_several_robots_is_refused(gate):
     with page_of(gate) as page:
-        several = opened_message(generate("doorway", 1, robots=2))["world"]
+        several = message_of(generate("doorway", 1, robots=2))
         said = page.ask("drive", **SETUP, world=several, commands=[[1, 1.0, 0.0]])
         assert said["error"]["code"] == "world-of-several-robots"
         said = drive(page, [[1, 1.0, 0.0]], motion="./mine.py:Motion")

@@ -5,13 +5,15 @@ import os
 
 import pytest
 
+from fuzz.studio import Folder
+from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.requests import edits
-from fuzz.studio.requests.edits import UNKNOWN, Edits, digest_of_file, edited_files, loaded_files
-from fuzz.studio.requests.messages import message_of
+from fuzz.studio.requests.edits import UNKNOWN, digest_of_file, edited_files, loaded_files
+from fuzz.studio.requests.protocol import Edits
 from fuzz.studio.requests.refusals import frames_of
 from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import message_of, page_of, sent, studio_of
 from worldgen import generate
 from worldgen.errors import InvalidParameter
 
@@ -101,6 +103,10 @@ def test_a_file_that_was_just_written_is_read_at_each_look(robot, monkeypatch):
     assert digest_of_file(str(robot)) != before
 
 
+def edits_of(named, loaded):
+    return Watching(Folder("."), named, loaded).ask(Edits(id=0))
+
+
 def test_a_file_of_a_sibling_folder_is_not_next_to_the_controller(tmp_path):
     names = {}
     for folder in ("robot", "robot-old"):
@@ -111,10 +117,10 @@ def test_a_file_of_a_sibling_folder_is_not_next_to_the_controller(tmp_path):
     helper.write_text("TURN = 0.1\n")
 
     async def first():
-        heard = Edits(list(names.values()), lambda: [str(helper)]).ask("edits", {})
-        _, part = await anext(heard)
+        heard = edits_of(list(names.values()), lambda: [str(helper)])
+        _, part, _ = await anext(heard)
         await heard.aclose()
-        return part["files"]
+        return sent(part)
 
     shown = {one["name"]: one["controllers"] for one in asyncio.run(first())}
     assert shown["gains.py"] == [names["robot-old"]]
@@ -142,21 +148,21 @@ def test_a_page_hears_of_an_edit_once_the_file_stays_as_it_is(robot):
     label = f"{robot}:Robot"
 
     async def listen():
-        heard = Edits([label], lambda: [str(robot.parent / "gains.py")]).ask("edits", {})
-        _, first = await anext(heard)
+        heard = edits_of([label], lambda: [str(robot.parent / "gains.py")])
+        _, first, _ = await anext(heard)
         robot.write_text("")
         robot_turns = [await anext(heard)]
         robot.write_text(SPINS + "# edited\n")
         while robot_turns[-1][0] == "turn":
             robot_turns.append(await anext(heard))
         await heard.aclose()
-        return first, robot_turns[-1][1]
+        return sent(first), sent(robot_turns[-1][1])
 
     before, after = asyncio.run(listen())
-    assert [one["name"] for one in before["files"]] == ["gains.py", "mine.py"]
-    assert all(one["controllers"] == [label] for one in before["files"])
-    assert before["files"][0] == after["files"][0]
-    assert after["files"][1]["digest"] == digest_of_file(str(robot))
+    assert [one["name"] for one in before] == ["gains.py", "mine.py"]
+    assert all(one["controllers"] == [label] for one in before)
+    assert before[0] == after[0]
+    assert after[1]["digest"] == digest_of_file(str(robot))
 
 
 @pytest.mark.gate
@@ -182,8 +188,8 @@ def test_a_file_of_a_behaviour_names_only_the_compositions_that_contain_it(robot
     named = [f"behaviours+by=vote:avoid,{robot}:Robot+priority=2", "behaviours:avoid,wander"]
 
     async def first():
-        async for _, part in Edits(named, lambda: ()).ask("edits", {}):
-            return part["files"]
+        async for _, part, _ in edits_of(named, tuple):
+            return sent(part)
 
     (entry,) = asyncio.run(first())
     assert (entry["file"], entry["controllers"]) == (str(robot), [f"{robot}:Robot"])

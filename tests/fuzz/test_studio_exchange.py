@@ -7,9 +7,9 @@ import zipfile
 
 import pytest
 
-from fuzz.studio import Folder
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
+from tests.helpers.studio import Answers, message_of
 from worldgen import generate
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world, write_world
@@ -17,8 +17,6 @@ from worldgen.interop import FORMATS
 
 pytest.importorskip("starlette", reason="the studio's extra is not here")
 
-from fuzz.studio.answers import Answers
-from fuzz.studio.requests.messages import message_of
 
 MAZES = {"micromouse"}  # formats that cannot hold other worlds
 WRITTEN = [
@@ -36,7 +34,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def answers(folder):
-    return Answers(Folder(folder), ())
+    return Answers(folder)
 
 
 def exported(answers, folder, world, name, **asked):
@@ -45,7 +43,7 @@ def exported(answers, folder, world, name, **asked):
         "name": "out" + FORMATS.get(name).suffixes[0],
         "world": message_of(read_world(folder / world)),
     }
-    said = answers.export({"format": name, "keep": False, **usual, **asked}, print)
+    said = answers.ask("export", **({"format": name, "keep": False, **usual, **asked}))
     (file,) = said["files"]
     data = base64.b64decode(file["data"])
     if len(said["inside"]) == 1:
@@ -78,7 +76,7 @@ def test_every_format_s_export_is_the_command_line_s(answers, folder, tmp_path, 
 def test_every_option_of_a_format_is_offered_and_does_what_it_does_on_the_command_line(
     answers, folder, tmp_path, name
 ):
-    (offered,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
+    (offered,) = [known for known in answers.ask("hello")["formats"] if known["name"] == name]
     options = {one["name"]: other_than_usual(one) for one in offered["options"]}
     words = "".join(f"+{option}={str(value).lower()}" for option, value in options.items())
     wanted = by_command(tmp_path / "out", folder / "w.grid", name + words, "--no-sidecar")
@@ -124,7 +122,7 @@ def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_li
     main = out / ("out" + FORMATS.get(name).suffixes[0])
     scenario = ["--scen", f"{main}.scen"] if name == "movingai" else []
     assert worldgen("import", main, *scenario, "--out", tmp_path / "again.grid").code == 0
-    brought = answers.bring(dropped(*sorted(out.iterdir(), reverse=True)), print)
+    brought = answers.ask("bring", **(dropped(*sorted(out.iterdir(), reverse=True))))
     assert brought["main"] == main.name
     assert brought["world"] == message_of(read_world(tmp_path / "again.grid"))
 
@@ -132,7 +130,7 @@ def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_li
 def test_a_scenario_that_is_dropped_with_its_map_gives_start_and_target(answers, tmp_path):
     (tmp_path / "a.map").write_text("type octile\nheight 4\nwidth 8\nmap\n" + "........\n" * 4)
     (tmp_path / "a.map.scen").write_text("version 1\n0\ta.map\t8\t4\t1\t1\t6\t2\t5.41421356\n")
-    world = answers.bring(dropped(tmp_path / "a.map", tmp_path / "a.map.scen"), print)["world"]
+    world = answers.ask("bring", **(dropped(tmp_path / "a.map", tmp_path / "a.map.scen")))["world"]
     assert (world["start"][:2], world["target"][:2]) == ([0.15, 0.25], [0.65, 0.15])
 
 
@@ -196,7 +194,7 @@ def json_of(glb):
 def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_by_the_command_line(
     answers, folder, tmp_path, name, option
 ):
-    (known,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
+    (known,) = [known for known in answers.ask("hello")["formats"] if known["name"] == name]
     (offered,) = [one for one in known["read_options"] if one["name"] == option.name]
     value = OTHERS.get(option.name) or other_than_usual(offered)
     value = value.get(name, 0.05) if isinstance(value, dict) else value
@@ -206,7 +204,7 @@ def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_
     words = ["--from", named, "--radius", "0.001", "--seed", "5"]
     assert worldgen("import", main, *words, "--out", tmp_path / "again.grid").code == 0
     asked = {"format": name, "options": options, "radius": 0.001, "seed": "5"}
-    brought = answers.bring(dropped(*main.parent.iterdir()) | asked, print)
+    brought = answers.ask("bring", **(dropped(*main.parent.iterdir()) | asked))
     assert brought["world"] == message_of(read_world(tmp_path / "again.grid"))
     assert brought["format"] == name
 
@@ -223,11 +221,11 @@ def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(
     answers, folder, tmp_path
 ):
     pair = dropped(*scenario_in(tmp_path))
-    said = [answers.bring(pair | more, print) for more in ({}, {"row": 3}, {"row": 0})]
+    said = [answers.ask("bring", **(pair | more)) for more in ({}, {"row": 3}, {"row": 0})]
     assert [(one["row"], one["rows"]) for one in said] == [(1, 3), (3, 3), (None, 3)]
     assert [one["world"]["start"][0] for one in said[:2]] == [0.15, 0.35]
     scenario_in(folder)
-    said = [answers.bring({"name": "a.map"} | more, print) for more in ({}, {"row": 2})]
+    said = [answers.ask("bring", **({"name": "a.map"} | more)) for more in ({}, {"row": 2})]
     assert [(one["row"], one["rows"]) for one in said] == [(None, 3), (2, 3)]
     assert said[1]["world"]["start"][0] == 0.25 != said[0]["world"]["start"][0]
 
@@ -243,10 +241,10 @@ def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_by_t
         ((tmp_path / "b.bin",), {}, "unknown-format", "b.bin"),
     ):
         with raises(FormatError, code) as caught:
-            answers.bring(dropped(*files) | more, print)
+            answers.ask("bring", **(dropped(*files) | more))
         assert caught.value.source == source
     with raises(InvalidParameter, "no-scenario"):
-        answers.bring(dropped(main) | {"row": 1}, print)
+        answers.ask("bring", **(dropped(main) | {"row": 1}))
 
 
 def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sentence(
@@ -254,9 +252,9 @@ def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sente
 ):
     by_command(tmp_path / "out", folder / "w.grid", "ros")
     with raises(WorldgenError, "no-such-file", key="image", name="'out.pgm'", map="out.yaml"):
-        answers.bring(dropped(tmp_path / "out/out.yaml"), print)
+        answers.ask("bring", **(dropped(tmp_path / "out/out.yaml")))
     with raises(WorldgenError, "several-maps", names="fire.grid, w.grid", count=2):
-        answers.bring(dropped(folder / "fire.grid", folder / "w.grid"), print)
+        answers.ask("bring", **(dropped(folder / "fire.grid", folder / "w.grid")))
 
 
 def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(
@@ -265,4 +263,4 @@ def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(
     by_command(tmp_path / "out", folder / "w.grid", "ros")
     said = dropped(tmp_path / "out/out.pgm", tmp_path / "out/out.yaml")
     said["files"][1]["name"] = "../../Büro ☃ 1.yaml"
-    assert answers.bring(said, print)["main"] == "Büro ☃ 1.yaml"
+    assert answers.ask("bring", **(said))["main"] == "Büro ☃ 1.yaml"

@@ -10,10 +10,10 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 
 HIDDEN = [
-    (family, name, by, value)
+    (family, name, idle.by, value)
     for family, parameters in IDLE.items()
-    for name, (by, values) in parameters.items()
-    for value in values
+    for name, idle in parameters.items()
+    for value in idle.values
 ]
 
 
@@ -27,9 +27,9 @@ def test_a_parameter_that_the_page_hides_would_be_refused(family, name, by, valu
 
 
 def test_each_family_says_which_parameters_others_decide_about():
-    families = {one["name"]: one["parameters"] for one in catalogue([], print)["families"]}
-    maze = {one["name"]: one["idle"] for one in families["maze"]}
-    assert maze["newest"]["by"] == "algorithm" and "growing-tree" not in maze["newest"]["values"]
+    families = {one.name: one.parameters for one in catalogue([], print).families}
+    maze = {one.name: one.idle for one in families["maze"]}
+    assert maze["newest"].by == "algorithm" and "growing-tree" not in maze["newest"].values
     assert maze["mask"] is None
 
 
@@ -37,5 +37,5 @@ def test_each_family_says_which_parameters_others_decide_about():
 def test_every_family_has_a_preview(tmp_path):
     with studio_of(tmp_path) as gate, page_of(gate) as page:
         for family in FAMILIES.names():
-            assert page.ask("preview", family=family)["answer"]["world"]["width"] <= 60
+            assert page.ask("preview", family=family)["answer"]["width"] <= 60
         assert page.ask("preview", family="./mine.py:mine")["error"]["code"] == "not-registered"

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.answers import Answers
-from fuzz.studio.requests.folder import Folder
 from tests.helpers.raising import raises
+from tests.helpers.studio import Answers
 from worldgen import generate
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world, write_world
@@ -37,21 +36,21 @@ def folder(tmp_path):
 
 @pytest.fixture
 def answers(folder):
-    return Answers(Folder(folder))
+    return Answers(folder)
 
 
 @pytest.fixture
 def world(answers):
-    return answers.open({"name": "w.grid"}, print)["world"]
+    return answers.ask("open", **({"name": "w.grid"}))["world"]
 
 
 def save(answers, world, name, **more):
-    return answers.save({"name": name, "world": world, "overwrite": True, **more}, print)
+    return answers.ask("save", **({"name": name, "world": world, "overwrite": True, **more}))
 
 
 def export(answers, world, name, kind, **more):
     message = {"name": name, "world": world, "format": kind, "keep": True, "overwrite": True}
-    return answers.export(message | more, print)
+    return answers.ask("export", **(message | more))
 
 
 @pytest.mark.parametrize("name", ["evil.py", "new.py", "notes.txt", "photo.png"])
@@ -100,19 +99,18 @@ OUTSIDE = ["../taught.json", "away/taught.json", "link.json", "/etc/passwd",
 def test_what_was_learned_is_read_only_in_the_folder(answers, world, place):
     label = f"q-learner+learned={place}"
     with raises(InvalidParameter, "outside-of-folder"):
-        answers.check({"controller": label, **SETTINGS}, print)
-    parts = []
-    answers.run({"world": world, "controllers": [label], **SETTINGS}, parts.append)
-    assert parts[-1]["error"]["code"] == "outside-of-folder"
+        answers.ask("check", **({"controller": label, **SETTINGS}))
+    answers.ask("run", **({"world": world, "controllers": [label], **SETTINGS}))
+    assert answers.parts[-1]["error"]["code"] == "outside-of-folder"
     campaign = {"folder": "new", "controller": label, "motion": "swept", "units": 1,
                 "strategies": ["trap"]}  # fmt: skip
     with raises(InvalidParameter, "outside-of-folder"):
-        answers.command(campaign, print)
+        answers.ask("command", **(campaign))
     with raises(InvalidParameter, "outside-of-folder"):
-        answers.begin(campaign, print)
+        answers.ask("begin", **(campaign))
     compared = {"controllers": [label], "worlds": [{"file": "w.grid"}], "seeds": 1}
     with raises(InvalidParameter, "outside-of-folder"):
-        answers.compare({**SETTINGS, **compared}, print)
+        answers.ask("compare", **({**SETTINGS, **compared}))
 
 
 @pytest.mark.parametrize("place", ["taught.json", "./taught.json"])
@@ -122,32 +120,34 @@ def test_what_was_learned_is_found_in_the_folder_from_any_other(
     monkeypatch.chdir(tmp_path / "open" / "known")
     # The file holds no numbers, which is known only after it was read.
     with raises(InvalidParameter, "wrong-size"):
-        answers.check({"controller": f"q-learner+learned={place}", **SETTINGS}, print)
+        answers.ask("check", **({"controller": f"q-learner+learned={place}", **SETTINGS}))
 
 
 def test_the_user_s_own_controller_may_read_any_file(folder, tmp_path):
     label = f"q-learner+learned={tmp_path / 'taught.json'}"
     with raises(InvalidParameter, "wrong-size"):
-        Answers(Folder(folder), (label,)).check({"controller": label, **SETTINGS}, print)
+        Answers(folder, (label,)).ask("check", **({"controller": label, **SETTINGS}))
 
 
 @pytest.mark.parametrize("place", ["../notes.toml", "away/notes.toml", "/etc/passwd"])
 def test_a_family_reads_no_file_outside_the_folder(answers, place):
     with raises(InvalidParameter, "outside-of-folder"):
-        answers.generate({"family": "fire", "seed": "1", "parameters": {"over": place}}, print)
+        answers.ask("generate", **({"family": "fire", "seed": "1", "parameters": {"over": place}}))
 
 
 def test_a_family_s_name_is_no_file_even_if_a_folder_has_it(answers, folder):
     (folder / "maze").mkdir()
-    made = answers.generate({"family": "fire", "seed": "1", "parameters": {"over": "maze"}}, print)
+    made = answers.ask(
+        "generate", **({"family": "fire", "seed": "1", "parameters": {"over": "maze"}})
+    )
     assert "maze" in made["world"]["source"] and str(folder) not in made["world"]["source"]
 
 
 def test_a_known_failure_does_not_replace_another_file(answers, folder):
     corpora = Path(__file__).parents[2] / "corpora"
     shutil.copy(corpora / "thesis-faults/thesis-1-loop-104.grid", folder / "one.grid")
-    answers.know({"name": "one.grid", "known": True}, print)
+    answers.ask("know", **({"name": "one.grid", "known": True}))
     (copy,) = (folder / "known").rglob("*.grid")
     copy.write_text(CODE, "utf-8")
     with raises(OutputError, "not-a-world"):
-        answers.know({"name": "one.grid", "known": True}, print)
+        answers.ask("know", **({"name": "one.grid", "known": True}))

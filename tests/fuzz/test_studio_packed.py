@@ -77,7 +77,7 @@ def test_a_failure_in_an_archive_is_looked_at_opened_replayed_and_copied(asked, 
     assert program == "worldgen" and worldgen(*words).code == 0
     answer = asked.ask("open", name=one)["answer"]
     assert answer["failure"]["controller"] == "turn-right" and answer["file"] is None
-    assert "FAILURE" in asked.ask("snippet", name=one)["answer"]["text"]
+    assert "FAILURE" in asked.ask("snippet", name=one)["answer"]
 
 
 def test_a_failure_in_an_archive_is_marked_as_known_by_a_copy(asked, folder):

@@ -12,7 +12,7 @@ import pytest
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.refusals import IMPORT_OPTIONS, REMEDIES, describe_note, refusal
 from tests.helpers.command_line import worldgen
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import page_of, sent, studio_of
 from tests.helpers.studio_campaign import begin, watch
 from tests.repo.test_errors_are_data import MESSAGES
 from worldgen import generate
@@ -52,7 +52,7 @@ def test_an_error_keeps_its_code_facts_and_place():
             "below-minimum", "size={size} is below 3", "give more", size=2, line=7, source="w.grid"
         )
     )
-    assert told == {
+    assert sent(told) == {
         "code": "below-minimum",
         "problem": "size=2 is below 3",
         "remedy": "give more",
@@ -69,15 +69,12 @@ def test_a_way_out_that_the_page_has_takes_the_place_of_one_by_options():
     error = InvalidParameter(
         "file-exists", "{path} is there", "give --force", at_terminal=True, path="w.grid"
     )
-    assert (refusal(error)["remedy"], refusal(error)["terminal"]) == (
-        REMEDIES["file-exists"],
-        False,
-    )
+    assert (refusal(error).remedy, refusal(error).terminal) == (REMEDIES["file-exists"], False)
 
 
 def test_a_way_out_that_only_a_terminal_has_is_marked():
     error = InvalidParameter("too-many-things", "too many", "give --fewer", at_terminal=True)
-    assert (refusal(error)["remedy"], refusal(error)["terminal"]) == ("give --fewer", True)
+    assert (refusal(error).remedy, refusal(error).terminal) == ("give --fewer", True)
 
 
 def test_a_note_of_an_import_names_the_page_s_field():
@@ -99,18 +96,14 @@ def test_a_path_in_the_opened_folder_goes_by_its_name(fact, shown, tmp_path):
     folder = Folder(tmp_path)
     fact, shown = (text.replace("{}", str(folder.root)) for text in (fact, shown))
     told = folder.refusal(FormatError("x", "{path}: no", path=fact, source=fact))
-    assert (told["facts"]["path"], told["problem"], told["source"]) == (
-        shown,
-        f"{shown}: no",
-        shown,
-    )
+    assert (told.facts["path"], told.problem, told.source) == (shown, f"{shown}: no", shown)
 
 
 @pytest.mark.parametrize(
     "value", [float("nan"), float("inf"), object(), "x" * 50_000, ["a", float("nan")], {1: {2}}]
 )
 def test_whatever_a_fact_is_a_browser_can_read_it(value):
-    told = json.dumps(refusal(Message("odd", "{value!r:.20}", value=value)), allow_nan=False)
+    told = json.dumps(sent(refusal(Message("odd", "{value!r:.20}", value=value))), allow_nan=False)
     assert len(told) < 5_000
 
 

@@ -24,9 +24,8 @@ from pathlib import Path
 import pytest
 
 from fuzz.studio import Folder, Gate
-from fuzz.studio.requests.messages import message_of
 from tests.helpers.raising import raises
-from tests.helpers.studio import free_port, page_of, studio_of
+from tests.helpers.studio import fitting, free_port, message_of, page_of, studio_of
 from tests.helpers.studio_campaign import begin
 from worldgen import generate
 from worldgen.errors import InvalidParameter
@@ -105,6 +104,10 @@ def run_message(**changes):
     )
 
 
+def of_run(**changes):
+    return fitting("run", **run_message(**changes))
+
+
 def until(condition):
     """Wait until a condition holds; fail after a minute."""
     end = time.monotonic() + 60
@@ -142,10 +145,11 @@ def test_a_file_that_names_code_is_opened_and_its_code_is_never_loaded(page, fol
         write_world(world, folder / name, force=True)
     drawn = page.ask("open", name="f.grid")["answer"]["world"]
     for do in ("look", "before", "snippet", "know"):
-        page.ask(do, name="f.grid", known=True)
+        page.ask(do, **fitting(do, name="f.grid", known=True))
         assert not (folder / "pwned").exists(), do
     for do in ("decide", "measure", "run", "save"):
-        page.ask(do, **run_message(world=drawn), name="saved.grid", overwrite=True)
+        given = run_message(world=drawn, name="saved.grid", overwrite=True)
+        page.ask(do, **fitting(do, **given))
     page.ask("failures", folder="")
     assert not (folder / "pwned").exists()
 
@@ -153,7 +157,7 @@ def test_a_file_that_names_code_is_opened_and_its_code_is_never_loaded(page, fol
 @pytest.mark.gate
 @pytest.mark.parametrize("do", ["run", "picture"])
 def test_no_file_s_code_is_run_as_a_motion_model(page, folder, do):
-    said = page.ask(do, **run_message(motion=f"{folder}/evil.py:Motion", kind="svg"))
+    said = page.ask(do, **fitting(do, **run_message(motion=f"{folder}/evil.py:Motion", kind="svg")))
     errors = [part["error"] for part in (said, *said.get("parts", ())) if "error" in part]
     assert [error["code"] for error in errors] == ["not-registered"]
     assert not (folder / "pwned").exists()
@@ -166,7 +170,7 @@ def test_no_file_s_code_is_run_as_a_motion_model(page, folder, do):
 @pytest.mark.parametrize("do", ["open", "look", "save", "bring"])
 def test_a_pipe_in_the_folder_is_not_waited_for(page, do):
     message = {"name": "pipe.grid", "world": message_of(generate("corridor", 3)), "overwrite": True}
-    assert page.ask(do, **message)["error"]["code"] == "wrong-kind-of-file"
+    assert page.ask(do, **fitting(do, **message))["error"]["code"] == "wrong-kind-of-file"
 
 
 def test_a_name_too_long_for_the_disk_is_refused_in_a_sentence(folder):
@@ -202,7 +206,10 @@ def test_a_map_s_companions_lead_no_further_than_itself(page, folder, companion)
 
 
 def test_data_that_are_no_base64_are_the_message_s_fault(page):
-    assert page.ask("bring", name="a.txt", data="%%%")["error"]["code"] == "not-base64"
+    assert (
+        page.ask("bring", files=[{"name": "a.txt", "data": "%%%"}])["error"]["code"]
+        == "wrong-message"
+    )
 
 
 # The disk, and misleading files.
@@ -292,7 +299,7 @@ def test_a_full_disk_is_told_and_nothing_is_left_half_written(page, folder, do):
     if do == "bring":
         message = {"files": [{"name": "a.txt", "data": base64.b64encode(b"#" * 5000).decode()}]}
     with no_room(3000):
-        said = page.ask(do, **message)
+        said = page.ask(do, **fitting(do, **message))
     assert "File too large" in said["error"]["problem"] and said["error"]["code"] != "our-fault"
     assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir()} == before
     assert page.ask("open", name="room.grid")["answer"]["world"]["cells"] == drawn["cells"]
@@ -335,7 +342,7 @@ def test_a_folder_that_nobody_can_write_is_read_and_what_is_written_is_refused(d
     }
     with read_only(tmp_path), studio_of(tmp_path) as gate, page_of(gate) as page:
         assert page.ask("open", name="f.grid")["answer"]["world"]["cells"]
-        said = page.ask(do, strategies=[], units=1, **message)
+        said = page.ask(do, **fitting(do, strategies=[], units=1, **message))
     assert re.search("Read-only|Permission denied", said["error"]["problem"])
     assert str(tmp_path) not in json.dumps(said["error"])
     assert [path.name for path in tmp_path.iterdir()] == ["f.grid"]
@@ -351,9 +358,9 @@ def test_a_message_too_deep_to_hand_on_is_answered(page):
 
 @pytest.mark.nightly
 def test_a_controller_that_ends_its_process_is_told_and_the_next_one_runs(page, folder):
-    said = page.ask("run", **run_message(controllers=[f"{folder}/ends.py:Robot"]))
+    said = page.ask("run", **of_run(controllers=[f"{folder}/ends.py:Robot"]))
     assert said["error"]["code"] == "process-died"
-    assert page.ask("run", **run_message())["parts"][-1]["verdict"]
+    assert page.ask("run", **of_run())["parts"][-1]["verdict"]
 
 
 @pytest.mark.nightly
@@ -364,7 +371,7 @@ def test_a_controller_that_is_never_done_loading_is_named_and_ended_with_its_pag
     with studio_of(tmp_path, named=[f"{file}:Robot"]) as gate:
         with page_of(gate) as page:
             page.send("hello")
-            assert page.hear()["part"] == {"loading": f"{file}:Robot"}
+            assert page.hear()["part"] == f"{file}:Robot"
         file.write_text("")
         with page_of(gate) as page:
             (named,) = (one for one in page.ask("hello")["answer"]["controllers"] if one["named"])
@@ -378,7 +385,7 @@ def test_a_picture_of_a_controller_that_hangs_is_ended_with_its_page(gate, folde
         page.send("picture", **run_message(kind="svg", controllers=[f"{folder}/hangs.py:Robot"]))
         until((folder / "hanging").exists)
     with page_of(gate) as page:
-        assert page.ask("picture", **run_message(kind="svg"))["answer"]["data"]
+        assert page.ask("picture", **run_message(kind="svg"))["answer"]
 
 
 @pytest.mark.nightly
@@ -430,7 +437,7 @@ def test_a_controller_that_hangs_is_gone_with_a_server_that_was_killed(folder):
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
         token = server.stderr.readline().split("token=")[1].strip()
         with page_of(Gate("127.0.0.1", port, token)) as page:
-            page.send("run", **run_message(controllers=[f"{folder}/hangs.py:Robot"]))
+            page.send("run", **of_run(controllers=[f"{folder}/hangs.py:Robot"]))
             until((folder / "hanging").exists)
             server.send_signal(signal.SIGKILL)
     until(lambda: not is_alive(int((folder / "hanging").read_text())))
@@ -454,7 +461,7 @@ def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
         port, token = re.search(r":(\d+)/\?token=(.*)", server.stderr.readline()).groups()
         with page_of(Gate("127.0.0.1", int(port), token)) as page:
             for do in ("files", "decide", "run", "campaigns", "failures", "picture"):
-                page.send(do, folder="", **run_message(kind="svg"))
+                page.send(do, **fitting(do, folder="", **run_message(kind="svg")))
             page.ask("nothing")  # the others are about to start
             os.killpg(server.pid, signal.SIGINT)  # as a terminal does
             _, said = server.communicate(timeout=60)

@@ -96,8 +96,8 @@ def test_a_process_that_cannot_begin_ahead_of_time_costs_no_connection():
         def warm(self):
             raise OSError(errno.EAGAIN, "too many processes")
 
-        async def ask(self, kind, message):
-            yield "answer", {}
+        async def ask(self, request):
+            yield "answer", None, {}
 
     class Socket:
         def __init__(self):
@@ -117,7 +117,7 @@ def test_a_process_that_cannot_begin_ahead_of_time_costs_no_connection():
 
     page = Session(Socket(), defaultdict(Full), {})
     asyncio.run(page.serve())
-    assert page.socket.said[1:] == [{"id": 7, "answer": {}}]
+    assert page.socket.said[1:] == [{"id": 7, "answer": None}]
 
 
 def test_port_0_is_one_that_is_free():

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.studio.requests.messages import message_of, world_of
-from tests.helpers.studio import page_of, studio_of
+from fuzz.studio.requests.messages import world_of
+from tests.helpers.studio import message_of, page_of, received, studio_of
 from worldgen.families.builtin.shift import shifted
 from worldgen.files.grid import read_world
 
@@ -27,7 +27,7 @@ def test_a_seed_that_is_none_is_refused(gate, seed):
     with page_of(gate) as page:
         assert (
             page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]["code"]
-            == "not-a-seed"
+            == "wrong-message"
         )
 
 
@@ -39,8 +39,8 @@ def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
             replace(still, walls=still.walls[:, :-1], certificate=None, provenance=None)
         )
         assert "no mirror image" in page.ask("shift", world=flat, seed="0")["error"]["problem"]
-        moving = page.ask("shift", world=message_of(still), seed="7")["answer"]["world"]
-        assert world_of(moving) == shifted(still, 7)
+        moving = page.ask("shift", world=message_of(still), seed="7")["answer"]
+        assert world_of(received(moving)) == shifted(still, 7)
         assert "already changes" in page.ask("shift", world=moving, seed="0")["error"]["problem"]
         empty = message_of(
             replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None)

@@ -8,12 +8,16 @@ import threading
 import time
 from pathlib import Path
 
+import msgspec
 import uvicorn
 from websockets.sync.client import connect
 
 from fuzz.studio import Folder, Gate, Studio, make_app
-from fuzz.studio.gate import SUBPROTOCOL
+from fuzz.studio.answers import answer
+from fuzz.studio.requests import messages
+from fuzz.studio.requests.folder import Opened
 from fuzz.studio.requests.limits import MOST_MESSAGE
+from fuzz.studio.requests.protocol import REQUESTS, SUBPROTOCOL, WorldMessage, decoded, encoded
 from fuzz.studio.serving import bind
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
@@ -71,6 +75,40 @@ def get(gate, path="/", *, method="GET", token=True, **headers):
     answer.body = answer.read()
     connection.close()
     return answer
+
+
+def message_of(world):
+    """Return a world as the page sends it."""
+    return sent(messages.message_of(world))
+
+
+def sent(message):
+    """Return a message as it arrives: in JSON's types."""
+    return json.loads(encoded(message))
+
+
+def received(message):
+    """Return a world from the page as the server receives it."""
+    return msgspec.json.decode(json.dumps(message), type=WorldMessage)
+
+
+def fitting(do, **message):
+    """Return the fields of a message that a kind of request takes."""
+    return {
+        name: value for name, value in message.items() if name in REQUESTS[do].__struct_fields__
+    }
+
+
+class Answers:
+    """Answers requests in this process."""
+
+    def __init__(self, folder, named=()):
+        self.opened = Opened(Folder(folder), tuple(named))
+        self.parts = []
+
+    def ask(self, do, **message):
+        request = decoded(json.dumps({"id": 0, "do": do} | message))
+        return sent(answer(request, self.opened, lambda part: self.parts.append(sent(part))))
 
 
 class Page:

@@ -41,4 +41,4 @@ def begin(page, folder, **more):
 
 def watch(page, folder):
     """Wait until a campaign has stopped; return its state."""
-    return page.ask("watch", folder=folder)["answer"]["state"]
+    return page.ask("watch", folder=folder)["answer"]

@@ -24,7 +24,7 @@ USES = {
     "dask": "dask scheduler --port 0 --no-dashboard "
     "--scheduler-file build/scheduler.json & dask worker --scheduler-file build/scheduler.json & "
     "until test -s build/scheduler.json; do sleep 0.2; done; "
-    "worldgen fuzz --controller turn-right --units 1 --examples 5 --out build/found "
+    "worldgen fuzz --controller turn-right --units 1 --examples 5 --seed 1 --out build/found "
     '--scheduler $(grep -o "tcp://[^\\"]*" build/scheduler.json) || test $? = 1',
     "numba": "cd build && worldgen new-controller mine --kind compiled && "
     "worldgen maze --size 12 --seed 1 --out w.grid && "

@@ -4,21 +4,21 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from fuzz.studio.workers import WORKER_OF
+from build_tools import page_types
+from fuzz.studio.answers import answer
+from fuzz.studio.requests.protocol import REQUESTS, Cancel, Edits, Stop, Watch
 from tests.helpers.command_line import worldgen
 
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_every_question_of_the_protocol_is_described():
-    rows = set(
-        re.findall(
-            r"^\| `(\w+)` \|",
-            (DOCS.parent / "fuzz" / "studio" / "protocol.md").read_text(),
-            re.MULTILINE,
-        )
-    )
-    assert rows - {"do"} == {*WORKER_OF, "cancel"}
+def test_the_pages_types_are_those_of_the_messages():
+    assert page_types.FILE.read_text() == page_types.page_types()
+
+
+def test_every_request_that_a_process_answers_has_a_function():
+    answered = {kind for kind in REQUESTS.values() if kind in answer.registry}
+    assert {*REQUESTS.values()} - answered == {Edits, Watch, Stop, Cancel}
 
 
 def test_every_option_of_the_command_is_described():

@@ -3,6 +3,7 @@
 import hashlib
 import re
 import shutil
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, read_world, write_world
-from worldgen.files.worlds import files_in
+from worldgen.files.worlds import files_in, read_worlds
 from worldgen.generation import generate
 from worldgen.interop import (
     FORMATS,
@@ -325,6 +326,11 @@ def test_a_sidecar_is_a_world_but_not_another_one_of_its_folder(tmp_path):
     sidecar = tmp_path / "world.gex.worldgen.grid"
     assert np.array_equal(read_world(sidecar).walls, room().walls)
     assert files_in(tmp_path) == []
+    write_world(room(), tmp_path / "w.grid")
+    with zipfile.ZipFile(tmp_path / "both.zip", "w") as archive:
+        for name in ("w.grid", sidecar.name):
+            archive.write(tmp_path / name, name)
+    assert [place.name for place, _ in read_worlds([tmp_path / "both.zip"])] == ["w.grid"]
 
 
 def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_sidecar(tmp_path):
@@ -349,6 +355,8 @@ def test_the_origin_of_an_imported_map_is_where_its_exports_lie(tmp_path):
     )
     assert origin_of(replace(imported, provenance=made)) == (-7.5, 2.25)
     assert origin_of(replace(imported, provenance=None)) == (0.0, 0.0)
+    huge = replace(imported.provenance, params={"origin": [(1 << 1024) - 1, 0]})
+    assert origin_of(replace(imported, provenance=huge)) == (0.0, 0.0)
 
 
 def test_another_robot_in_an_imported_map_stands_where_the_map_stood(tmp_path):

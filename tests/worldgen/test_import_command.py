@@ -271,7 +271,7 @@ def test_a_format_is_known_by_its_contents_or_by_name(tmp_path, run, name, file)
 
 
 REFUSED = [
-    (["none.map"], FormatError, {"code": "unreadable"}),
+    (["none.map"], FormatError, {"code": "no-such-file"}),
     (["."], FormatError, {"code": "not-a-regular-file"}),
     (["junk"], FormatError, {"code": "unknown-format"}),
     ([PROBLEMS], FormatError, {"code": "no-map-found"}),
@@ -287,7 +287,7 @@ REFUSED = [
         {"code": "unknown-name", "name": "cell_size", "owner": "format ros on import"},
     ),
     (
-        [MAZE, "--unknown", "free"],
+        [MAZE, "--from", "movingai+unknown=free"],
         InvalidParameter,
         {"code": "unknown-name", "name": "unknown", "owner": "format movingai on import"},
     ),
@@ -336,7 +336,7 @@ REFUSED = [
         InvalidWorld,
         {"code": "not-clear", "y": 0.05, "distance": 0.05},
     ),
-    ([MAZE, "--scen", "none.scen"], FormatError, {"code": "unreadable"}),
+    ([MAZE, "--scen", "none.scen"], FormatError, {"code": "no-such-file"}),
     (
         [MAZE, "--scen", PROBLEMS, "--row", "231"],
         FormatError,

@@ -142,7 +142,7 @@ def test_a_refusal_keeps_the_notes_that_explain_it(tmp_path):
     assert (done.code, done.error_code) == (2, "no-room")
     assert "1,050 of 1,200 cells are transparent, hence unknown" in done.err
     assert "neither occupied nor free" not in done.err  # the same cells
-    assert "--unknown free" in done.err
+    assert "--from ros+unknown=free" in done.err
     assert not (tmp_path / "w.grid").exists()
 
 

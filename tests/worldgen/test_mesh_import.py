@@ -147,7 +147,16 @@ def read_world_of(data, folder):
 
 def test_the_command_cuts_where_it_is_told(tmp_path):
     path = put(tmp_path, "b.glb", building_file("glb"))
-    done = worldgen("import", path, "--slice", "0.2", "--cell", "0.1", "--out", tmp_path / "w.grid")
+    done = worldgen(
+        "import",
+        path,
+        "--from",
+        "glb+slice_height=0.2",
+        "--cell",
+        "0.1",
+        "--out",
+        tmp_path / "w.grid",
+    )
     assert done.code == 0, done.err
     assert np.array_equal(read_world(tmp_path / "w.grid").walls, ground_floor(0.2))
 
@@ -157,11 +166,11 @@ def test_the_command_takes_unit_axis_and_floor(tmp_path):
     mesh.apply_scale(1000.0)
     path = put(tmp_path, "b.stl", mesh.export(file_type="stl"))
     out = tmp_path / "w.grid"
-    words = ("--slice", "0.2", "--cell", "0.1", "--unit", "mm", "--up", "z", "--out", out)
-    done = worldgen("import", path, *words)
+    cut, words = "stl+slice_height=0.2+unit=mm+up=z", ("--cell", "0.1", "--out", out)
+    done = worldgen("import", path, "--from", cut, *words)
     assert done.code == 0, done.err
     assert np.array_equal(read_world(out).walls, ground_floor(0.2))
-    missing = worldgen("import", path, *words, "--force", "--floor", "7")
+    missing = worldgen("import", path, "--from", f"{cut}+floor=7", *words, "--force")
     assert missing.code == 2 and missing.error_code == "out-of-range"
 
 

@@ -444,12 +444,13 @@ def test_the_cell_size_and_a_size_that_the_program_does_not_load_are_said(tmp_pa
 
 def test_noise_is_added_and_left_out_on_demand(tmp_path):
     plain, noisy = ((SAMPLES / f"{name}.map").read_bytes() for name in ("map30", "map30noise"))
-    for name, flag, data in [("map30", "--noise", noisy), ("map30noise", "--no-noise", plain)]:
+    for name, noise, data in [("map30", "on", noisy), ("map30noise", "off", plain)]:
         write_world(import_world(SAMPLES / f"{name}.map").world, tmp_path / "w.grid", force=True)
         out = tmp_path / f"{name}.gex"
-        assert (
-            worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", out, flag).code == 0
+        done = worldgen(
+            "export", tmp_path / "w.grid", "--to", f"thesis+noise={noise}", "--out", out
         )
+        assert done.code == 0
         assert out.read_bytes() == data
 
 
@@ -506,7 +507,8 @@ def test_an_exporter_of_ones_own_is_found_by_its_path(tmp_path):
         tmp_path / "n.txt",
     ]
     assert worldgen(*args).code == 0 and (tmp_path / "n.txt").read_bytes() == b"100"
-    refused = worldgen(*args, "--noise", "--force")
+    args[3] += "+noise=on"
+    refused = worldgen(*args, "--force")
     assert refused.code == 2 and refused.error_code == "unknown-name"
 
 

@@ -40,7 +40,7 @@ OTHER_WORDS = {
     "width": ("size",), "height": ("size",), "f": ("force", "family"), "overwrite": ("force",),
     "y": ("force",), "format": ("to", "from"), "type": ("to", "kind"), "lang": ("kind",),
     "language": ("kind",), "r": ("radius", "robot-radius"), "env": ("family",),
-    "v": ("version",), "h": ("help",),
+    "verdict": ("only",), "cause": ("only",), "v": ("version",), "h": ("help",),
 }  # fmt: skip
 COMMANDS = {
     "generate": "", "gen": "", "make": "", "new": "", "create": "", "add": "",

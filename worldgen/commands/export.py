@@ -47,11 +47,6 @@ EXAMPLES = (
     default=True,
     help="Keep facts that the format cannot store in a file next to it.",
 )
-@click.option(
-    "--noise/--no-noise",
-    default=None,
-    help="Pass a thesis map through the noise filter.  [default: as it was imported]",
-)
 @force_option
 @json_option
 def export(
@@ -61,7 +56,6 @@ def export(
     at: float | None,
     origin: str | None,
     sidecar: bool,
-    noise: bool | None,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -79,7 +73,6 @@ def export(
             read_whole_world(world),
             name or interop.guess_format(out.name),
             file=out.name,
-            options={} if noise is None else {"noise": "on" if noise else "off"},
             at=at,
             origin=None if origin is None else _origin(origin),
             sidecar=sidecar,

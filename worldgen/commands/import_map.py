@@ -16,7 +16,7 @@ EXAMPLES = (
     "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
     "  worldgen import old.gex --out w.grid\n"
     "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid\n"
-    "  worldgen import building.glb --slice 0.2 --cell 0.05 --out w.grid"
+    "  worldgen import building.glb --from glb+slice_height=0.2 --cell 0.05 --out w.grid"
 )
 
 
@@ -27,7 +27,8 @@ EXAMPLES = (
     "--from",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="Format of PATH, as listed by `worldgen formats`; recognised if omitted.",
+    help="Format of PATH, recognised if omitted, and its options: glb+slice_height=0.2, "
+    "ros+unknown=free. `worldgen formats NAME` lists them.",
 )
 @click.option(
     "--radius",
@@ -75,30 +76,6 @@ EXAMPLES = (
     help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
 )
 @click.option(
-    "--slice",
-    "slice_height",
-    type=float,
-    help="Height of the cut through a mesh, m above the floor.  [default: 0.2]",
-)
-@click.option(
-    "--floor", type=click.IntRange(0), help="Which floor of a mesh; 0 is the lowest.  [default: 0]"
-)
-@click.option(
-    "--unit",
-    type=click.Choice(["m", "cm", "mm", "in"]),
-    help="Unit of an STL or OBJ file.  [default: m]",
-)
-@click.option(
-    "--up",
-    type=click.Choice(["y", "z"]),
-    help="Axis of a mesh that points up.  [default: y for glTF, otherwise z]",
-)
-@click.option(
-    "--unknown",
-    type=click.Choice(["solid", "free"]),
-    help="How to treat unknown ROS cells.  [default: solid]",
-)
-@click.option(
     "--seed", type=SEED, help="Seed of the search for places that are far apart.  [default: 0]"
 )
 @click.option(
@@ -132,7 +109,7 @@ def import_map(
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
     worlds of robot simulators, pictures, drawings, meshes, or a .grid, which keeps its own start
-    and target unless you give others. A mesh is cut at the height --slice, where the lidar is. If
+    and target unless you give others. A mesh is cut at slice_height, where the lidar is. If
     neither you nor the file gives a start and a target, they are placed far apart in the largest
     region the robot can drive through, with room to turn.
 

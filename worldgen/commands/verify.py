@@ -16,8 +16,7 @@ from worldgen.support.progress import working
 _FIRST = 10
 
 EXAMPLES = (
-    "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n"
-    "  worldgen verify mazes.zip --radius 0.3"
+    "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n  worldgen verify mazes.zip"
 )
 
 

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim import CompiledController
 from sim._core import ffi, lib
+from sim.runners.controller_host import OutsideHost
 from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import lattice_to_metres
@@ -22,10 +22,6 @@ from worldgen_plugins.for_gymnasium.options import Rules
 __all__ = ["Lockstep", "StepResult"]
 
 Singles = npt.NDArray[np.float32]
-
-
-def _nobody(observation: Floats, memory: object, command: object) -> None:
-    """Do nothing; never called, because an environment's actions are its commands."""
 
 
 class StepResult(NamedTuple):
@@ -179,7 +175,7 @@ class Lockstep:
         self._autoreset = autoreset
         interface = rules.interface
         self.size = sum(len(low) for low, _ in interface.bounds().values())
-        self._driver = CompiledController("gymnasium", _nobody, senses=interface.senses)
+        self._host = OutsideHost(interface.senses)
         self.worlds: Sequence[World] = ()
         self.crew = RobotArrays(rules, rules.numbers(limit, autoreset), count, self.size)
 
@@ -210,7 +206,7 @@ class Lockstep:
             InvalidParameter: If the time step does not fit a robot's speed.
         """
         options = self._rules.run_options()
-        runs = [LatticeRun(world, self._driver, options) for world in worlds]
+        runs = [LatticeRun(world, self._host, options) for world in worlds]
         arenas = [run.arena() for run in runs]
         # Distances to the target are needed only if the reward measures progress.
         ways = [distances_to_target(world) for world in worlds] if self._rules.by_way else []

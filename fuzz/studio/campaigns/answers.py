@@ -17,20 +17,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
 from fuzz.studio.campaigns.elites import elite_of, runs_in
 from fuzz.studio.campaigns.fuzz_arguments import (
-    baseline,
     begun,
-    budget,
     check_oracles,
     check_strategies,
     command_line,
-    workers,
+    spent,
 )
 from fuzz.studio.campaigns.state import (
     SAID,
@@ -38,12 +35,23 @@ from fuzz.studio.campaigns.state import (
     campaign_state,
     interrupt,
     is_campaign,
-    is_own,
+    own_folder,
     running_process,
 )
-from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Folder, Opened
-from fuzz.studio.requests.messages import Request, SendPart, opened_message, restored
-from fuzz.studio.requests.messages import field as part_of
+from fuzz.studio.requests.folder import KNOWN, MOST_FAILURES, Folder, Opened, answer
+from fuzz.studio.requests.messages import opened_message, restored
+from fuzz.studio.requests.protocol import (
+    Begin,
+    CampaignList,
+    Campaigns,
+    CampaignState,
+    Command,
+    Elite,
+    ListedFolder,
+    OpenedMessage,
+    Resume,
+    SendPart,
+)
 from fuzz.studio.requests.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -60,211 +68,191 @@ _WITH_NAMES = (
 )
 
 
-@dataclass(frozen=True)
-class CampaignAnswers(Opened):
-    """Answers of the campaign page that concern the campaigns' processes."""
+# Processes of campaigns begun here, which are waited for once they have ended.
+_begun: list[subprocess.Popen[bytes]] = []
 
-    _begun: list[subprocess.Popen[bytes]] = field(
-        default_factory=list, init=False, repr=False, compare=False
+
+@answer.register
+def _campaigns(request: Campaigns, opened: Opened, part: object) -> CampaignList:
+    folders = _folders(opened.folder)
+    states = []
+    faults = []
+    for name in folders:
+        try:
+            states += [_state(opened, name)] if _is_campaign(opened.folder, name) else []
+        except WorldgenError as error:  # report this one and list the others
+            faults.append(opened.folder.refusal(error))
+    return CampaignList(
+        sorted(states, key=lambda state: (not state.running, state.folder)),
+        faults,
+        [ListedFolder(name, worlds) for name, worlds in folders.items() if worlds],
+        opened.folder.archives(),
     )
 
-    def campaigns(self, message: Request, part: object) -> dict[str, Any]:
-        """Return the folder's campaigns, running ones first, and folders that hold worlds."""
-        self._reap()
-        folders = _folders(self.folder)
-        states = []
-        faults = []
-        for name in folders:
-            try:
-                states += (
-                    [self._state(self.folder.place(name), name)] if self._is_campaign(name) else []
-                )
-            except WorldgenError as error:  # report this one and list the others
-                faults.append(self.folder.refusal(error))
-        return {
-            "faults": faults,
-            "campaigns": sorted(states, key=lambda state: (not state["running"], state["folder"])),
-            "folders": [
-                {"name": name, "worlds": count} for name, count in folders.items() if count
-            ],
-            "archives": self.folder.archives(),
-        }
 
-    def begin(self, message: Request, part: SendPart) -> dict[str, Any]:
-        """Begin a campaign in a folder, or resume the existing one.
+@answer.register
+def _begin(request: Begin, opened: Opened, part: SendPart[str]) -> CampaignState:
+    out = _own(opened.folder, request.folder)
+    words = [*_words(request, opened), f"--out={out}"]
+    # A drawn map exists only here, so it is passed to the process as a temporary file.
+    with tempfile.TemporaryDirectory() as there:
+        if request.world is not None:
+            fixed = Path(there) / "world.grid"
+            write_world(restored(request.world), fixed)
+            words.append(f"--world={fixed}")
+        _start(out, words, lambda: part(request.folder))
+    return _state(opened, request.folder)
 
-        A part announces that it can be stopped.
-        """
-        self._reap()
-        name = part_of(message, "folder", str)
-        out = self._own(name)
-        words = [*self._words(message), f"--out={out}"]
-        # A drawn map exists only here, so it is passed to the process as a temporary file.
-        with tempfile.TemporaryDirectory() as there:
-            if message.get("world") is not None:
-                fixed = Path(there) / "world.grid"
-                write_world(restored(part_of(message, "world", dict)), fixed)
-                words.append(f"--world={fixed}")
-            self._start(out, words, lambda: part({"begins": name}))
-        return {"state": self._state(out, name)}
 
-    def command(self, message: Request, part: object) -> dict[str, Any]:
-        """Return the command that begins the same campaign at a terminal."""
-        out = self._own(part_of(message, "folder", str))
-        return {"command": command_line(self._words(message), message, out, self.folder)}
+@answer.register
+def _command(request: Command, opened: Opened, part: object) -> str:
+    out = _own(opened.folder, request.folder)
+    return command_line(_words(request, opened), request, out, opened.folder)
 
-    def _words(self, message: Request) -> list[str]:
-        """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
-        ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
-        return [*begun(message, self), *ours]
 
-    def resume(self, message: Request, part: SendPart) -> dict[str, Any]:
-        """Resume the campaign in a folder; a part announces that it can be stopped."""
-        self._reap()
-        name = part_of(message, "folder", str)
-        out = self._own(name)
-        controller = self._check_stored(out, name)
-        ours = (*budget(message, needed=False), *workers(message), *baseline(message, self.folder))
-        words = [f"--resume={out}", *ours]
-        self._start(out, words, lambda: part({"begins": name}), named=[controller])
-        return {"state": self._state(out, name)}
+@answer.register
+def _resume(request: Resume, opened: Opened, part: SendPart[str]) -> CampaignState:
+    out = _own(opened.folder, request.folder)
+    controller = _check_stored(opened, out, request.folder)
+    words = [f"--resume={out}", *spent(request, opened.folder)]
+    _start(out, words, lambda: part(request.folder), named=[controller])
+    return _state(opened, request.folder)
 
-    def elite(self, message: Request, part: object) -> dict[str, Any]:
-        """Return the simplest world in a cell of a campaign's archive, and its controller."""
-        out = self._own(part_of(message, "folder", str))
-        world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))
-        return opened_message(world) | {"runs": runs_in(out)}
 
-    def _state(self, out: Path, name: str) -> dict[str, Any]:
-        return campaign_state(out, name, self.folder.root, self.named)
+@answer.register
+def _elite(request: Elite, opened: Opened, part: object) -> OpenedMessage:
+    out = _own(opened.folder, request.folder)
+    return opened_message(elite_of(out, request.i, request.j), runs=runs_in(out))
 
-    def _is_campaign(self, name: str) -> bool:
+
+def _words(request: Begin, opened: Opened) -> list[str]:
+    """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
+    if request.units is None and request.seconds is None:
+        raise InvalidParameter("no-budget", "the campaign has no budget", "give units or seconds")
+    return [*begun(request, opened), *spent(request, opened.folder)]
+
+
+def _state(opened: Opened, name: str) -> CampaignState:
+    return campaign_state(opened.folder.place(name), name, opened.folder.root, opened.named)
+
+
+def _is_campaign(folder: Folder, name: str) -> bool:
+    try:
+        return bool(name) and is_campaign(_own(folder, name))
+    except InvalidParameter:
+        return False
+
+
+def _own(folder: Folder, name: str) -> Path:
+    """Return a folder in the opened one for a campaign of its own."""
+    out = own_folder(folder, name)
+    if out.is_relative_to(folder.root / KNOWN):
+        raise InvalidParameter(
+            "folder-is-for-known",
+            "{known}/ is reserved for failures that are marked as known",
+            "choose another folder",
+            known=KNOWN,
+        )
+    return out
+
+
+def _check_stored(opened: Opened, out: Path, name: str) -> str:
+    """Refuse a campaign that would run code that was not named at the start.
+
+    Its folder may have any origin. Return its controller, the only code of it that may run.
+    """
+    stored = FolderStore.stored_in(out)
+    if stored is None:
+        raise InvalidParameter(
+            "no-campaign", "{name} has no campaign to resume", "begin one", name=name
+        )
+    configuration = stored[0].configuration
+    # The campaign store may name code in files, which must not run unless the user named it.
+    scenario = configuration.get("scenario")
+    if not isinstance(scenario, dict) or not may_run(str(scenario.get("controller")), opened.named):
+        raise InvalidParameter(
+            "not-named",
+            "{name} runs a controller that was not named when the studio started",
+            "name it when starting: worldgen studio --controller",
+            at_terminal=True,
+            name=name,
+        )
+    if scenario.get("motion") not in MOTIONS.names():
+        raise InvalidParameter(
+            "not-registered",
+            "{name} uses a motion model from a file",
+            "resume it at a terminal",
+            name=name,
+        )
+    check_strategies(map(str, configuration.get("families") or ()))
+    check_oracles(map(str, configuration.get("oracles") or ()))
+    # Resolve links, because the database is written to.
+    database = Path(os.path.realpath(str(configuration.get("database") or opened.folder.root)))
+    if not database.is_relative_to(opened.folder.root):
+        raise InvalidParameter(
+            "outside-of-folder",
+            "{name} uses a database outside the opened folder",
+            "resume it at a terminal",
+            name=name,
+        )
+    return str(scenario["controller"])
+
+
+def _start(
+    out: Path, words: list[str], started: Callable[[], None], *, named: Sequence[str] = ()
+) -> None:
+    """Start a campaign's process and wait until it has begun.
+
+    Args:
+        out: The campaign's folder.
+        words: Arguments of the process other than the folder.
+        started: Called when it can be stopped.
+        named: Names of code that it may run although the words do not contain them.
+
+    Raises:
+        OutputError: If it does not begin; with the process's message.
+    """
+    # Two campaigns must not share a folder.
+    if running_process(out) is not None:
+        raise OutputError(
+            "campaign-is-running",
+            "the campaign in {name} is already running",
+            "stop it first",
+            name=out.name,
+        )
+    # Remember the folders created here, so that they can be removed if it does not begin.
+    memory = out / MEMORY
+    made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
+    # Start the command, and wait until it has begun or refused.
+    with contextlib.ExitStack() as stack:
         try:
-            return bool(name) and is_campaign(self._own(name))
-        except InvalidParameter:
-            return False
-
-    def _own(self, name: str) -> Path:
-        """Return a folder in the opened one whose campaign store is not a link to elsewhere."""
-        out = self.folder.place(name)
-        if out == self.folder.root or not is_own(out):
-            raise InvalidParameter(
-                "not-a-campaign-folder",
-                "{name!r} is not a campaign's folder in the opened one",
-                "choose another",
-                name=name,
-            )
-        if out.is_relative_to(self.folder.root / KNOWN):
-            raise InvalidParameter(
-                "folder-is-for-known",
-                "{known}/ is reserved for failures that are marked as known",
-                "choose another folder",
-                known=KNOWN,
-            )
-        return out
-
-    def _check_stored(self, out: Path, name: str) -> str:
-        """Refuse a campaign that would run code that was not named at the start.
-
-        Its folder may have any origin. Return its controller, the only code of it that may run.
-        """
-        stored = FolderStore.stored_in(out)
-        if stored is None:
-            raise InvalidParameter(
-                "no-campaign", "{name} has no campaign to resume", "begin one", name=name
-            )
-        configuration = stored[0].configuration
-        # The campaign store may name code in files, which must not run unless the user named it.
-        scenario = configuration.get("scenario")
-        if not isinstance(scenario, dict) or not may_run(
-            str(scenario.get("controller")), self.named
-        ):
-            raise InvalidParameter(
-                "not-named",
-                "{name} runs a controller that was not named when the studio started",
-                "name it when starting: worldgen studio --controller",
-                at_terminal=True,
-                name=name,
-            )
-        if scenario.get("motion") not in MOTIONS.names():
-            raise InvalidParameter(
-                "not-registered",
-                "{name} uses a motion model from a file",
-                "resume it at a terminal",
-                name=name,
-            )
-        check_strategies(configuration.get("families"))
-        check_oracles(configuration.get("oracles"))
-        # Resolve links, because the database is written to.
-        database = Path(os.path.realpath(str(configuration.get("database") or self.folder.root)))
-        if not database.is_relative_to(self.folder.root):
-            raise InvalidParameter(
-                "outside-of-folder",
-                "{name} uses a database outside the opened folder",
-                "resume it at a terminal",
-                name=name,
-            )
-        return str(scenario["controller"])
-
-    def _start(
-        self, out: Path, words: list[str], started: Callable[[], None], *, named: Sequence[str] = ()
-    ) -> None:
-        """Start a campaign's process and wait until it has begun.
-
-        Args:
-            out: The campaign's folder.
-            words: Arguments of the process other than the folder.
-            started: Called when it can be stopped.
-            named: Names of code that it may run although the words do not contain them.
-
-        Raises:
-            OutputError: If it does not begin; with the process's message.
-        """
-        # Two campaigns must not share a folder.
-        if running_process(out) is not None:
+            memory.mkdir(parents=True, exist_ok=True)
+            forget_error(out)
+            mark = stack.enter_context(beginning(memory))
+            with (memory / SAID).open("wb") as stderr:
+                process = _process(fuzz_command(words, named), stderr)
+        except OSError as error:
             raise OutputError(
-                "campaign-is-running",
-                "the campaign in {name} is already running",
-                "stop it first",
+                "unwritable",
+                "{name} cannot be written: {reason}",
+                "choose another folder",
                 name=out.name,
-            )
-        # Remember the folders created here, so that they can be removed if it does not begin.
-        memory = out / MEMORY
-        made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
-        # Start the command, and wait until it has begun or refused.
-        with contextlib.ExitStack() as stack:
-            try:
-                memory.mkdir(parents=True, exist_ok=True)
-                forget_error(out)
-                mark = stack.enter_context(beginning(memory))
-                with (memory / SAID).open("wb") as stderr:
-                    process = _process(fuzz_command(words, named), stderr)
-            except OSError as error:
-                raise OutputError(
-                    "unwritable",
-                    "{name} cannot be written: {reason}",
-                    "choose another folder",
-                    name=out.name,
-                    reason=error.strerror or str(error),
-                ) from error
-            self._begun.append(process)
-            started()
-            why_not = _wait_until_begun(process, out, mark)
-            if why_not is None and not mark.exists():
-                interrupt(process.pid)  # it was stopped while it was starting
-        if why_not is None:
-            return
-        # It did not begin, so leave everything unchanged.
-        (memory / SAID).unlink(missing_ok=True)
-        forget_error(out)
-        for folder in made:
-            with contextlib.suppress(OSError):  # not empty
-                folder.rmdir()
-        raise why_not
-
-    def _reap(self) -> None:
-        """Forget processes that have ended."""
-        self._begun[:] = [process for process in self._begun if process.poll() is None]
+                reason=error.strerror or str(error),
+            ) from error
+        _begun[:] = [one for one in _begun if one.poll() is None] + [process]
+        started()
+        why_not = _wait_until_begun(process, out, mark)
+        if why_not is None and not mark.exists():
+            interrupt(process.pid)  # it was stopped while it was starting
+    if why_not is None:
+        return
+    # It did not begin, so leave everything unchanged.
+    (memory / SAID).unlink(missing_ok=True)
+    forget_error(out)
+    for folder in made:
+        with contextlib.suppress(OSError):  # not empty
+            folder.rmdir()
+    raise why_not
 
 
 def _wait_until_begun(
@@ -367,8 +355,8 @@ def _folders(folder: Folder) -> dict[str, int]:
     """
     counts: dict[str, int] = {"": 0}
     for entry in folder.files(most=MOST_FAILURES):
-        if entry["world"]:
-            parts = entry["name"].split("/")[:-1]
+        if entry.world:
+            parts = entry.name.split("/")[:-1]
             for depth in range(len(parts) + 1):
                 name = "/".join(parts[:depth])
                 counts[name] = counts.get(name, 0) + 1

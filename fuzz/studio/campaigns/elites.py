@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import msgspec
-
-from fuzz.campaign.store import MEMORY, FolderStore, read_summary
-from fuzz.campaign.store.entry import StoredElite, UnitEntry
+from fuzz.campaign.store import FolderStore, read_summary, stored_elites
 from fuzz.layouts.features import decode_scene
-from worldgen.errors import FormatError, InvalidParameter
-from worldgen.files.whole import read_text
+from fuzz.studio.requests.protocol import RecordedRun
+from worldgen.errors import InvalidParameter
+from worldgen.files.json_file import converted
 from worldgen.world import World
 
 
@@ -40,8 +36,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
             i=i,
             j=j,
         )
-    for cell, layout, quality, verdict in _elites(folder / MEMORY / "units"):
-        if cell[:2] == [i, j] and (quality, verdict) == shown:
+    for cell, layout, quality, verdict in stored_elites(folder):
+        if cell[:2] == (i, j) and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
         "world-not-kept",
@@ -51,35 +47,13 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     )
 
 
-def _elites(units: Path) -> Iterator[StoredElite]:
-    """Yield the entries that units added to the archive, in order."""
-    for file in sorted(units.glob("*.json")):
-        if file.is_symlink() or not file.is_file():
-            continue
-        text = read_text(file)
-        try:
-            yield from msgspec.json.decode(text, type=UnitEntry).elites
-        except (RecursionError, ValueError) as error:
-            raise FormatError(
-                "invalid-entry",
-                "is not an entry of a campaign store",
-                "resume the campaign, which repairs it",
-                source=str(file),
-            ) from error
-
-
-def runs_in(folder: Path) -> dict[str, Any] | None:
-    """Return the scenario of a campaign's worlds, in the form used for failures.
-
-    Null if the campaign varies its robots.
-    """
+def runs_in(folder: Path) -> RecordedRun | None:
+    """Return what a campaign runs in its worlds; ``None`` if it varies its robots."""
     stored = FolderStore.stored_in(folder)
     configuration = stored[0].configuration if stored else {}
-    scenario = configuration.get("scenario")
-    if (
-        configuration.get("vary")
-        or not isinstance(scenario, dict)
-        or not isinstance(scenario.get("parameters"), dict)
-    ):
+    if configuration.get("vary"):
         return None
-    return {name: scenario.get(name) for name in ("controller", "motion", "seed", "parameters")}
+    try:
+        return converted(configuration.get("scenario"), RecordedRun)
+    except ValueError:
+        return None

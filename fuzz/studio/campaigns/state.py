@@ -9,25 +9,21 @@ import contextlib
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, Status, read_error, read_summary
 from fuzz.studio.requests.edits import digest_of_file
+from fuzz.studio.requests.folder import Folder
+from fuzz.studio.requests.protocol import CampaignState
 from fuzz.studio.requests.refusals import refusal
 from fuzz.studio.requests.running import names_of
-from fuzz.unit.live import Phase, not_arrived, read_live
-from worldgen.errors import FormatError
-from worldgen.files.json_file import plain
+from fuzz.unit.live import LiveState, not_arrived, read_live
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.files.json_file import converted, plain
 from worldgen.files.locks import holder
 from worldgen.files.worlds import is_world_file
 from worldgen.support.paths import expanded
-
-_TOTALS = (
-    "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",
-    "strategies", "answer", "answer_reason",
-)  # fmt: skip
 
 # Name of the mark of a campaign that is about to begin. The number of the waiting process follows,
 # since two studios may begin a campaign in one folder.
@@ -39,18 +35,6 @@ SAID = "studio.txt"
 # A later refusal at a terminal, such as the refusal of a second start, does not concern the
 # campaign.
 _ENDED_WELL = (Status.DONE, Status.STOPPED)
-
-
-class Activity(StrEnum):
-    """What a campaign is doing, or how it ended."""
-
-    PREPARING = "preparing"
-    SEARCHING = "searching"
-    SHRINKING = "shrinking"
-    EXPLAINING = "explaining"
-    STOPPED = "stopped"
-    DONE = "done"
-    GAVE_UP = "gave-up"
 
 
 def is_campaign(folder: Path) -> bool:
@@ -84,9 +68,26 @@ def interrupt(process: int) -> None:
         os.kill(process, signal.SIGTERM if os.name == "nt" else signal.SIGINT)
 
 
+def own_folder(folder: Folder, name: str) -> Path:
+    """Return a folder in the opened one whose campaign store is not a link to elsewhere.
+
+    Raises:
+        InvalidParameter: If it has such a link, or its name leads out of the opened folder.
+    """
+    out = folder.place(name)
+    if out == folder.root or not is_own(out):
+        raise InvalidParameter(
+            "not-a-campaign-folder",
+            "{name!r} is not a campaign's folder in the opened one",
+            "choose another",
+            name=name,
+        )
+    return out
+
+
 def campaign_state(
     folder: Path, name: str, opened: Path | None = None, named: Sequence[str] = ()
-) -> dict[str, Any]:
+) -> CampaignState:
     """Return the state of a campaign.
 
     Args:
@@ -96,67 +97,68 @@ def campaign_state(
         named: Controllers that were named when the studio was started. No other controller's file
             is read.
 
-    Returns:
-        The table ``state`` of fuzz/studio/protocol.md.
-
     Raises:
         FormatError: If its files cannot be read.
     """
     running = running_process(folder) is not None
-    state: dict[str, Any] = {
-        "folder": name,
-        "running": running,
-        **_beginning(folder, named),
-        **_totals(folder),
-    }
-    # A process that was killed leaves the file behind, and a process on another machine may be
-    # unable to write it.
-    live = read_live(folder / MEMORY) if running else None
-    state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
-    state["shrinking"] = 0 if live is None else live.shrinking
-    state["failed"] = not_arrived(state["verdicts"])
-    if live is not None:
-        # The summary still counts a resumed campaign's earlier runs until the campaign has read
-        # them again.
-        counted = {"worlds": live.worlds, "steps": live.steps, "failed": live.failed}
-        state |= {name: max(state[name], count) for name, count in counted.items()}
-    state["failures"] = _stamp(folder)
-    status = state.pop("status")
-    error = None if running or status in _ENDED_WELL else read_error(folder)
-    state["error"] = None if error is None else refusal(error, opened)
-    if running:
-        state["activity"] = Activity(Phase.PREPARING if live is None else live.phase)
-    elif error is not None or status == Status.FAILED:
-        state["activity"] = Activity.GAVE_UP
-    else:
-        # A process that was killed has left the status "running".
-        stopped = status in (Status.STOPPED, Status.RUNNING) or (
-            state["units"] < (state["budget"]["units"] or 0)
-        )
-        state["activity"] = Activity.STOPPED if stopped else Activity.DONE
-    return state
-
-
-def _beginning(folder: Path, named: Sequence[str]) -> dict[str, Any]:
-    """Return the controller, seed and budget with which the campaign was begun.
-
-    Also report if the controller's file has been edited since then.
-    """
     stored = FolderStore.stored_in(folder)
     if stored is None:
         raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
     fingerprint, budget = stored
-    scenario = fingerprint.configuration.get("scenario")
-    recorded = scenario if isinstance(scenario, dict) else {}
-    return {
-        "controller": (controller := str(recorded.get("controller", ""))),
-        "edited": controller in names_of(tuple(named))
-        and _is_edited(controller, fingerprint.code.get(f"controller {controller}")),
-        "motion": str(recorded.get("motion", "")),
-        # A 64-bit seed is text, because a browser's numbers cannot hold it.
-        "seed": str(fingerprint.configuration.get("seed", "")),
-        "budget": plain(budget),
-    }
+    recorded = fingerprint.configuration.get("scenario")
+    scenario = recorded if isinstance(recorded, dict) else {}
+    controller = str(scenario.get("controller", ""))
+    summary = read_summary(folder)
+    # The totals so far; zeros before the campaign has written a summary.
+    totals: dict[str, Any] = {} if summary is None else plain(summary)
+    totals["archive"] = (
+        None if summary is None or summary.archive is None else summary.archive.table()
+    )
+    state = converted(
+        totals
+        | {
+            "folder": name,
+            "running": running,
+            "controller": controller,
+            "edited": controller in names_of(tuple(named))
+            and _is_edited(controller, fingerprint.code.get(f"controller {controller}")),
+            "motion": str(scenario.get("motion", "")),
+            "seed": str(fingerprint.configuration.get("seed", "")),
+            "budget": plain(budget),
+            "failures": _stamp(folder),
+        },
+        CampaignState,
+    )
+    state.failed = not_arrived(state.verdicts)
+    if running:
+        _add_live(state, read_live(folder / MEMORY))
+        return state
+    status = Status.UNKNOWN if summary is None else summary.status
+    error = None if status in _ENDED_WELL else read_error(folder)
+    if error is not None or status == Status.FAILED:
+        state.error = None if error is None else refusal(error, opened)
+        state.activity = "gave-up"
+    # A process that was killed has left the status "running".
+    elif status in (Status.STOPPED, Status.RUNNING) or state.units < (budget.units or 0):
+        state.activity = "stopped"
+    return state
+
+
+def _add_live(state: CampaignState, live: LiveState | None) -> None:
+    """Add to a running campaign's state what it has done since its last summary.
+
+    A process on another machine may be unable to write the file.
+    """
+    state.elapsed = 0.0 if live is None else live.elapsed
+    state.activity = "preparing" if live is None else live.phase.value
+    if live is None:
+        return
+    state.shrinking = live.shrinking
+    # The summary still counts a resumed campaign's earlier runs until the campaign has read them
+    # again.
+    state.worlds = max(state.worlds, live.worlds)
+    state.steps = max(state.steps, live.steps)
+    state.failed = max(state.failed, live.failed)
 
 
 def _is_edited(controller: str, digest: str | None) -> bool:
@@ -164,27 +166,6 @@ def _is_edited(controller: str, digest: str | None) -> bool:
     place = controller.rpartition(":")[0]
     now = digest_of_file(str(expanded(place))) if place.endswith(".py") else ""
     return bool(now and digest) and now != digest
-
-
-def _totals(folder: Path) -> dict[str, Any]:
-    """Return the totals so far; zeros before the campaign has written a summary."""
-    summary = read_summary(folder)
-    if summary is None:
-        counts: dict[str, Any] = dict.fromkeys(("units", "worlds", "steps"), 0)
-        tables: dict[str, Any] = {name: {} for name in ("verdicts", "met", "known")}
-        return {
-            "status": Status.UNKNOWN,
-            **counts,
-            "seconds": 0.0,
-            **tables,
-            "strategies": [],
-            "answer": "",
-            "answer_reason": "",
-            "archive": None,
-        }
-    archive = None if summary.archive is None else summary.archive.table()
-    whole = plain(summary)
-    return {name: whole.get(name, "") for name in _TOTALS} | {"archive": archive}
 
 
 def _stamp(folder: Path) -> str:
@@ -214,8 +195,9 @@ def beginning(memory: Path) -> Iterator[Path]:
         mark.unlink(missing_ok=True)
 
 
-def end_beginnings(memory: Path) -> bool:
-    """End all campaigns that are about to begin in a store; return True if there were any."""
+def end_beginnings(folder: Path) -> bool:
+    """End all campaigns that are about to begin in a folder; return True if there were any."""
+    memory = folder / MEMORY
     marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
     for mark in marks:
         mark.unlink(missing_ok=True)

@@ -312,9 +312,9 @@ async function hello(told) {
   let slow = 0;
   const loading = (words) => notice([...told, words].join(" "), false);
   try {
-    const offered = await studio.connection.ask("hello", {}, (part) => {
+    const offered = await studio.connection.ask("hello", {}, (label) => {
       clearTimeout(slow);
-      slow = setTimeout(() => loading(`Loading the controller ${part.loading} …`), SLOW);
+      slow = setTimeout(() => loading(`Loading the controller ${label} …`), SLOW);
     });
     notice(told.join(" "));
     return offered;

@@ -6,16 +6,15 @@ the process that has loaded it is replaced, and the page receives the file's nam
 
 from __future__ import annotations
 
-import asyncio
 import functools
 import os
 import shlex
 import sys
 import time
-from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
+from fuzz.studio.requests.protocol import CodeFile
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_options
 from worldgen.plugins.user_modules import digest_of_source, sources_read
@@ -24,7 +23,6 @@ from worldgen.support.paths import expanded
 UNKNOWN = "?"
 """Digest of code that was read at an unknown time during an edit; no file's contents equal it."""
 
-_EVERY = 0.25  # s between checks of the files
 # A larger file, such as a library with everything in it, is recognised by its time and size.
 _LARGEST = 16 << 20  # bytes
 _FILE_TIMES = 1.0  # s: coarsest step of a file system's times
@@ -87,66 +85,21 @@ def edited_files(loaded: Mapping[str, str]) -> list[str]:
     return [file for file, digest in loaded.items() if digest_of_file(file) != digest]
 
 
-class Edits:
-    """Answers ``edits`` for any number of pages at the same time.
-
-    Args:
-        named: Controllers that were named at the start.
-        loaded: Returns the files that the studio's processes have loaded, such as those that a
-            controller imports from its folder.
-    """
-
-    def __init__(self, named: Sequence[str], loaded: Callable[[], Iterable[str]]) -> None:
-        self._named = tuple(named)
-        self._loaded = loaded
-
-    async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
-        """Report the files of the named controllers now, and whenever they have changed.
-
-        Yields:
-            ``("turn", {})`` while nothing is new, and ``("part", {"files": files})`` at the
-            beginning and after each change; see ``fuzz/studio/protocol.md``. There is no answer.
-        """
-        shown: dict[str, str] = {}
-        before: dict[str, str] = {}
-        is_first = True
-        while True:
-            now = await asyncio.to_thread(self._digests)
-            # A file is empty for a moment while an editor writes it, so wait until it stays.
-            if is_first or (now == before and now != shown):
-                shown = now
-                yield "part", {"files": [self._entry(*item) for item in now.items()]}
-            else:
-                yield "turn", {}
-            is_first = False
-            before = now
-            await asyncio.sleep(_EVERY)
-
-    def warm(self) -> None:
-        """Do nothing: there is no process to start."""
-
-    def end(self) -> None:
-        """Do nothing: the generator ends when nobody reads from it."""
-
-    def _digests(self) -> dict[str, str]:
-        files = {file for label in self._named for file in _own_files(label)}
-        return {file: digest_of_file(file) for file in sorted(files | set(self._loaded()))}
-
-    def _entry(self, file: str, digest: str) -> dict[str, Any]:
-        """Return the page's entry of a file, with the names of the controllers that may run it."""
-        own = [label for label in self._named if file in _own_files(label)]
+def code_files(digests: Mapping[str, str], named: Sequence[str]) -> list[CodeFile]:
+    """Return the page's entries of files, with the names of the controllers that may run each."""
+    found = []
+    for file, digest in digests.items():
+        path = Path(file)
+        own = [label for label in named if file in own_files(label)]
         in_same_folder = [
             label
-            for label in self._named
-            if any(Path(file).is_relative_to(Path(part).parent) for part in _own_files(label))
+            for label in named
+            if any(path.is_relative_to(Path(part).parent) for part in own_files(label))
         ]
-        affected = own or in_same_folder or self._named
-        return {
-            "file": file,
-            "name": Path(file).name,
-            "digest": digest,
-            "controllers": sorted({name for label in affected for name in _plain_names(label)}),
-        }
+        affected = own or in_same_folder or named
+        controllers = sorted({name for label in affected for name in _plain_names(label)})
+        found.append(CodeFile(file, path.name, digest, controllers))
+    return found
 
 
 def _plain_names(label: str) -> list[str]:
@@ -162,7 +115,7 @@ def _plain_names(label: str) -> list[str]:
 
 
 @functools.cache
-def _own_files(label: str) -> tuple[str, ...]:
+def own_files(label: str) -> tuple[str, ...]:
     """Return the files that a controller's name contains; empty for one in a module."""
     from fuzz.studio.requests.running import names_of  # noqa: PLC0415 - loads the simulator
     from sim.controllers.behaviours.catalogue import is_composition_name  # noqa: PLC0415

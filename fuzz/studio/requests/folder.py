@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import errno
+import functools
 import glob
 import hashlib
 import os
 import stat
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from fuzz.studio.requests.protocol import ListedFile, Refusal, Request, SendPart
 from fuzz.studio.requests.refusals import refusal
 from worldgen.errors import InvalidParameter, Message, OutputError, WorldgenError
 from worldgen.files.archives import ENDINGS
@@ -56,54 +58,45 @@ class Folder:
                 through links, or names a pipe or device.
         """
         parts = name.split("/")
-        if (
-            not name
-            or len(name) > _LONGEST
-            or not name.isprintable()
-            or "\\" in name
-            or ":" in name
-        ):
-            raise InvalidParameter(
+        if not (name and len(name) <= _LONGEST and name.isprintable()) or {"\\", ":"} & {*name}:
+            raise _refused(
                 "not-a-file-name",
-                "{name!r} is not the name of a file in the opened folder",
+                name,
+                "is not the name of a file in the opened folder",
                 "choose a name such as w.grid",
-                name=shown(name[:60]),
             )
         if any(part in ("", ".", "..") or part.startswith(".") for part in parts):
-            raise InvalidParameter(
+            raise _refused(
                 "outside-of-folder",
-                "{name!r} is outside the opened folder or is hidden",
+                name,
+                "is outside the opened folder or is hidden",
                 "choose a name in the folder",
-                name=shown(name[:60]),
             )
         # Resolve links before looking at the file, so that a link cannot lead out.
         path = self.root.joinpath(*parts)
         real = Path(os.path.realpath(path))
         if not real.is_relative_to(self.root):
-            raise InvalidParameter(
-                "outside-of-folder",
-                "{name!r} is outside the opened folder",
-                "copy the file into it",
-                name=shown(name[:60]),
+            raise _refused(
+                "outside-of-folder", name, "is outside the opened folder", "copy the file into it"
             )
         try:
             mode = real.stat().st_mode
         except OSError as error:
             if error.errno == errno.ENAMETOOLONG:
-                raise InvalidParameter(
+                raise _refused(
                     "name-too-long",
-                    "{name!r} is too long for a file in the opened folder",
+                    name,
+                    "is too long for a file in the opened folder",
                     "shorten it",
-                    name=shown(name[:60]),
                 ) from error
             return real
         # Reading a pipe could block forever.
         if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-            raise InvalidParameter(
+            raise _refused(
                 "wrong-kind-of-file",
-                "{name!r} in the opened folder is not a regular file",
+                name,
+                "in the opened folder is not a regular file",
                 "choose another",
-                name=shown(name[:60]),
             )
         return real
 
@@ -153,7 +146,7 @@ class Folder:
                 name=place.relative_to(self.root).as_posix(),
             ) from None
 
-    def refusal(self, error: WorldgenError | Message) -> dict[str, Any]:
+    def refusal(self, error: WorldgenError | Message) -> Refusal:
         """Return an error as the page expects it, with paths relative to this folder."""
         return refusal(error, self.root)
 
@@ -169,17 +162,17 @@ class Folder:
         if place.is_file():
             for other in place.parent.glob(f"{glob.escape(place.stem)}*"):
                 if not Path(os.path.realpath(other)).is_relative_to(self.root):
-                    raise InvalidParameter(
+                    raise _refused(
                         "outside-of-folder",
-                        "{name!r}, which the file refers to, is outside the opened folder",
+                        other.name,
+                        "to which the file refers, is outside the opened folder",
                         "copy the file into it",
-                        name=shown(other.name),
                     )
         return place
 
     def files(
         self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES
-    ) -> list[dict[str, Any]]:
+    ) -> list[ListedFile]:
         """Return the worlds and the files with these suffixes that can be opened; no hidden ones.
 
         Files found by campaigns come last.
@@ -190,16 +183,12 @@ class Folder:
             most: Maximum number of files to return.
         """
         walked = self._walk(self.place(below) if below else self.root, 0, 2 * most, False)
-        known = (
-            entry for entry in walked if entry["world"] or entry["name"].lower().endswith(endings)
-        )
-        return sorted(
-            known, key=lambda entry: (entry["found"], entry["name"].count("/"), entry["name"])
-        )[:most]
+        known = (file for file in walked if file.world or file.name.lower().endswith(endings))
+        return sorted(known, key=lambda file: (file.found, file.name.count("/"), file.name))[:most]
 
     def archives(self) -> list[str]:
         """Return the names of archives, which may contain worlds."""
-        names = [entry["name"] for entry in self._walk(self.root, 0, 2 * MOST_FILES, False)]
+        names = [file.name for file in self._walk(self.root, 0, 2 * MOST_FILES, False)]
         packed = (name for name in names if name.lower().endswith(ENDINGS))
         return sorted(packed, key=lambda name: (name.count("/"), name))[:MOST_FILES]
 
@@ -215,7 +204,7 @@ class Folder:
                 inner.clear()
         return found[:MOST_FILES]
 
-    def _walk(self, folder: Path, depth: int, most: int, found: bool) -> Iterator[dict[str, Any]]:
+    def _walk(self, folder: Path, depth: int, most: int, found: bool) -> Iterator[ListedFile]:
         try:
             entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
         except OSError:  # not readable for this user
@@ -234,12 +223,11 @@ class Folder:
                 yield from self._walk(Path(entry.path), depth + 1, most, found)
             elif stat.S_ISREG(facts.st_mode):
                 name = Path(entry.path).relative_to(self.root).as_posix()
-                yield {
-                    "name": name,
-                    "bytes": facts.st_size,
-                    "world": is_world_file(entry.name),
-                    "found": found,
-                }
+                yield ListedFile(name, facts.st_size, is_world_file(entry.name), found)
+
+
+def _refused(code: str, name: str, problem: str, remedy: str) -> InvalidParameter:
+    return InvalidParameter(code, f"{{name!r}} {problem}", remedy, name=shown(name[:60]))
 
 
 def digest_of(place: Path) -> str:
@@ -254,7 +242,21 @@ class Opened:
     Args:
         folder: The folder that can be read and written.
         named: Controllers that were named at the start, in addition to the registered ones.
+        written: Digests of the files that were exported to the folder, by path.
     """
 
     folder: Folder
     named: Sequence[str] = ()
+    written: dict[Path, str] = field(default_factory=dict)
+
+
+@functools.singledispatch
+def answer(request: Request, opened: Opened, part: SendPart[Any]) -> Any:
+    """Answer a request of the page, by the function that is registered for its type.
+
+    Args:
+        request: The request.
+        opened: What the studio was started with.
+        part: Called with parts of the answer that are ready earlier.
+    """
+    raise NotImplementedError(request.do)

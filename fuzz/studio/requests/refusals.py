@@ -6,14 +6,15 @@ instead of options, so it has its own remedies for some codes.
 
 from __future__ import annotations
 
-import json
-import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from worldgen.errors import FormatError, Message, Note, WorldgenError
+import msgspec
+
+from fuzz.studio.requests.protocol import Refusal, encoded
+from worldgen.errors import Message, Note, WorldgenError
 from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
@@ -75,8 +76,8 @@ _FIELDS = {"--vary": "Vary"}  # options that can appear in facts, with the names
 _LONGEST = 2_000  # characters of a fact; longer ones are quotes from a file
 
 
-def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:
-    """Return an error as the page expects it; see ``fuzz/studio/protocol.md``.
+def refusal(error: WorldgenError | Message, folder: Path | None = None) -> Refusal:
+    """Return an error as the page expects it.
 
     Args:
         error: The library's error.
@@ -84,22 +85,18 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
     """
     message = hide(error if isinstance(error, Message) else error.message, folder)
     own = REMEDIES.get(message.code) if message.at_terminal else None
-    line = source = None
-    notes = error.notes if isinstance(error, WorldgenError) else ()
-    if isinstance(error, FormatError):
-        line = error.line
-        source = None if error.source is None else _hidden(error.source, folder)
-    return {
-        "code": message.code,
-        "frames": frames_of(error) if isinstance(error, WorldgenError) else [],
-        "problem": "; ".join([message.problem, *map(describe_note, notes)]),
-        "remedy": message.remedy if own is None else message.word(own),
-        "terminal": message.at_terminal and own is None,
-        "opens": "import" if message.code in IMPORT_OPTIONS else "",
-        "facts": {name: _json(value) for name, value in message.facts.items()},
-        "line": line,
-        "source": source,
-    }
+    source = getattr(error, "source", None)
+    return Refusal(
+        code=message.code,
+        problem="; ".join([message.problem, *map(describe_note, getattr(error, "notes", ()))]),
+        remedy=message.remedy if own is None else message.word(own),
+        terminal=message.at_terminal and own is None,
+        opens="import" if message.code in IMPORT_OPTIONS else "",
+        facts={name: _json(value) for name, value in message.facts.items()},
+        frames=frames_of(error) if isinstance(error, WorldgenError) else [],
+        line=getattr(error, "line", None),
+        source=None if source is None else _hidden(source, folder),
+    )
 
 
 def frames_of(error: BaseException) -> list[dict[str, Value]]:
@@ -133,8 +130,8 @@ def describe_note(note: str) -> str:
     if not isinstance(note, Note):
         return note
     words = refusal(note.message)
-    return "; ".join(filter(None, (words["problem"], words["remedy"]))) + (
-        " (at a terminal)" if words["terminal"] else ""
+    return "; ".join(filter(None, (words.problem, words.remedy))) + (
+        " (at a terminal)" if words.terminal else ""
     )
 
 
@@ -174,12 +171,7 @@ def _hidden(value: Any, folder: Path | None) -> Any:
 
 def _json(value: Any) -> Any:
     """Return a fact that a browser can read: no infinity, and only JSON's types."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, list | tuple):
-        return [_json(item) for item in value]
     try:
-        json.dumps(value, allow_nan=False)
+        return msgspec.json.decode(encoded(value))
     except (TypeError, ValueError, RecursionError):
         return quote(value)
-    return value

@@ -6,12 +6,12 @@ import contextlib
 import functools
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from fuzz.studio.requests.folder import Opened
-from fuzz.studio.requests.messages import field
+from fuzz.studio.requests.protocol import RunRequest
 from sim.controllers import CONTROLLERS
 from sim.controllers.behaviours.arbitration import Arbitration, sentences
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
@@ -24,7 +24,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.plugins import trust
 from worldgen.support.plain_text import shown
-from worldgen.world import FailureRecord, Value
+from worldgen.world import FailureRecord
 
 # The option of a controller that names a file.
 _LEARNED_FILE = re.compile(rf"(\+{LEARNED}=)([^+,]*)")
@@ -86,7 +86,7 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
         )
 
 
-def check_named(label: object, named: Sequence[str]) -> None:
+def check_named(label: str, named: Sequence[str]) -> None:
     """Refuse a controller that the page may not run.
 
     Its own options, ``NAME+option=value``, are allowed.
@@ -96,18 +96,17 @@ def check_named(label: object, named: Sequence[str]) -> None:
     """
     if label in named or label in CONTROLLERS.names():
         return
-    text = str(label)
     # Each part's options follow its name, and those of the run follow the word before the colon.
-    if is_composition_name(text) and may_run(text, named):
+    if is_composition_name(label) and may_run(label, named):
         return
     known = (*CONTROLLERS.names(), *named, *names_of(tuple(named)))
-    if not any(text.startswith(f"{name}+") for name in known):
+    if not any(label.startswith(f"{name}+") for name in known):
         raise InvalidParameter(
             "not-named",
             "controller {controller!r} was not named when the studio was started",
             "name it at the start: worldgen studio --controller",
             at_terminal=True,
-            controller=text[:60],
+            controller=label[:60],
         )
 
 
@@ -161,7 +160,7 @@ def names_of(labels: tuple[str, ...]) -> frozenset[str]:
     return frozenset(found)
 
 
-def label_in(opened: Opened, label: object) -> str:
+def label_in(opened: Opened, label: str) -> str:
     """Return a controller's label, in which files that it reads have their full paths.
 
     The user's own labels, named at the start, are returned unchanged.
@@ -171,43 +170,40 @@ def label_in(opened: Opened, label: object) -> str:
     """
     check_named(label, opened.named)
     if label in opened.named:
-        return str(label)
-    return _LEARNED_FILE.sub(
-        lambda found: found[1] + opened.folder.file_in_option(found[2]), str(label)
-    )
+        return label
+    return _LEARNED_FILE.sub(lambda found: found[1] + opened.folder.file_in_option(found[2]), label)
 
 
-def scenario_of(label: object, message: Mapping[str, Any], opened: Opened) -> Scenario:
+def scenario_of(label: str, request: RunRequest, opened: Opened) -> Scenario:
     """Return the scenario of a controller that the page may run, with the requested options.
 
     Args:
         label: The controller, with its own options after ``+``.
-        message: The request, with ``motion``, ``time_step``, ``seed`` and ``options``.
+        request: The request.
         opened: The opened folder, and the controllers named at the start.
 
     Raises:
         InvalidParameter: If the page may not run it, or an option does not fit.
     """
     text = label_in(opened, label)
-    seed = field(message, "seed", int)
-    motion = field(message, "motion", str)
-    time_step = field(message, "time_step", float)
+    motion = request.motion
     check_registered("motion", motion, MOTIONS.names())
-    scenario = Scenario.parse(text, motion=motion, time_step=time_step, seed=seed)
+    scenario = Scenario.parse(text, motion=motion, time_step=request.time_step, seed=request.seed)
     if not may_run(scenario.controller, opened.named, learned=True):
         raise InvalidParameter(
             "not-named",
             "controller {controller!r} was not named when the studio was started",
             controller=scenario.controller[:60],
         )
-    check_registered("motion", scenario.run.motion, MOTIONS.names())
-    asked: dict[str, Value] = (
-        field(message, "options", dict) if scenario.run.motion == motion else {}
-    )
+    run = scenario.run
+    check_registered("motion", run.motion, MOTIONS.names())
     # The controller's own variations take precedence over the options for all robots.
-    changed = asked | scenario.run.changed()
-    parameters: dict[str, Value] = {"time_step": scenario.run.time_step, **changed}
-    return Scenario(scenario.controller, RunOptions.of(scenario.run.motion, seed, parameters))
+    options = {
+        "time_step": run.time_step,
+        **(request.options if run.motion == motion else {}),
+        **run.changed(),
+    }
+    return Scenario(scenario.controller, RunOptions.of(run.motion, request.seed, options))
 
 
 def chart_message(arbitration: Arbitration | None) -> dict[str, Any] | None:

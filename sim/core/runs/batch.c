@@ -1,84 +1,88 @@
-// Many episodes of one controller in one world, in one call.
+// Runs from their start to their verdict, one after another.
 
 #include "step.h"
+#include "stopwatch.h"
 #include "wg_runs.h"
 
-enum { PORTION = 1 << 20 };  // most steps between two checks for a stop
+enum { MOST_TIME = 250000000 };  // ns that a call takes, about, so that its caller notices Ctrl-C
 
-// Sets an arena back to its state before the first event, with the robot's cell visited.
-static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)
+// Sets the arena back to its state before the first event, and the robot to its start.
+static WgStatus begin_pass(const WgRun *run)
 {
+    const WgArena *arena = run->episode->arena;
     size_t cells = (size_t)(arena->width * arena->height);
     if (arena->event_count > 0) {
-        memcpy(arena->cells, fresh->cells, cells * sizeof *arena->cells);
-        memcpy(arena->near, fresh->near, cells * sizeof *arena->near);
+        memcpy(arena->cells, run->fresh->cells, cells * sizeof *arena->cells);
+        memcpy(arena->near, run->fresh->near, cells * sizeof *arena->near);
     }
-    wg_visit_start(arena, settings);
+    wg_visit_start(arena, run->settings);
+    return wg_episode_begin(run->episode);
 }
 
-// Another thread writes it.
-static bool is_stopped(const int64_t *stop)
+WgStatus wg_run_begin(const WgRun *run)
 {
-    return *(const volatile int64_t *)stop != 0;
-}
-
-static WgStatus run_again(WgEpisode *episode, const WgArena *fresh, const int64_t *stop)
-{
-    renew(episode->arena, fresh, episode->settings);
-    WgStatus status = wg_episode_begin(episode);
-    if (status == WG_OK) {
-        while (wg_episode_run(episode, PORTION) == WG_GOES_ON && !is_stopped(stop)) {
-        }
-    }
-    return status;
-}
-
-// Runs once and proves a loop.
-static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const int64_t *stop)
-{
-    WgStatus status = run_again(episode, fresh, stop);
-    const WgReport *report = &episode->robot.report;
-    if (status != WG_OK || report->ending != WG_LOOP) {
-        return status;
-    }
-
-    // Run a loop again, up to the end of its first period, which also proves it.
-    int64_t steps = settings->steps;
-    settings->loop_entry = wg_episode_entry(episode);
-    settings->steps = settings->loop_entry + report->period;
-    settings->find_loop = WG_PROVE_LOOP;
-    status = run_again(episode, fresh, stop);
-
-    // If two different states had the same fingerprint, run to the end of the budget.
-    if (status == WG_OK && report->ending == WG_LIMIT) {
-        settings->steps = steps;
-        settings->find_loop = WG_NO_LOOP;
-        status = run_again(episode, fresh, stop);
-    }
-    return status;
-}
-
-WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
-                     const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports)
-{
-    const WgArena *arena = episode->arena;
-    if (settings != episode->settings || fresh->width != arena->width || fresh->height != arena->height) {
+    const WgArena *arena = run->episode->arena;
+    if (run->settings != run->episode->settings || run->fresh->width != arena->width
+        || run->fresh->height != arena->height) {
         return WG_BAD_VALUE;
     }
-    int64_t steps = settings->steps;
-    int64_t find_loop = settings->find_loop;
-    for (int64_t n = 0; n < count && !is_stopped(stop); n++) {
-        settings->start_x = starts[n].x;
-        settings->start_y = starts[n].y;
-        settings->start_heading = starts[n].heading;
-        settings->seed = seeds[n];
-        WgStatus status = run_one(episode, settings, fresh, stop);
-        settings->steps = steps;
-        settings->find_loop = find_loop;
-        if (status != WG_OK) {
-            return status;
-        }
-        reports[n] = episode->robot.report;
+    run->settings->steps = run->budget;
+    run->settings->find_loop = run->find_loop;
+    return begin_pass(run);
+}
+
+bool wg_run_goes_on(const WgRun *run)
+{
+    WgSettings *settings = run->settings;
+    const WgReport *report = &run->episode->robot.report;
+    if (settings->find_loop == WG_SEEK_LOOP && report->ending == WG_LOOP) {
+        settings->loop_entry = wg_episode_entry(run->episode);
+        settings->steps = settings->loop_entry + report->period;
+        settings->find_loop = WG_PROVE_LOOP;
+    } else if (settings->find_loop == WG_PROVE_LOOP && report->ending == WG_LIMIT) {
+        settings->steps = run->budget;
+        settings->find_loop = WG_NO_LOOP;
+    } else {
+        return false;
     }
-    return WG_OK;
+    return begin_pass(run) == WG_OK;
+}
+
+static WgStatus begin_next(WgBatch *batch)
+{
+    const WgStart *start = &batch->starts[batch->at];
+    WgSettings *settings = batch->run.settings;
+    settings->start_x = start->x;
+    settings->start_y = start->y;
+    settings->start_heading = start->heading;
+    settings->seed = batch->seeds[batch->at];
+    return wg_run_begin(&batch->run);
+}
+
+int64_t wg_batch_run(WgBatch *batch, int64_t most_steps)
+{
+    WgEpisode *episode = batch->run.episode;
+    int64_t began = wg_now();
+    int64_t left = most_steps;
+    while (left > 0 && wg_now() - began < MOST_TIME) {
+        if (batch->running == 0) {
+            batch->status = batch->at < batch->count ? begin_next(batch) : WG_OK;
+            if (batch->at >= batch->count || batch->status != WG_OK) {
+                return WG_OVER;
+            }
+            batch->running = 1;
+        }
+
+        int64_t earlier = episode->step;
+        bool is_over = wg_episode_run(episode, left) == WG_OVER;
+        left -= episode->step - earlier + 1;
+        if (is_over && !wg_run_goes_on(&batch->run)) {
+            batch->reports[batch->at++] = episode->robot.report;
+            batch->running = 0;
+            if (episode->robot.report.ending == WG_CRASH) {
+                return WG_OVER;
+            }
+        }
+    }
+    return WG_GOES_ON;
 }

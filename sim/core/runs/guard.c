@@ -19,11 +19,9 @@ int64_t wg_call_run(const WgCall *call)
     return wg_episode_run(call->objects[0], call->number);
 }
 
-int64_t wg_call_run_many(const WgCall *call)
+int64_t wg_call_batch(const WgCall *call)
 {
-    void *const *objects = call->objects;
-    return wg_run_many(objects[0], objects[1], objects[2], objects[3], objects[4], call->number, objects[5],
-                       objects[6]);
+    return wg_batch_run(call->objects[0], call->number);
 }
 
 int64_t wg_call_first_edit(const WgCall *call)

@@ -6,16 +6,14 @@
 #include "step.h"
 #include "wg_runs.h"
 
-WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
-                      const int64_t *log_steps, int64_t count, WgEpisode **episodes)
+WgStatus wg_lockstep_new(const WgArena *arenas, const WgController *controller, WgRun *runs, int64_t count)
 {
     for (int64_t k = 0; k < count; k++) {
-        episodes[k] = NULL;
-    }
-    for (int64_t k = 0; k < count; k++) {
-        WgStatus status = wg_episode_new(&arenas[k], &settings[k], controller, log_steps[k], &episodes[k]);
+        WgRun *run = &runs[k];
+        int64_t log_steps = run->find_loop == WG_SEEK_LOOP ? run->budget : 0;
+        WgStatus status = wg_episode_new(&arenas[k], run->settings, controller, log_steps, &run->episode);
         if (status == WG_OK) {
-            status = wg_episode_begin(episodes[k]);
+            status = wg_run_begin(run);
         }
         if (status != WG_OK) {
             return status;
@@ -24,20 +22,21 @@ WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, cons
     return WG_OK;
 }
 
-void wg_lockstep_free(WgEpisode **episodes, int64_t count)
+void wg_lockstep_free(WgRun *runs, int64_t count)
 {
     for (int64_t k = 0; k < count; k++) {
-        wg_episode_free(episodes[k]);
-        episodes[k] = NULL;
+        wg_episode_free(runs[k].episode);
+        runs[k].episode = NULL;
     }
 }
 
-int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
-                      double *observations, double *memories)
+int64_t wg_lockstep_step(WgRun **slots, int64_t count, const double *commands, const double *after,
+                         double *observations, double *memories)
 {
     int64_t acting = 0;
     for (int64_t slot = 0; slot < count; slot++) {
-        WgEpisode *episode = slots[slot];
+        WgRun *run = slots[slot];
+        WgEpisode *episode = run->episode;
         int64_t size = episode->controller.memory_size;
         size_t bytes = (size_t)size * sizeof(double);
         if (episode->waits != 0) {
@@ -50,18 +49,14 @@ int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *command
 
         // The rows written here belong to slots that have been read.
         episode->workspace.flat = observations + (WG_SENSES + episode->settings->beams) * acting;
-        if (wg_episode_step(episode) == WG_ACTS) {
+        int64_t state = wg_episode_step(episode);
+        while (state == WG_OVER && wg_run_goes_on(run)) {
+            state = wg_episode_step(episode);
+        }
+        if (state == WG_ACTS) {
             memcpy(memories + size * acting, episode->robot.body->memory, bytes);
-            slots[acting++] = episode;
+            slots[acting++] = run;
         }
     }
     return acting;
-}
-
-void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries)
-{
-    for (int64_t k = 0; k < count; k++) {
-        reports[k] = episodes[k]->robot.report;
-        entries[k] = wg_episode_entry(episodes[k]);
-    }
 }

@@ -61,7 +61,7 @@ void *wg_map_fenced(int64_t fence, int64_t first_size, int64_t second_size);
 
 // The functions that can be called.
 int64_t wg_call_run(const WgCall *call);         // wg_episode_run
-int64_t wg_call_run_many(const WgCall *call);    // wg_run_many
+int64_t wg_call_batch(const WgCall *call);       // wg_batch_run
 int64_t wg_call_first_edit(const WgCall *call);  // wg_first_edit; the grid as a pointer
 int64_t wg_call_fleet(const WgCall *call);       // wg_fleet_run
 int64_t wg_call_reset(const WgCall *call);       // wg_cage_reset; the function as a WgReset *

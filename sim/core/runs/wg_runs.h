@@ -20,17 +20,39 @@ typedef struct WgStart {
 
 // batch.c
 
-// Runs one controller in one world many times. A recurrence counts up to the end of its first
-// period, as if it were proved.
-//
-// fresh:     the surroundings before the first event; not changed.
-// settings:  those of the episode; start, seed, steps and the search for loops are changed and then
-// restored. starts:    (count,)
-// seeds:     (count,)
-// stop:      set by another thread; once it is not 0, no run counts and the call soon returns.
-// reports:   (count,) filled.
-WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
-                     const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports);
+// A run from its start to its verdict. It takes up to three passes of its episode: the first seeks a
+// recurrence, by fingerprints; the second proves it, up to the end of its first period; and if two
+// different states only had the same fingerprint, a third runs until the budget is spent.
+typedef struct WgRun {
+    WgEpisode *episode;
+    WgSettings *settings;  // the episode's own; each pass changes the steps and the search for loops
+    const WgArena *fresh;  // the surroundings before the first event; not changed
+    int64_t budget;        // steps
+    int64_t find_loop;     // of the first pass: WG_SEEK_LOOP, or WG_NO_LOOP for a single pass
+} WgRun;
+
+// Begins the first pass.
+WgStatus wg_run_begin(const WgRun *run);
+
+// Call it when the episode is over. Begins the next pass and returns true, or returns false if the
+// episode's report is that of the run.
+bool wg_run_goes_on(const WgRun *run);
+
+// Runs of one controller in one world, one after another.
+typedef struct WgBatch {
+    WgRun run;              // whose start and seed are those of each run in turn
+    const WgStart *starts;  // (count,)
+    const uint64_t *seeds;  // (count,)
+    WgReport *reports;      // (count,) filled
+    int64_t count;
+    int64_t at;             // index of the next run, or of the one that is running
+    int64_t running;        // 1 if one is
+    int64_t status;         // WG_OK, or why the batch ended before its last run
+} WgBatch;
+
+// Continues a batch for at most this many steps, and for about a quarter of a second. Returns
+// WG_OVER after the last run, and after a crash.
+int64_t wg_batch_run(WgBatch *batch, int64_t most_steps);
 
 // edits.c
 
@@ -95,32 +117,28 @@ WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, co
 // lockstep.c: many robots in lockstep, whose controller acts for all of them at once,
 // outside the core
 
-// Makes an episode for each robot; wg_lockstep_free frees them, also after a failure.
+// Makes an episode for each robot and begins its run; wg_lockstep_free frees them, also after a
+// failure.
 //
-// arenas, settings:  (count,)
-// controller:        without a function
-// log_steps:         (count,) as wg_episode_new has it
-// episodes:          (count,) filled
-WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
-                      const int64_t *log_steps, int64_t count, WgEpisode **episodes);
+// arenas:      (count,)
+// controller:  without a function
+// runs:        (count,) all but the episodes, which are NULL
+WgStatus wg_lockstep_new(const WgArena *arenas, const WgController *controller, WgRun *runs, int64_t count);
 
-void wg_lockstep_free(WgEpisode **episodes, int64_t count);
+void wg_lockstep_free(WgRun *runs, int64_t count);
 
-// Applies the commands of the robots in the first slots, and runs each until it must act again.
-// Those robots move up to the first slots, in order; in the first call no robot has acted yet.
+// Applies the commands of the robots in the first slots, and runs each until it must act again, or
+// its run ends. Those that must act move up to the first slots, in order; in the first call no robot
+// has acted yet.
 //
-// slots:         (count,) episodes
+// slots:         (count,) runs
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
 // after:         (count, memory) the robots' memories, in the controller's layout
 // observations:  (count, 17 + beams) filled for the slots that act
 // memories:      (count, memory) same
 //
 // Returns how many slots act.
-int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
-                      double *observations, double *memories);
-
-// Fills (count,) with each run's report, and with the beginning of the loop
-// that ended it, otherwise -1.
-void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
+int64_t wg_lockstep_step(WgRun **slots, int64_t count, const double *commands, const double *after,
+                         double *observations, double *memories);
 
 #endif

@@ -124,19 +124,19 @@ def _text(value: object, place: Place) -> str:
     return value
 
 
-def _integer(value: Any, place: Place) -> int:
-    is_integer = isinstance(value, int) and not isinstance(value, bool)
-    if not (isinstance(value, int) and is_integer) or value.bit_length() > MAX_INTEGER_BITS:
-        raise FormatError(
-            "wrong-type",
-            "{what} is {kind}",
-            "write an integer of at most {most} bits",
-            what=place.what,
-            kind="an integer out of range" if is_integer else kind_of(value),
-            most=MAX_INTEGER_BITS,
-            **place.line(),
-        )
-    return value
+def _integer(value: object, place: Place) -> int:
+    # A truth value is an int in Python, but not in TOML.
+    if type(value) is int and value.bit_length() <= MAX_INTEGER_BITS:
+        return value
+    raise FormatError(
+        "wrong-type",
+        "{what} is {kind}",
+        "write an integer of at most {most} bits",
+        what=place.what,
+        kind="an integer out of range" if type(value) is int else kind_of(value),
+        most=MAX_INTEGER_BITS,
+        **place.line(),
+    )
 
 
 def _name(value: object, place: Place) -> str:

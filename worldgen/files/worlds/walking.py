@@ -25,8 +25,8 @@ Skip = Callable[[FormatError], None]
 
 
 def is_world_file(name: str) -> bool:
-    """Return True if a file's name is a world's."""
-    return name.endswith(_ENDINGS)
+    """Return True if a file's name is a world's, and not that of a map's sidecar."""
+    return name.endswith(_ENDINGS) and not name.endswith(SIDECAR)
 
 
 def read_whole_world(path: Path) -> World:
@@ -55,11 +55,7 @@ def files_in(folder: Path) -> list[Path]:
     Folders called ``.name`` are skipped, and so are sidecars of exported maps.
     """
     found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
-    return sorted(
-        file
-        for file in found
-        if not _is_hidden(file.relative_to(folder)) and not file.name.endswith(SIDECAR)
-    )
+    return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
 
 
 def _is_hidden(path: Path) -> bool:

@@ -6,6 +6,7 @@ import functools
 import hashlib
 import os
 import stat
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ MAX_FILE_BYTES = 256 << 20
 # Families of the provenance of an imported map, and of the sidecar of an exported one.
 IMPORTED = "import"
 EXPORTED = "export"
+_LARGEST = sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,8 @@ def origin_of(world: World) -> tuple[float, float]:
     if (
         isinstance(origin, list)
         and len(origin) == 2
-        and all(isinstance(value, int | float) for value in origin)
+        # An integer may be beyond the range of a float64.
+        and all(isinstance(value, int | float) and abs(value) <= _LARGEST for value in origin)
     ):
         x, y = (float(value) for value in origin if isinstance(value, int | float))
         return x, y

@@ -106,7 +106,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
                 "transparent",
                 "{clear:,} of {cells:,} cells are transparent, hence unknown, as in Nav2; they count as "
                 "{unknown}",
-                "save the picture without transparency, or use --unknown free",
+                "save the picture without transparency, or use --from ros+unknown=free",
                 at_terminal=True,
                 clear=clear,
                 cells=cells.size,

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from worldgen.reach.check.joint import nearest_pair
+from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
@@ -143,13 +143,7 @@ def _leaves_target(world: World, path: Witness) -> bool:
     target = world.target
     x = path.x - target.x
     y = path.y - target.y
-    dx = np.diff(x, append=x[-1])
-    dy = np.diff(y, append=y[-1])
-    length_sq = dx * dx + dy * dy
-    with np.errstate(all="ignore"):
-        share = np.clip(-(x * dx + y * dy) / length_sq, 0.0, 1.0)
-    share = np.where(length_sq > 0.0, share, 0.0)
-    nearest = np.hypot(x + share * dx, y + share * dy)
+    nearest, _ = nearest_to_zero(x, y)
     enters = nearest < target.radius - TOLERANCE * world.cell_size
     if not enters.any():
         return False

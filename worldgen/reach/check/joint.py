@@ -56,16 +56,24 @@ def _distance(one: Witness, two: Witness) -> tuple[float, float]:
     # Beyond its end, interpolation keeps the last point of a path: the robot waits there.
     x = np.interp(times, one.times, one.x) - np.interp(times, two.times, two.x)
     y = np.interp(times, one.times, one.y) - np.interp(times, two.times, two.y)
+    gaps, share = nearest_to_zero(x, y)
+    k = int(np.argmin(gaps))
+    length = float(np.diff(times, append=times[-1])[k])
+    return float(gaps[k]), float(times[k] + share[k] * length)
+
+
+def nearest_to_zero(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return how near each piece of a path comes to (0, 0), and at which share of its length.
+
+    The last point counts as a piece of its own.
+    """
     dx = np.diff(x, append=x[-1])
     dy = np.diff(y, append=y[-1])
     length_sq = dx * dx + dy * dy
     with np.errstate(all="ignore"):
         share = np.clip(-(x * dx + y * dy) / length_sq, 0.0, 1.0)
     share = np.where(length_sq > 0.0, share, 0.0)
-    gaps = np.hypot(x + share * dx, y + share * dy)
-    k = int(np.argmin(gaps))
-    length = float(np.diff(times, append=times[-1])[k])
-    return float(gaps[k]), float(times[k] + share[k] * length)
+    return np.hypot(x + share * dx, y + share * dy), share
 
 
 def nearest_pair(

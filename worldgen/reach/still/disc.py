@@ -59,11 +59,6 @@ def beyond(chain: Ints, start: ExactPoint, disc: Disc) -> bool:
     return away and winds != winds_around(chain, start)
 
 
-def parts(chain: Ints, start: ExactPoint, pose: ExactPoint) -> bool:
-    """Return True if a chain winds an odd number of times around exactly one of two poses."""
-    return winds_around(chain, start) != winds_around(chain, pose)
-
-
 def winds_around(chain: Ints, pose: ExactPoint) -> bool:
     """Return True if a chain winds around a pose an odd number of times."""
     return _around(chain, pose, 0)[0]

@@ -193,9 +193,9 @@ async function watch(campaign, folder) {
   if (campaign.watched === folder) return;
   campaign.watched = folder;
   try {
-    const answer = await campaign.studio.connection.ask("watch", { folder }, ({ state }) => take(campaign, state));
-    take(campaign, answer.state);
-    say(`The campaign in ${folder} has ended: ${plural(answer.state.worlds, "world")}.`);
+    const ended = await campaign.studio.connection.ask("watch", { folder }, (state) => take(campaign, state));
+    if (ended) take(campaign, ended);
+    say(`The campaign in ${folder} has ended: ${plural(ended?.worlds ?? 0, "world")}.`);
     if (campaign.watched === folder) {
       await trying(campaign, () => list(campaign));
       await reloadWall(campaign); // explains why, if there are no failures
@@ -235,7 +235,7 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
     return;
   }
   try {
-    const reading = ({ read, of }) => campaign.wall.reading(read, of);
+    const reading = ({ done, of }) => campaign.wall.reading(done, of);
     const answer = await askAbout(campaign.studio.connection, () => `${campaign.folder} ${campaign.stamp}`, "failures", { folder }, reading);
     campaign.read = stamp;
     campaign.wall.show(answer);
@@ -253,7 +253,7 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
 async function start(campaign, kind, message, begins) {
   const isEmpty = campaign.folder === null;
   if (isEmpty) campaign.wall.wait("Beginning: the campaign's process is being started. Nothing has been tried yet.");
-  const { state } = await campaign.studio.connection.ask(kind, message, begins).catch((error) => {
+  const state = await campaign.studio.connection.ask(kind, message, begins).catch((error) => {
     if (isEmpty) campaign.wall.show(null);
     throw error;
   });
@@ -298,7 +298,7 @@ async function stop(campaign) {
   campaign.stopping = folder;
   showState(campaign, campaign.states.get(folder));
   try {
-    const { state } = await campaign.studio.connection.ask("stop", { folder });
+    const state = await campaign.studio.connection.ask("stop", { folder });
     if (state) take(campaign, state);
   } catch (error) {
     campaign.stopping = ""; // it continues, and can be stopped again

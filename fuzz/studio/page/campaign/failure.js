@@ -87,7 +87,7 @@ function actions(panel) {
   const copyLine = button("Copy replay line", (event) => campaign.trying(async () => copied(event.target, (await campaign.look(failure)).replay)));
   const copyTest = button("Copy test", (event) =>
     campaign.trying(async () => {
-      const { text } = await campaign.studio.connection.ask("snippet", { name: failure.name });
+      const text = await campaign.studio.connection.ask("snippet", { name: failure.name });
       await copied(event.target, text);
     }),
   );

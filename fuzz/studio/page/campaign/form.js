@@ -288,7 +288,7 @@ async function begin(form, message) {
   parts.begin.textContent = "Beginning …";
   const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
   try {
-    await campaign.begin(message, ({ begins }) => offerHalt(parts, begins));
+    await campaign.begin(message, (folder) => offerHalt(parts, folder));
     state.named = false; // the next campaign gets another name
     suggestFolder(form);
   } finally {
@@ -311,6 +311,6 @@ function halt({ campaign, parts }) {
 }
 
 async function copyCommand({ campaign, parts }, message) {
-  const { command } = await campaign.studio.connection.ask("command", message);
+  const command = await campaign.studio.connection.ask("command", message);
   await copied(parts.copy, command);
 }

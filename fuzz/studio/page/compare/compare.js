@@ -104,7 +104,7 @@ function showStale(compare) {
 
 async function list(compare) {
   try {
-    const { files } = await compare.studio.connection.ask("files");
+    const files = await compare.studio.connection.ask("files");
     compare.files = files;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -226,9 +226,9 @@ async function run(compare) {
   parts.stop.hidden = false;
   const count = asked.controllers.length * worlds.length;
   let done = 0;
-  const take = (part) => {
+  const take = (part, code) => {
     if (compare.asked !== asked) return;
-    noteCode(stamp, part.code);
+    noteCode(stamp, code);
     table.take(part);
     showStale(compare);
     done += part.column !== undefined ? 1 : part.error ? asked.controllers.length : 0;
@@ -236,7 +236,7 @@ async function run(compare) {
   };
   tell(compare, "Preparing …");
   try {
-    compare.running = studio.connection.ask("compare", asked, take);
+    compare.running = studio.connection.ask("compare", { ...asked, worlds: worlds.map(({ name: _, ...one }) => one) }, take);
     const { totals, rows } = await compare.running;
     if (compare.asked !== asked) return;
     table.totals(totals, rows);

@@ -28,10 +28,10 @@ export function sourcesOf(files) {
  * @param {string[]} sources
  * @param {{name: string, world: boolean}[]} files
  * @param {{name: string, world: WorldMessage}} open - The world on the board
- * @returns {ComparedWorld[]}
+ * @returns {ChosenWorld[]}
  */
 export function worldsOf(sources, files, open) {
-  /** @type {(source: string) => ComparedWorld[]} */
+  /** @type {(source: string) => ChosenWorld[]} */
   const worlds = (source) => {
     if (source === OPEN) return [{ name: open.name || "the open world", world: open.world }];
     if (source === SAMPLES) return Object.entries(EXAMPLES).map(([name, [family, seed]]) => ({ name: `example ${name}`, family, seed }));

@@ -27,7 +27,7 @@ export function makeFamilies(studio, choose) {
     asked = true;
     for (const [name, one] of shown) {
       try {
-        one.world = (await studio.connection.ask("preview", { family: name })).world;
+        one.world = await studio.connection.ask("preview", { family: name });
       } catch (error) {
         if (!(error instanceof Refused || error instanceof Ended)) throw error;
       }

@@ -145,9 +145,8 @@ function exchangePart(studio, files) {
 async function list(studio, files) {
   const { parts } = files;
   try {
-    const answer = await studio.connection.ask("files");
-    files.files = answer.files;
-    parts.folder.textContent = answer.folder;
+    files.files = await studio.connection.ask("files");
+    parts.folder.textContent = studio.folder;
     showList(studio, files);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;

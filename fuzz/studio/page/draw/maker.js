@@ -147,8 +147,8 @@ async function generate(studio, state, parts) {
   const message = { family: state.family.name, seed: parts.seed.value.trim(), parameters: { ...state.given } };
   if (parts.difficulty.value !== "") message.difficulty = parts.difficulty.valueAsNumber;
   if (parts.where.value.trim() !== "") message.where = parts.where.value.trim();
-  const progress = ({ tried, of }) => {
-    parts.said.textContent = `Searching: world ${tried} of at most ${of}`;
+  const progress = ({ done, of }) => {
+    parts.said.textContent = `Searching: world ${done} of at most ${of}`;
   };
   try {
     const answer = await studio.generate(message, `${state.family.name} ${message.seed}`, progress);

@@ -59,7 +59,7 @@ export function proofWords(proof) {
 export async function askSignal(studio, noise, about) {
   const world = { ...messageOf(studio.model.world), source: null };
   try {
-    const values = numbersOf((await askAbout(studio.connection, about, "signal", { world, noise })).signal);
+    const values = numbersOf(await askAbout(studio.connection, about, "signal", { world, noise }));
     return { values, most: values.reduce((most, value) => Math.max(most, value), 1) };
   } catch (error) {
     if (error instanceof Refused) studio.say(error.message);
@@ -119,8 +119,7 @@ async function measure(studio, widest) {
   const about = () => studio.model.version,
     then = about();
   try {
-    const answer = await askAbout(studio.connection, about, "widest", { world: { ...messageOf(studio.model.world), source: null } });
-    widest(answer.widest);
+    widest(await askAbout(studio.connection, about, "widest", { world: { ...messageOf(studio.model.world), source: null } }));
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (then === about()) widest(null);

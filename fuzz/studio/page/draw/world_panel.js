@@ -180,7 +180,7 @@ function hardPart(studio) {
     measured = studio.model.version;
     found.replaceChildren(el("p", { class: "quiet" }, "Measuring …"));
     try {
-      const { metrics } = await askAbout(studio.connection, () => studio.model.version, "measure", { world: messageOf(studio.model.world) });
+      const metrics = await askAbout(studio.connection, () => studio.model.version, "measure", { world: messageOf(studio.model.world) });
       const row = ({ name, value, unit, meaning }) =>
         el(
           "tr",

@@ -15,7 +15,7 @@ const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. 
  * @param {object} uses
  * @param {() => Promise<object | null>} uses.begin - Runs the chosen robots; returns the settings
  *   of the run, or null
- * @param {(message: object) => Promise<any>} uses.ask - Asks the server for the run so far
+ * @param {(message: Messages["drive"]["request"]) => Promise<any>} uses.ask - Asks the server for the run so far
  * @param {(robot: any) => void} uses.show - Shows the run so far, at its last step
  * @param {(words: string, isBad?: boolean) => void} uses.tell
  */

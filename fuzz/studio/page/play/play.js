@@ -162,7 +162,7 @@ async function run(play, pressed = false) {
   play.robots.running(asks);
   const message = { ...asks, world: messageOf(studio.model.world) };
   try {
-    play.running = studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part, message, stamp));
+    play.running = studio.connection.ask("run", message, (part, code) => asked === play.asked && take(play, part, code, message, stamp));
     await play.running;
     if (asked !== play.asked) return;
     finish(play);
@@ -256,8 +256,8 @@ function hideStop(button) {
 }
 
 // Handles a part of the answer: the world, which replaces earlier results, or a robot's run.
-function take(play, part, message, stamp) {
-  noteCode(stamp, part.code);
+function take(play, part, code, message, stamp) {
+  noteCode(stamp, code);
   if (part.world !== undefined) {
     Object.assign(play, { world: part.world, impossible: part.impossible, message, runs: [], looked: 0 });
     tell(play, runningWords(message.controllers, 0));
@@ -350,7 +350,7 @@ async function askBefore(play) {
   const world = model.digest;
   play.before = null;
   try {
-    const { before } = await askAbout(connection, () => model.digest, "before", { name: model.world.name });
+    const before = await askAbout(connection, () => model.digest, "before", { name: model.world.name });
     if (before && before.run && before.world) play.before = { ...before, of: world };
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -391,7 +391,7 @@ async function keepPicture(play, kind, message) {
     if (asked === play.asked) tell(play, "");
     play.saving = studio.connection.ask("picture", { ...message, kind, title: name });
     const answer = await play.saving;
-    keep(`${name}.${kind}`, new Blob([bytesOf(answer.data)]));
+    keep(`${name}.${kind}`, new Blob([bytesOf(answer)]));
     return `Saved ${name}.${kind}`;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;

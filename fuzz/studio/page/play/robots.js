@@ -39,7 +39,7 @@ export function makeRobots(studio, run, drive, more) {
   parts.others = el("p", { class: "quiet others", id: "other-controllers" });
   parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" }, el("span", { class: "quiet" }, "Loading …"));
   parts.another = anotherForm(
-    (label) => askAbout(studio.connection, () => JSON.stringify(messageFor(robots)), "check", { ...messageFor(robots), controller: label }),
+    (label) => askAbout(studio.connection, () => JSON.stringify(messageFor(robots)), "check", checkOf(robots, label)),
     (label) => addOwn(robots, label),
   );
   parts.motion = el("div", { class: "motion" });
@@ -118,7 +118,7 @@ async function letChange(robots) {
   if (!on || model.world.events) return;
   const about = () => `${model.version} ${parts.changes.box.checked}`;
   try {
-    const { world } = await askAbout(studio.connection, about, "shift", { world: messageOf(model.world), seed: String(state.seed) });
+    const world = await askAbout(studio.connection, about, "shift", { world: messageOf(model.world), seed: String(state.seed) });
     model.change("walls that change places", { events: world.events });
     showChanges(robots);
     robots.run();
@@ -396,6 +396,11 @@ function messageFor({ state }) {
     options: state.options,
     still: state.still,
   };
+}
+
+function checkOf(robots, controller) {
+  const { controllers: _, ...settings } = messageFor(robots);
+  return { ...settings, controller };
 }
 
 // Takes over controller and settings of a failure whose file was opened.

@@ -9,18 +9,19 @@ let opening = 0; // number of the last request for a world to be shown
 /**
  * Sends a request. If what it is about has changed when the answer or a part of it arrives, that is
  * dropped, and the request fails with Ended.
+ * @template {keyof Messages} K
  * @param {Connection} connection
  * @param {() => unknown} about - Returns a value that identifies what the request is about
- * @param {string} kind
- * @param {object} message
- * @param {(part: any) => void} [part]
- * @returns {Promise<any>}
+ * @param {K} kind
+ * @param {Messages[K]["request"]} message
+ * @param {(part: Messages[K]["part"], code: Record<string, string>) => void} [part]
+ * @returns {Promise<Messages[K]["answer"]>}
  */
 export async function askAbout(connection, about, kind, message, part = () => {}) {
   const then = about();
   const isCurrent = () => Object.is(about(), then);
   try {
-    const answer = await connection.ask(kind, message, (one) => isCurrent() && part(one));
+    const answer = await connection.ask(kind, message, (one, code) => isCurrent() && part(one, code));
     if (isCurrent()) return answer;
   } catch (error) {
     if (isCurrent() || !(error instanceof Refused || error instanceof Ended)) throw error;
@@ -31,11 +32,12 @@ export async function askAbout(connection, about, kind, message, part = () => {}
 /**
  * Asks for a world to be shown. Only the last such request is answered, in whatever order the
  * answers arrive.
+ * @template {keyof Messages} K
  * @param {Connection} connection
- * @param {string} kind
- * @param {object} message
- * @param {(part: any) => void} [progress]
- * @returns {Promise<any>}
+ * @param {K} kind
+ * @param {Messages[K]["request"]} message
+ * @param {(part: Messages[K]["part"]) => void} [progress]
+ * @returns {Promise<Messages[K]["answer"]>}
  */
 export function askToOpen(connection, kind, message, progress) {
   opening += 1;

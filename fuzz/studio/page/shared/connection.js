@@ -40,8 +40,8 @@ function newestToken() {
  * @property {WebSocket | null} socket
  * @property {number} number - Number of the last request
  * @property {number} largest - Limit of a message to the server, bytes, once the server has sent it
- * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part:
- *   any) => void}>} waiting
+ * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part: any,
+ *   code: Record<string, string>) => void}>} waiting
  * @property {number} wait - ms before the next attempt to reconnect
  * @property {boolean} opened
  */
@@ -103,7 +103,7 @@ function hear(state, said, begun, given) {
   const question = state.waiting.get(said.id);
   if (!question) return;
   if ("part" in said) {
-    question.part(said.part);
+    question.part(said.part, said.code ?? {});
     return;
   }
   state.waiting.delete(said.id);
@@ -115,8 +115,8 @@ function hear(state, said, begun, given) {
  * @param {State} state
  * @param {string} kind
  * @param {object} message
- * @param {(part: any) => void} part
- * @returns {Asked}
+ * @param {(part: any, code: Record<string, string>) => void} part
+ * @returns {Asked<any>}
  */
 function ask(state, kind, message, part) {
   if (!state.socket || state.socket.readyState !== WebSocket.OPEN)

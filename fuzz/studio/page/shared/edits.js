@@ -132,7 +132,7 @@ export function stillOffered(before, now) {
  */
 export async function listenToEdits(connection, known, edited, reported = () => {}) {
   try {
-    await connection.ask("edits", {}, ({ files }) => {
+    await connection.ask("edits", {}, (files) => {
       reported(files);
       const changed = editedIn(known, files);
       if (changed.length > 0) edited(changed);

@@ -28,7 +28,7 @@ export function labelled(words, input, { unit = "", help = "" } = {}) {
 
 /**
  * Makes a list of motion models by name, with a description of the chosen one below it.
- * @param {Motion[]} motions
+ * @param {MotionMessage[]} motions
  * @param {string} chosen
  * @param {(name: string) => void} change
  * @returns {{element: HTMLElement, show: (name: string) => void}}
@@ -71,7 +71,7 @@ export function number(value, change, { low = null, high = null, step = "any" } 
 /**
  * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low,
  * high }, and `chosen`, a single number that is allowed in addition to the range.
- * @param {Parameter} parameter
+ * @param {ParameterMessage} parameter
  * @param {any} value
  * @param {(value: any) => void} change
  * @returns {HTMLInputElement | HTMLSelectElement}
@@ -111,7 +111,7 @@ export function parameterField(parameter, value, change) {
 /**
  * Returns what is wrong with a parameter's value; a browser's field cannot express all of its
  * bounds.
- * @param {Parameter} parameter
+ * @param {ParameterMessage} parameter
  * @param {number} value
  * @returns {string}
  */
@@ -129,7 +129,7 @@ function boundsFault(parameter, value) {
 
 /**
  * Describes a parameter's range, such as "1 to 20 cells", from its bounds; empty if it has none.
- * @param {Parameter} parameter
+ * @param {ParameterMessage} parameter
  * @returns {string}
  */
 export function rangeWords({ low, high, above, chosen, unit }) {
@@ -142,7 +142,7 @@ export function rangeWords({ low, high, above, chosen, unit }) {
 /**
  * Makes fields for the options of a format; the values that a user enters are stored in `given` by
  * name.
- * @param {Parameter[]} options
+ * @param {ParameterMessage[]} options
  * @param {Record<string, any>} given
  * @returns {HTMLElement[]}
  */
