@@ -367,3 +367,12 @@ def test_the_distance_of_a_slanting_segment_to_a_cell_is_exact():
     assert segment_box_sq((0, 2048), (2048, 0), (0, 0)) == (0, 1)
     distance, over = segment_box_sq((0, 3072), (3072, 0), (0, 0))
     assert distance / over == 1024**2 / 2
+
+
+@pytest.mark.parametrize("x", [0.15, 0.1501234567], ids=["on the lattice", "beside it"])
+def test_the_robot_drives_its_witness_at_top_speed(x):
+    walls = np.zeros((9, 9), bool)
+    walls[4, :7] = True
+    world = World(walls, Pose(x, 0.15), Target(0.15, 0.75, 0.05), robot_speed=1.5)
+    path = decide(world).certificate
+    assert path.length > 1.0 and path.duration == pytest.approx(path.length / 1.5, rel=1e-4)

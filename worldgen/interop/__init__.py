@@ -18,7 +18,7 @@ pictures (``grey_image``), YAML (``yaml_table``), XML (``xml_tree``) and meshes 
 
 from worldgen.interop.exporting import Export, export_world, guess_format, write_export
 from worldgen.interop.format import FORMATS, HELD, Destination, Exported, Format
-from worldgen.interop.format.foreign_map import ForeignMap
+from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import Problem, read_scenario
 from worldgen.interop.importing import (
     Imported,
@@ -38,6 +38,7 @@ __all__ = [
     "Export",
     "Exported",
     "ForeignMap",
+    "ForeignRobot",
     "Format",
     "Imported",
     "ImportedRobot",
