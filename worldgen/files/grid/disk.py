@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
-from worldgen.errors import FormatError, Message, OutputError
+from worldgen.errors import FormatError, OutputError
 from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.reader import loads
 from worldgen.files.grid.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
@@ -166,25 +166,27 @@ def _expand(data: bytes, source: str) -> bytes:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
             expanded = read_up_to(stream, limit)
     except EOFError as error:
-        message = Message(
-            "cut-short", "the gzip data ends too early; the file is truncated", "copy it again"
-        )
-        raise FormatError.of(message, source=source) from error
+        raise FormatError(
+            "cut-short",
+            "the gzip data ends too early; the file is truncated",
+            "copy it again",
+            source=source,
+        ) from error
     except (OSError, zlib.error) as error:
-        message = Message(
+        raise FormatError(
             "damaged-file",
             "not valid gzip data: {reason}",
             "copy the file again, or name it without .gz",
             reason=str(error),
-        )
-        raise FormatError.of(message, source=source) from error
+            source=source,
+        ) from error
     if expanded is None:
-        message = Message(
+        raise FormatError(
             "too-large",
             "{bytes} compressed bytes expand to more than the limit of {most}",
             "unpack it by hand",
             bytes=len(data),
             most=limit,
+            source=source,
         )
-        raise FormatError.of(message, source=source)
     return expanded
