@@ -61,6 +61,23 @@ class Member:
     packed: int
     read: Callable[[int], bytes | None]
 
+    def read_all(self, most: int, source: str) -> bytes:
+        """Return the file's bytes.
+
+        Raises:
+            FormatError: If it is longer than a limit, or cannot be read; ``source`` names it.
+        """
+        data = self.read(most)
+        if data is None:
+            raise FormatError(
+                "too-large",
+                "longer than {most} bytes, the limit in such an archive",
+                "unpack it by hand",
+                most=most,
+                source=source,
+            )
+        return data
+
 
 class _Zip:
     def __init__(self, stream: IO[bytes]) -> None:

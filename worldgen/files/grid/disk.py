@@ -48,7 +48,7 @@ def read_packed(path: Path) -> bytes:
     for member in members(archive):
         # tar writes ./w.grid for a folder that is packed as ``.``.
         if PurePosixPath(member.name).as_posix() == name:
-            return _read_member(member, str(path))
+            return member.read_all(_expansion_limit(member.packed), str(path))
     raise FormatError(
         "no-such-file",
         "holds no file {name!r}",
@@ -81,21 +81,7 @@ def unpack_world(member: Member, source: str) -> World:
     Raises:
         FormatError: If it cannot be read, or isn't a ``.grid`` file.
     """
-    return unpack(_read_member(member, source), source)
-
-
-def _read_member(member: Member, source: str) -> bytes:
-    limit = _expansion_limit(member.packed)
-    data = member.read(limit)
-    if data is None:
-        raise FormatError(
-            "too-large",
-            "longer than {most} bytes, the limit in such an archive",
-            "unpack it by hand",
-            most=limit,
-            source=source,
-        )
-    return data
+    return unpack(member.read_all(_expansion_limit(member.packed), source), source)
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
