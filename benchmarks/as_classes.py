@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.faults import FAULTS
+from benchmarks.faults import FAULTS
 from sim.controllers import CONTROLLERS, Command, CompiledController, Observation
 from sim.controllers.base import Act, Memory
 from sim.controllers.core_act import CoreAct

@@ -24,7 +24,6 @@ from fuzz.campaign.executors import cluster_executor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Budget, begin
-from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from fuzz.shrink.queue import shrunk_or_same
@@ -88,7 +87,7 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
         files = [file for file in Path(place).rglob("*") if file.is_file()]
         # Time one save of a unit with failures, which later units rarely have.
         found = UnitResult("features", failures=dict(list(state.memory.failures.items())[:2]))
-        save = _seconds(lambda: campaign_run.store.save_unit(units, Done(found, 0.0)))
+        save = _seconds(lambda: campaign_run.store.save_unit(units, found, 0.0))
         campaign_run.store.close()
         some = list(state.memory.failures.values())[:_SHRUNK]
         shrink = _seconds(lambda: [shrunk_or_same(one) for one in some])

@@ -1,7 +1,7 @@
 """How well causes tell seeded faults apart.
 
 ``python -m benchmarks.causes`` runs a campaign, without shrinking, against each fault of
-:mod:`fuzz.faults` and takes every failure that shows the fault: with the verdict expected of it, in
+:mod:`benchmarks.faults` and takes every failure that shows the fault: with the verdict expected of it, in
 a world in which the controller without the fault arrives. It counts their causes, and prints the
 tables of ``docs/reference/verdicts.md`` row by row; with ``--json`` one object. It takes about six
 minutes on two cores, and prints the same each time.
@@ -31,12 +31,12 @@ from pathlib import Path
 
 import click
 
+from benchmarks.faults import FAULTS
 from benchmarks.finding import tells
 from benchmarks.searchers import strategies
 from fuzz.campaign import unit
 from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
-from fuzz.faults import FAULTS
 from fuzz.triage import triage
 from fuzz.triage.diagnosis import cause_of
 from fuzz.unit.config import CampaignConfig

@@ -1,7 +1,7 @@
 """Measure how soon a campaign finds the seeded faults, compiled and as Python classes.
 
 ``python -m benchmarks.faults_as_classes`` runs a campaign, with its own plan and without shrinking,
-against each fault of :mod:`fuzz.faults` until it finds a failure that reveals the fault: with the
+against each fault of :mod:`benchmarks.faults` until it finds a failure that reveals the fault: with the
 verdict expected of it, confirmed by replay, in a world in which the controller without the fault
 arrives. It prints the CPU seconds of one core that this took; ``--json`` prints one object.
 ``class``: the fault as a class whose ``act`` calls the compiled function. ``interpreted``: the same
@@ -18,9 +18,9 @@ from dataclasses import asdict, dataclass, replace
 
 import click
 
+from benchmarks.faults import FAULTS
 from benchmarks.finding import shows
 from benchmarks.searchers import strategies
-from fuzz.faults import FAULTS
 from fuzz.unit.config import CampaignConfig
 from sim.scenario import Scenario
 

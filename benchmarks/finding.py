@@ -2,7 +2,7 @@
 
 It compares, on the seeded faults, each strategy, the whole plan, and what one would do without
 them. ``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) the same
-number of simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and
+number of simulated steps against each fault of :mod:`benchmarks.faults`, shrinks what it finds, and
 prints the tables of ``docs/explanation/search.md``; ``--json`` prints one object. With ``--out
 DIR`` each cell of the table is a file: existing ones are not computed again, and several processes
 can work on the same table. ``--quick`` takes minutes, ``--full`` a day.
@@ -29,12 +29,12 @@ from typing import Any
 import click
 import numpy as np
 
+from benchmarks.faults import FAULTS, Fault
 from benchmarks.finding_tables import summary, tables
 from benchmarks.searchers import SEARCHERS, strategies
 from fuzz.cause import CAUSE
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.faults import FAULTS, Fault
 from fuzz.shrink import shrink
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of

@@ -155,9 +155,18 @@ CORES = (
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (_TYPES, _CONTROLLER, _BEHAVIOURS, *_SIM, "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
+        (_TYPES, _CONTROLLER, _BEHAVIOURS, *_SIM, "fuzz/core/wg_looks.h"),
         ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
+)
+
+# Not in any package: the seeded faults are measured in a checkout. Each wraps a controller of the
+# simulator, which is therefore compiled into it.
+FAULTS = Core(
+    "benchmarks.faults._core",
+    ("benchmarks/faults", "sim/core"),
+    (_TYPES, _CONTROLLER, _BEHAVIOURS, *_SIM, "benchmarks/faults/wg_faults.h"),
+    ("worldgen/include", "sim/include", _STABLE_ABI),
 )
 
 
@@ -296,9 +305,11 @@ def main() -> None:
         action="store_true",
         help="end the process at each fault of memory or arithmetic",
     )
-    flags = (*STRICT, *(SANITIZE if parser.parse_args().sanitize else ()))
-    for core in CORES:
-        if core.exists:
+    parser.add_argument("modules", nargs="*", help="only these, such as fuzz._core")
+    given = parser.parse_args()
+    flags = (*STRICT, *(SANITIZE if given.sanitize else ()))
+    for core in (*CORES, FAULTS):
+        if core.exists and core.module in (given.modules or [core.module]):
             package, _, name = core.module.rpartition(".")
             made = ROOT / package.replace(".", "/") / (name + suffix())
             compile_core(core, made, ROOT / "build" / "cores" / core.module, flags=flags)

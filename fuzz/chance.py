@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from fuzz.failure import regardless_of_walls
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_random
 from sim.episode import prepare, simulate
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
@@ -29,10 +29,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
         in the case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if not (
-        isinstance(controller, CompiledController)
-        and (controller.randomised or is_noisy(controller, scenario.run))
-    ):
+    if not (isinstance(controller, CompiledController) and is_random(controller, scenario.run)):
         return {}
     options = scenario.options(world)
     sealed = isinstance(world.certificate, Cut)

@@ -189,6 +189,17 @@ class Episode:
         entered = isinstance(evidence, ReachedEvidence) and evidence.wall_step is not None
         return entered or isinstance(evidence, WallEvidence)
 
+    @property
+    def robots(self) -> tuple[Episode, ...]:
+        """Each robot's episode, in order: this one, unless there are several robots."""
+        return (self,)
+
+    def blockers(self, robot: int) -> tuple[int, ...]:
+        """Return the robots that a robot drives into forever, all numbered from 1."""
+        evidence = self.evidence
+        pairs = evidence.blocked if isinstance(evidence, JointLoopEvidence) else ()
+        return tuple(other for one, other in pairs if one == robot)
+
     def __repr__(self) -> str:
         evidence = "".join(
             f"\n  {name}: {value!r}" for name, value in evidence_table(self.evidence).items()
@@ -221,12 +232,6 @@ class FleetEpisode(Episode):
     def went_into_a_wall(self) -> bool:
         """Whether one of the robots drove into a wall."""
         return any(one.went_into_a_wall for one in self.robots)
-
-    def blockers(self, robot: int) -> tuple[int, ...]:
-        """Return the robots that a robot drives into forever, all numbered from 1."""
-        evidence = self.evidence
-        pairs = evidence.blocked if isinstance(evidence, JointLoopEvidence) else ()
-        return tuple(other for one, other in pairs if one == robot)
 
 
 def wall_evidence(outcome: Outcome) -> WallEvidence:

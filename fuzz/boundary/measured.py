@@ -8,7 +8,7 @@ from fuzz.boundary.axes import AXES, Axis, Subject
 from fuzz.boundary.search import Boundary, BoundaryRuns, RecordedBoundary, nearest_boundary
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_random
 from sim.scenario import Scenario
 from worldgen.files.json_file import converted
 from worldgen.world import Value
@@ -23,10 +23,7 @@ def is_bounded(scenario: Scenario) -> bool:
     Runs that depend on randomness have no boundaries.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    return not (
-        is_noisy(controller, scenario.run)
-        or (isinstance(controller, CompiledController) and controller.randomised)
-    )
+    return not is_random(controller, scenario.run)
 
 
 def subject_of(failure: Failure) -> Subject | None:

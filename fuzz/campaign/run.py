@@ -13,10 +13,9 @@ from functools import partial
 
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
-from fuzz.campaign.scheduler import Scheduler, Work
+from fuzz.campaign.scheduler import Goal, Scheduler, Work
 from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
-from fuzz.campaign.store import MEMORY, CampaignStore, Find
-from fuzz.campaign.store.entry import Done
+from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
 from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
@@ -25,7 +24,7 @@ from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.unit.result import FailureKey, SearchState, UnitResult
 
 
-class Campaign:
+class Campaign(Goal[Progress]):
     """A search for failures, with a budget.
 
     Args:
@@ -53,7 +52,7 @@ class Campaign:
         units: int | None = None,
         seconds: float | None = None,
         executor: Executor | None = None,
-        store: CampaignStore | None = None,
+        store: FolderStore | None = None,
         is_known: Callable[[Failure], bool] = lambda _: False,
         began: Beginning | None = None,
     ) -> None:
@@ -68,7 +67,7 @@ class Campaign:
         self.units = units
         self.state = CampaignState()
         self._is_known = is_known
-        self._store = store or CampaignStore()
+        self._store = store
         # Failures whose shrinking ended before any simpler world was proved, by id.
         self._cut_short: set[str] = set()
         self._queue = ShrinkQueue(shrinks=config.shrink, by_size=not self._schedule.is_unlimited)
@@ -87,12 +86,7 @@ class Campaign:
         self._handed_in = LiveCounts()
         # Seconds of earlier runs.
         self._before = 0.0
-        self._earlier = self._store.seconds()
-
-    @property
-    def is_ready(self) -> bool:
-        """True once everything that the first units need is loaded, and the clock is running."""
-        return self._schedule.is_ready
+        self._earlier = 0.0 if store is None else store.seconds()
 
     def pending(self) -> dict[FailureKey, Failure]:
         """Return a failure of each group of which none is shrunk yet.
@@ -138,14 +132,10 @@ class Campaign:
         """
         try:
             yield from self._scheduler.run(self)
-            if self.units is None:
-                self._take_from_earlier()
+            if self.units is None and self._store is not None:
+                self._take_from_earlier(self._store)
         finally:
             self._count_time()
-
-    def is_reached(self) -> bool:
-        """Return False: a search for failures only ends with its budget."""
-        return False
 
     def _count_time(self) -> None:
         """Update the times in the state.
@@ -155,12 +145,11 @@ class Campaign:
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
-    def _take_from_earlier(self) -> None:
+    def _take_from_earlier(self, store: FolderStore) -> None:
         """Add findings from an earlier run's cut units that this run did not get to."""
-        for unit in self._store.units_cut():
-            is_new = unit >= self._scheduler.next_merged
-            if is_new and (done := self._store.cut_unit(unit)) is not None:
-                self._add(unit, done.result, done.seconds)
+        for unit in store.units_cut():
+            if unit >= self._scheduler.next_merged and (result := store.cut_unit(unit)):
+                self._add(unit, result)
 
     def next_work(self) -> Work[Progress] | None:
         """Return a unit, or a failure to shrink.
@@ -203,11 +192,9 @@ class Campaign:
         # What the unit is to know depends on units that may not be merged yet.
         if not self._scheduler.has_more_units or epoch >= len(self._known):
             return None
-        done = self._store.unit(unit)
-        if done is not None:
-            # A unit's own figure excludes failures that were shrunk after the last unit.
-            self._before = max(done.seconds, self._earlier)
-            return Work.done(done.result, partial(self._merge, unit, stored_at=done.seconds))
+        done = self._store and self._store.unit(unit)
+        if done:
+            return Work.done(done, partial(self._merge, unit))
         # Loading takes part of the time.
         self._scheduler.get_ready()
         if not self._schedule.may_search:
@@ -215,31 +202,24 @@ class Campaign:
         call = partial(run_unit, self.config, unit, self._known[epoch], self._schedule.deadline())
         return Work(call, partial(self._merge, unit))
 
-    def _merge(
-        self, unit: int, result: UnitResult, stored_at: float | None = None
-    ) -> Iterator[Progress]:
-        """Add a unit's result, and queue its failures for shrinking unless that is done.
-
-        Args:
-            unit: Number of the unit.
-            result: Its result.
-            stored_at: Seconds of the search when it was done in an earlier run.
-        """
-        jobs = self._add(unit, result, stored_at)
-        yield UnitDone(unit, self.state, stored_at is not None)
+    def _merge(self, unit: int, result: UnitResult) -> Iterator[Progress]:
+        """Add a unit's result, and queue its failures for shrinking unless that is done."""
+        jobs = self._add(unit, result)
+        yield UnitDone(unit, self.state, result.stored_at is not None)
         for job in jobs:
-            done = self._store.shrunk(job.failure) if self.config.shrink else job.failure
-            if done is None:
+            done = self._store and self._store.shrunk(job.failure)
+            if self.config.shrink and done is None:
                 self._queue.add(job)
             else:
-                yield from self._take_shrunk(job, Shrinking(done), is_stored=True)
+                yield from self._take_shrunk(job, Shrinking(done or job.failure), is_stored=True)
 
-    def _add(self, unit: int, result: UnitResult, stored_at: float | None) -> list[ShrinkJob]:
+    def _add(self, unit: int, result: UnitResult) -> list[ShrinkJob]:
         """Add a unit's result to the totals and to the store.
 
         Return the failures to shrink, which are the same for any timing.
         """
         state = self.state
+        stored_at = result.stored_at
         if stored_at is None:
             state.effort += result.effort
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
@@ -249,6 +229,9 @@ class Campaign:
             if unit // self.config.epoch >= self._knows_too_little:
                 state.too_early += not result.cut
                 result = replace(result, cut=True)
+        else:
+            # A unit's own figure excludes failures that were shrunk after the last unit.
+            self._before = max(stored_at, self._earlier)
         # Add it to the totals.
         self._count_time()
         seconds = state.seconds if stored_at is None else stored_at
@@ -269,8 +252,8 @@ class Campaign:
         }
         # The search state then has the same order as the store.
         result = replace(result, failures=kept, elites=elites)
-        if stored_at is None:
-            self._store.save_unit(unit, Done(result, seconds))
+        if stored_at is None and self._store:
+            self._store.save_unit(unit, result, seconds)
         # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
@@ -307,7 +290,8 @@ class Campaign:
             job = self._queue.job_for(failure, is_known=is_known, is_interesting=is_interesting)
             if job is not None:
                 jobs.append(job)
-        state.finds += sorted(finds, key=lambda one: (one[0].worlds, one[0].seconds))
+        # The totals are rounded; the order must not depend on how long the unit took.
+        state.finds += sorted(finds, key=lambda one: result.first_met[one[1].key].order)
         # A restored unit has only the failures that were worth keeping, so its totals count.
         met = state.met_by_group
         state.known = Counter({group: met[group] for group in self._known_groups})
@@ -329,10 +313,10 @@ class Campaign:
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
         """Return a unit's result, or an earlier run's if that got further with the unit."""
-        before = self._store.cut_unit(unit)
-        if before is None or before.result.worlds <= result.worlds:
+        before = self._store and self._store.cut_unit(unit)
+        if not before or before.worlds <= result.worlds:
             return result
-        return replace(before.result, interrupted=result.interrupted)
+        return replace(before, interrupted=result.interrupted, stored_at=None)
 
     def _take_shrunk(
         self, job: ShrinkJob, result: Shrinking, *, is_stored: bool = False
@@ -340,7 +324,7 @@ class Campaign:
         """Keep a shrunk failure if it is the smallest of its key, and yield it."""
         shrunk = result.failure
         self.state.effort += result.effort
-        if result.complete and not is_stored:
+        if result.complete and not is_stored and self._store:
             self._store.save_shrunk(job.failure, shrunk)
         self._count_time()
         # Time ran out before any simpler world was proved.

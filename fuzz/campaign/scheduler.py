@@ -6,11 +6,12 @@ and the end of the time are the same for all goals.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 from fuzz.campaign.executors import Executor
 from fuzz.campaign.schedule import Schedule
@@ -53,14 +54,16 @@ class Work(Generic[EventT]):
         return work
 
 
-class Goal(Protocol[EventT]):
+class Goal(ABC, Generic[EventT]):
     """What a campaign looks for."""
 
+    @abstractmethod
     def next_work(self) -> Work[EventT] | None:
         """Return the next piece of work, or ``None`` if nothing may begin now."""
 
     def is_reached(self) -> bool:
-        """Return True once the units merged so far are enough."""
+        """Return True once the units merged so far are enough, whatever is left to do."""
+        return False
 
 
 class Scheduler:

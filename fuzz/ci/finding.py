@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -19,7 +19,7 @@ from sim.episode.describe import describe_frames
 from worldgen.errors import WorldgenError
 from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
-from worldgen.render.overlay import naming
+from worldgen.render.overlay import Trail, naming
 from worldgen.support.plain_text import counted, shown, shown_lines
 
 if TYPE_CHECKING:
@@ -105,17 +105,17 @@ class CiFinding:
 
         # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
         frames = ""
-        trail = None
+        trails: Sequence[Trail] = ()
         try:
             episode, words = run_to_draw(failure)
-            trail = naming(trails_of(episode, world), named_cells(cause.changes) if cause else ())
+            trails = naming(trails_of(episode, world), named_cells(cause.changes) if cause else ())
             frames = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"
         except OutOfTime:
             words = ""
             frames = describe_frames(failure.evidence)
-        picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
+        picture = draw_terminal(world, trail=trails, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = (
                 f"(a map of {world.width} x {world.height} cells is too large for a picture here)"

@@ -10,7 +10,7 @@ from sim.controllers.programs.process import is_process_name
 from sim.drawing.picture import trails_of
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.render import draw_png
-from worldgen.render.overlay import Trails, each_trail
+from worldgen.render.overlay import Trail
 from worldgen.render.sheet import Panel, draw_sheet
 
 _PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
@@ -55,14 +55,13 @@ def _panel(entry: CorpusEntry) -> Panel:
         if is_process_name(facts.controller)
         else facts.controller.rpartition("/")[2]
     )
-    return Panel(
-        failure.stored, facts.group, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
-    )
+    trails = tuple(_trails(failure))
+    return Panel(failure.stored, facts.group, trails, (f"{name}, {facts.motion}",))
 
 
-def _trails(failure: Failure) -> Trails:
+def _trails(failure: Failure) -> list[Trail]:
     """Return the robots' current paths; none if their controller cannot be run."""
     try:
         return trails_of(failure.run(through_walls=failure.is_breach), failure.world)
     except WorldgenError:
-        return None
+        return []

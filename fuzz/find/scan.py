@@ -10,7 +10,7 @@ from functools import partial
 from fuzz.boundary import Axis, BoundaryRun, BoundaryRuns, Subject
 from fuzz.campaign.executors import local_executor
 from fuzz.campaign.schedule import Schedule
-from fuzz.campaign.scheduler import Scheduler, Work
+from fuzz.campaign.scheduler import Goal, Scheduler, Work
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Stretch:
     runs: int
 
 
-class AxisScan:
+class AxisScan(Goal[BoundaryRun]):
     """Runs values of an axis, and bisects between neighbours of different outcome.
 
     Nothing between two values of equal outcome is run, so a double change between them is missed.
@@ -57,10 +57,6 @@ class AxisScan:
     def run(self) -> Generator[BoundaryRun, None, None]:
         """Run the scan, as :meth:`fuzz.campaign.scheduler.Scheduler.run` does."""
         return self._scheduler.run(self)
-
-    def is_reached(self) -> bool:
-        """Return False: the scan ends when nothing is left to run."""
-        return False
 
     def next_work(self) -> Work[BoundaryRun] | None:
         """Return the next value to run: those given, then those between different outcomes."""

@@ -12,7 +12,7 @@ from functools import partial
 
 from fuzz.campaign.executors import local_executor
 from fuzz.campaign.schedule import Schedule
-from fuzz.campaign.scheduler import Scheduler, Work
+from fuzz.campaign.scheduler import Goal, Scheduler, Work
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.layouts.features import decode_world
@@ -338,7 +338,7 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
     return world, family.provenance(seed, complete)
 
 
-class OutcomeSearch:
+class OutcomeSearch(Goal[NearestWorld]):
     """A campaign that ends with the first world that has every outcome.
 
     Args:

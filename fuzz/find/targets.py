@@ -11,7 +11,7 @@ import statistics
 from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_noisy, is_random
 from sim.episode import prepare, simulate
 from sim.evidence import LoopEvidence
 from sim.options.run import RunOptions
@@ -96,8 +96,7 @@ class OutcomeTarget:
     def says_chance(self) -> bool:
         """True if the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
-        chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or is_noisy(controller, self.scenario.run)
+        return is_random(controller, self.scenario.run)
 
     @property
     def cost(self) -> int:

@@ -68,12 +68,12 @@ def describe(
     evidence: Evidence | None
     try:
         episode, words = run_to_draw(failure)
-        trail = trails_of(episode, world)
+        trails = trails_of(episode, world)
         evidence = episode.evidence
     except OutOfTime:
         # The controller is slow. The picture is not worth the wait, so it has no trail.
         words = ""
-        trail = None
+        trails = []
         evidence = failure.evidence
 
     # Collect everything known about how often, from where and how reliably the failure occurs.
@@ -85,12 +85,12 @@ def describe(
     diagnosis = diagnosis_of(failure)
     cause = diagnosis.cause
     repeats = ""
-    if trail is not None and not failure.is_breach and failure.oracle is None:
+    if trails and not failure.is_breach and failure.oracle is None:
         with contextlib.suppress(OutOfTime):
             repeats = describe_period(world, episode)
     who = "The fleet" if world.is_fleet else "It"
     depends = f"  {who} {why.describe()}.\n" if why else ""
-    marked = naming(trail, why.cells if why else ())
+    marked = naming(trails, why.cells if why else ())
     color = wants_color(results())
     happened = f"{record.verdict}{shown(words)}"
     first = happened if cause.is_vague else diagnosis.sentence(world)

@@ -82,11 +82,11 @@ class Explanation:
         failure = self.failure
         cells = () if self.why is None else self.why.cells
         depends = self.goes_wrong if self.why is None else self.why.describe()
-        trail = naming(trails_of(run_to_draw(failure)[0], failure.world), cells)
+        trails = naming(trails_of(run_to_draw(failure)[0], failure.world), cells)
         title = f"{self.verdict}: {depends}"
         if suffix == ".svg":
-            return render.draw_svg(failure.stored, trail=trail, title=title).encode()
-        return render.draw_png(failure.stored, trail=trail, title=title)
+            return render.draw_svg(failure.stored, trail=trails, title=title).encode()
+        return render.draw_png(failure.stored, trail=trails, title=title)
 
 
 def explain_failure(

@@ -13,7 +13,7 @@ from fuzz._core import lib
 from fuzz.layouts import layout_bytes
 from fuzz.layouts.features import RADII, decode_scene, decode_world
 from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
-from fuzz.screening.guarded import look_guarded
+from fuzz.screening.in_core import screen_in_core
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
 from sim.controllers import CONTROLLERS
@@ -36,9 +36,6 @@ _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
 # Exceeds the key of any run without a crash.
 _MOST_KEYS = 1 << 16
-# Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between portions.
-_PORTION = 1 << 20
-
 # Patience of screening runs. It equals a witness's budget, so a run that spends it has failed,
 # except on the longest paths.
 _PATIENT = Patience(50, 4_000, 8_000, 600)
@@ -377,12 +374,7 @@ class _Packed:
         # Compiled controllers run inside the core.
         if self.host.in_core:
             driver = self.runs[0].driver()
-            seat = Seat(batch, self.host.begin(None), driver)
-            if driver.cage is not None:
-                look_guarded(batch, seat, driver.guarded, driver.cage)
-                return
-            while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
-                pass
+            screen_in_core(driver, Seat(batch, self.host.begin(None), driver), batch)
             return
         # Programs and vector classes act for many robots at once, unless they break a rule.
         alone = OneByOne(self.host, batch, world)

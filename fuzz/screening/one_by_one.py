@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import REPORT_FIELDS, Batch, Seat
-from fuzz.screening.guarded import MOST_HANGS
+from fuzz.screening.in_core import MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes

@@ -72,7 +72,7 @@ def _compare(
         if len(cells) == len(scenarios):
             worlds.append(named)
             rows.append(tuple(cells))
-            part(RowPart(row=row, best=standing([cell.rank_time for cell in cells])[0]))
+            part(RowPart(row=row, best=[*standing([cell.rank_time for cell in cells])[0]]))
     totals = Comparison(tuple(scenarios), tuple(worlds), tuple(rows)).totals() if rows else ()
     columns = [
         ColumnTotal(one.runs, one.reached, one.wins, one.shared_wins, one.mean_time)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import islice
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -43,6 +43,7 @@ from worldgen.errors import FormatError, InvalidParameter, Message, WorldgenErro
 from worldgen.files.archives import is_archive, members
 from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
+from worldgen.files.json_file import converted
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import is_world_file
 from worldgen.world import World
@@ -69,22 +70,16 @@ def _failures(request: Failures, opened: Opened, part: SendPart[Progress]) -> Fa
     place_of = places(entry for entry in found)
     rank_of = ranks((entry.facts.cause for entry in found), {entry.path.parent for entry in found})
     failures = [
-        WallFailure(
-            name=entry.path.relative_to(folder.root).as_posix(),
-            group=entry.facts.group,
-            shrinking=entry.facts.shrinking,
-            verdict=entry.facts.verdict,
-            controller=entry.facts.controller,
-            motion=entry.facts.motion,
-            width=entry.facts.width,
-            height=entry.facts.height,
-            solid=entry.facts.solid,
-            events=entry.facts.events,
-            place=place_of[entry.facts.order],
-            rank=rank_of[entry.facts.cause],
-            seen=entry.seen or 0,
-            digest=entry.facts.digest,
-            known=entry.facts.key in known,
+        converted(
+            asdict(entry.facts)
+            | {
+                "name": entry.path.relative_to(folder.root).as_posix(),
+                "place": place_of[entry.facts.order],
+                "rank": rank_of[entry.facts.cause],
+                "seen": entry.seen or 0,
+                "known": entry.facts.key in known,
+            },
+            WallFailure,
         )
         for entry in found
     ]

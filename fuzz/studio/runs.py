@@ -125,10 +125,7 @@ def _picture(request: Picture, opened: Opened, part: object) -> bytes:
 def _before(request: Before, opened: Opened, part: object) -> FoundRun | None:
     path = opened.folder.place(request.name)
     shrunk = Failure.found_in(read_world(path))
-    # The original is in the campaign store of a folder above it.
-    places = () if shrunk is None or shrunk.original is None else path.parents
-    originals = (_original(shrunk, folder, opened.folder.root) for folder in places)
-    found = next(filter(None, originals), None)
+    found = _original(shrunk, path, opened.folder.root)
     if found is None:
         return None
     # Without permission to run the controller, there is nothing to show.
@@ -150,17 +147,18 @@ def _before(request: Before, opened: Opened, part: object) -> FoundRun | None:
     )
 
 
-def _original(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
-    """Return the original of a shrunk failure, if a campaign in this folder has it.
+def _original(shrunk: Failure | None, path: Path, root: Path) -> Failure | None:
+    """Return the original of a shrunk failure, if a campaign above its file has it.
 
-    The folder must be inside the opened one.
+    The campaign's folder must be inside the opened one.
     """
-    if shrunk is None or not folder.is_relative_to(root):
+    if shrunk is None or shrunk.original is None:
         return None
-    path = Path(os.path.realpath(folder / MEMORY / "failures" / f"{shrunk.original}.grid"))
-    return (
-        Failure.found_in(read_world(path)) if path.is_relative_to(root) and path.is_file() else None
-    )
+    for folder in path.parents:
+        file = Path(os.path.realpath(folder / MEMORY / "failures" / f"{shrunk.original}.grid"))
+        if folder.is_relative_to(root) and file.is_relative_to(root) and file.is_file():
+            return Failure.found_in(read_world(file))
+    return None
 
 
 @dataclass(frozen=True, eq=False)

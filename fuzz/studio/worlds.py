@@ -44,7 +44,7 @@ from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, Decision, check_certificate, decide
 from worldgen.timeline import Timeline
-from worldgen.world import Cut, JointWitness, Value, Witness, World
+from worldgen.world import Cut, JointWitness, Value, World
 
 _TRIES = 500  # most worlds that a search generates, as on the command line
 _PREVIEW_SIDE = 24  # cells per side in a preview of a family: enough to recognise it
@@ -103,16 +103,15 @@ def _decided(request: Decide, opened: Opened, part: object) -> ProofMessage:
     if proof is None:
         return ProofMessage(result=decision.result, reason=decision.reason)
     proved = replace(world, certificate=proof)
-    is_witness = isinstance(proof, Witness | JointWitness)
     # With several robots, the reason names the one that the ring stops.
-    is_ring = isinstance(proof, Cut) and not world.is_fleet and len(proof.cells) > 1
+    ring = len(proof.cells) if isinstance(proof, Cut) and not world.is_fleet else 0
     return ProofMessage(
         result=decision.result,
         reason=decision.reason,
-        length=proof.length if is_witness else 0.0,
-        duration=proof.duration if is_witness else 0.0,
+        length=0.0 if isinstance(proof, Cut) else proof.length,
+        duration=0.0 if isinstance(proof, Cut) else proof.duration,
         clearance=proof.clearance,
-        ring=len(proof.cells) if is_ring else None,
+        ring=ring if ring > 1 else None,
         others=drawn_others(proved) if isinstance(proof, JointWitness) else [],
         **drawn_certificate(proved),
     )

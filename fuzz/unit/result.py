@@ -46,6 +46,11 @@ class FirstMet(NamedTuple):
     steps: int
     seconds_left: float
 
+    @property
+    def order(self) -> tuple[int, float]:
+        """A sort key by time."""
+        return self.worlds, -self.seconds_left
+
 
 @dataclass
 class UnitResult:
@@ -67,6 +72,8 @@ class UnitResult:
             then.
         interrupted: Whether the reason was Ctrl-C.
         effort: How it spent its time; this is not stored, and other units do not know it.
+        stored_at: Seconds of the campaign, over all runs, when a store was given it; ``None`` for a
+            new result.
     """
 
     strategy: str = ""
@@ -81,6 +88,7 @@ class UnitResult:
     cut: bool = False
     interrupted: bool = False
     effort: Effort = field(default_factory=Effort, compare=False)
+    stored_at: float | None = None
 
 
 class StrategyYield(msgspec.Struct, frozen=True):

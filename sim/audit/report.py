@@ -159,9 +159,7 @@ def draw(world: World, recorded: Mapping[int, tuple[Trajectory, Audit]], name: s
             here = np.array([robot.start.x] * 2), np.array([robot.start.y] * 2)
             trails.append(render.Trail(*here, None, []))
     audits = [audit for _, audit in recorded.values()]
-    return render.draw_png(
-        world, trail=trails if world.is_fleet else trails[0], title=f"{name}: {_verdict(*audits)}"
-    )
+    return render.draw_png(world, trail=trails, title=f"{name}: {_verdict(*audits)}")
 
 
 def _trail(world: World, trajectory: Trajectory, audit: Audit) -> render.Trail:

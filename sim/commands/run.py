@@ -345,18 +345,18 @@ def _picture(world: World, episode: Episode, controller: str, title: str, suffix
 
     # The picture shows this run; the file's failure may have been another.
     world = replace(world, failure=None)
-    trail = trails_of(episode, world)
-    if isinstance(trail, render.Trail):
+    trails = trails_of(episode, world)
+    if trails and not world.is_fleet:
         # If a memory cannot be read, only its own picture is missing.
         try:
             memory = remembered_at_the_end(episode, CONTROLLERS.get(controller))
-            trail = replace(trail, memory=memory)
+            trails = [replace(trails[0], memory=memory)]
         except InvalidParameter as error:
             note(f"{error}")
     if suffix == ".gif":
         return render.draw_gif(world, drives_of(episode, world), title=title)
     if suffix == ".svg":
-        return render.draw_svg(world, trail=trail, title=title).encode()
+        return render.draw_svg(world, trail=trails, title=title).encode()
     if suffix == ".html":
-        return render.draw_html(world, trail=trail, title=title).encode()
-    return render.draw_png(world, trail=trail, title=title)
+        return render.draw_html(world, trail=trails, title=title).encode()
+    return render.draw_png(world, trail=trails, title=title)

@@ -15,9 +15,9 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sim.controllers.base import CompiledController, Controller
+from sim.controllers.base import Controller
 from sim.controllers.catalogue import CONTROLLERS
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_noisy, is_random
 from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import simulate_fleet
@@ -350,8 +350,7 @@ class _Column:
     @property
     def declared_random(self) -> bool:
         """True if the controller, or the simulator under it, declares that it is random."""
-        chance = isinstance(self.controller, CompiledController) and self.controller.randomised
-        return chance or is_noisy(self.controller, self.scenario.run)
+        return is_random(self.controller, self.scenario.run)
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None

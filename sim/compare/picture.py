@@ -40,11 +40,11 @@ def _short(label: str) -> str:
     return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
 
 
-def _way(world: World, cell: ComparisonCell) -> Trail | list[Trail] | None:
+def _way(world: World, cell: ComparisonCell) -> list[Trail]:
     shown = cell.shown
     steps = shown.steps if shown.verdict in ARRIVALS else min(shown.steps, _MOST_STEPS)
     if steps < 1:
-        return None
+        return []
     options = cell.scenario.with_run(seed=shown.seed).options(world, steps)
     return trails_of(
         simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world

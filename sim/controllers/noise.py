@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sim._core import lib
-from sim.controllers.base import Controller, robot_for, senses_of
+from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
 from sim.options.robot import RobotOptions
 from sim.options.run import RunOptions
 
@@ -33,3 +33,9 @@ def is_noisy(controller: Controller, run: RunOptions) -> bool:
     robot = robot_for(controller, run.robot)
     noise = bool(senses_of(controller) & noisy_senses(robot))
     return run.thesis.random or robot.slip > 0.0 or noise
+
+
+def is_random(controller: Controller, options: RunOptions) -> bool:
+    """Return True if a controller declares that it draws random numbers, or there is noise."""
+    draws = isinstance(controller, CompiledController) and controller.randomised
+    return draws or is_noisy(controller, options)

@@ -13,7 +13,6 @@ from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
-from sim.outcome import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.lattice import exact
@@ -109,10 +108,8 @@ def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembere
         )
 
 
-def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
-    """Return the line that a recorded episode drove; for several robots, one for each."""
-    if not isinstance(episode, FleetEpisode):
-        return trail_of(episode, world)
+def trails_of(episode: Episode, world: World) -> list[Trail]:
+    """Return the line that each robot of a recorded episode drove."""
     found: list[Trail] = []
     for number, one in enumerate(episode.robots):
         trail = trail_of(one, world.alone(number + 1))
@@ -123,11 +120,9 @@ def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
 
 def drives_of(episode: Episode, world: World) -> list[Drive]:
     """Return what each robot did and when."""
-    if not isinstance(episode, FleetEpisode):
-        return [drive_of(episode, world)]
     return [
-        drive_of(one, world.alone(number + 1), f"robot {number + 1}")
-        for number, one in enumerate(episode.robots)
+        drive_of(one, world.alone(number), f"robot {number}" if world.is_fleet else "")
+        for number, one in enumerate(episode.robots, start=1)
     ]
 
 

@@ -43,85 +43,76 @@ def own_hosts(controllers: Sequence[Controller | ControllerHost]) -> list[Contro
     return own
 
 
-class FleetAskers:
-    """Calls the controllers of a fleet that are not in the core, until the run is over.
+def run_with_hosts(
+    fleet: CoreFleet,
+    hosts: Sequence[ControllerHost],
+    memories: Sequence[Memory],
+    channels: Sequence[int],
+) -> dict[int, ControllerError]:
+    """Run a fleet to its end, and let the controllers that are not in the core act.
 
     Args:
+        fleet: The fleet.
         hosts: (n,) the host of each robot's controller.
         memories: (n,) their memories at reset.
         channels: (n,) how many numbers each robot may send.
 
-    Attributes:
-        faults: What controllers did wrong in the last step, by the index of their robot.
+    Returns:
+        What controllers did wrong in the last step, by the index of their robot.
+
+    Raises:
+        OutOfTime: If there is no more time.
     """
+    askers = _askers(fleet, hosts, memories, channels)
+    for number in itertools.count():
+        state = fleet.run(_CHECKED_EVERY)
+        if state == lib.WG_OVER:
+            break
+        if number % _CHECKED_EVERY == 0:
+            check_time()
+        faults = _ask(fleet, askers) if state == lib.WG_ACTS else {}
+        if faults:
+            # Whichever robots fail in one step, the first of them is named.
+            fleet.fail(min(faults))
+            return faults
+    return {}
 
-    def __init__(
-        self, hosts: Sequence[ControllerHost], memories: Sequence[Memory], channels: Sequence[int]
-    ) -> None:
-        self._hosts = hosts
-        self._memories = memories
-        self._channels = channels
-        self.faults: dict[int, ControllerError] = {}
 
-    def run(self, fleet: CoreFleet) -> None:
-        """Run a fleet to its end.
+def _askers(
+    fleet: CoreFleet,
+    hosts: Sequence[ControllerHost],
+    memories: Sequence[Memory],
+    channels: Sequence[int],
+) -> list[_One | _Many]:
+    """Return an object that calls each robot's own controller, and each vector controller."""
+    askers: list[_One | _Many] = []
+    # Vector controllers act for all their robots together.
+    many: dict[int, list[int]] = {}
+    for number, host in enumerate(hosts):
+        if host.acts_for_many:
+            many.setdefault(id(host), []).append(number)
+        elif not host.in_core:
+            channel = _Channel(host.controller, channels[number])
+            askers.append(_One(fleet, number, host, memories[number], channel))
+    for numbers in many.values():
+        shared = hosts[numbers[0]]
+        channel = _Channel(shared.controller, channels[numbers[0]])
+        askers.append(_Many(fleet, shared, numbers, channel))
+    return askers
 
-        Raises:
-            OutOfTime: If there is no more time.
-        """
-        alone, groups = self._askers(fleet)
-        for number in itertools.count():
-            state = fleet.run(_CHECKED_EVERY)
-            if state == lib.WG_OVER:
-                return
-            if number % _CHECKED_EVERY == 0:
-                check_time()
-            if state == lib.WG_ACTS:
-                self._ask(fleet, alone, groups)
-                if self.faults:
-                    # Whichever robots fail in one step, the first of them is named.
-                    first = min(self.faults)
-                    fleet.fail(first)
-                    return
 
-    def _askers(self, fleet: CoreFleet) -> tuple[list[_One], list[_Many]]:
-        """Return an object that calls each robot's own controller, and each vector controller."""
-        alone: list[_One] = []
-        many: dict[int, list[int]] = {}
-        # Vector controllers act for all their robots together.
-        for number, host in enumerate(self._hosts):
-            if host.acts_for_many:
-                many.setdefault(id(host), []).append(number)
-            elif not host.in_core:
-                channel = _Channel(host.controller, self._channels[number])
-                alone.append(_One(fleet, number, host, self._memories[number], channel))
-        groups = []
-        for numbers in many.values():
-            shared = self._hosts[numbers[0]]
-            channel = _Channel(shared.controller, self._channels[numbers[0]])
-            groups.append(_Many(fleet, shared, numbers, channel))
-        return alone, groups
-
-    def _ask(self, fleet: CoreFleet, alone: list[_One], groups: list[_Many]) -> None:
-        """Ask all controllers whose robots wait."""
-        # Ask the controllers that act alone.
-        for one in alone:
-            if one.member.c.waits:
-                try:
-                    with one.faults:
-                        one.ask()
-                except ControllerError as fault:
-                    self.faults[one.number] = fault
-        # Call the others in groups.
-        for group in groups:
-            waiting = [number for number in group.numbers if fleet.members[number].c.waits]
-            if not waiting:
-                continue
-            try:
-                with group.faults:
-                    group.ask(waiting)
-            except ControllerError as fault:
-                self.faults[waiting[0]] = fault
+def _ask(fleet: CoreFleet, askers: Sequence[_One | _Many]) -> dict[int, ControllerError]:
+    """Let all controllers act whose robots wait, and return their faults."""
+    faults: dict[int, ControllerError] = {}
+    for asker in askers:
+        waiting = [number for number in asker.numbers if fleet.members[number].c.waits]
+        try:
+            if waiting:
+                with asker.faults:
+                    asker.ask(waiting)
+        except ControllerError as fault:
+            faults[waiting[0]] = fault
+    return faults
 
 
 def message_not_finite() -> ControllerError:
@@ -173,25 +164,25 @@ class _One:
         self, fleet: CoreFleet, number: int, host: ControllerHost, memory: Memory, channel: _Channel
     ) -> None:
         self._channel = channel
-        self.number = number
+        self.numbers = [number]
         self.faults = Faults(host)
-        self.member = fleet.members[number]
-        self._workspace = Workspace(self.member)
+        self._member = fleet.members[number]
+        self._workspace = Workspace(self._member)
         self._memory = memory
         act = host.controller.act
         self._act = timed(act) if host.in_python else act
 
     @breakable
-    def ask(self) -> None:
-        """Let it act, and pass its answer to the core."""
+    def ask(self, _waiting: list[int]) -> None:
+        """Let it act for its robot, and pass its answer to the core."""
         workspace = self._workspace
         seen = Observation.of(workspace.observation)
-        if self.member.c.workspace.neighbour_room:
-            seen = seen._replace(neighbours=self.member.neighbours())
+        if self._member.c.workspace.neighbour_room:
+            seen = seen._replace(neighbours=self._member.neighbours())
         answer = self._act(seen, self._memory)
         message = _message_in(answer)
         self._channel.check(len(message), message)
-        self.member.send(message)
+        self._member.send(message)
         speed, turn_rate, used_random, *memory = settled(answer, len(self._memory))
         workspace.command[:] = (speed, turn_rate, used_random)
         self._memory = tuple(memory)

@@ -12,7 +12,7 @@ from sim._core import lib
 from sim.controllers.base import Controller, Memory
 from sim.controllers.controller_error import ControllerError
 from sim.fleet.apart import separate_loops
-from sim.fleet.asking import FleetAskers, message_not_finite, own_hosts
+from sim.fleet.asking import message_not_finite, own_hosts, run_with_hosts
 from sim.fleet.core_calls import CoreFleet
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
@@ -322,17 +322,16 @@ class FleetRun:
             fleet = CoreFleet(self.runs, drivers, steps, find_loop, entry)
             self._words = sum(member.words for member in fleet.members)
             recordings = [] if sizes is None else self._recordings(fleet, sizes)
-            askers = FleetAskers(self.hosts, memories, self._channels())
             if self._is_compiled:
                 fleet.run_to_the_end()
             else:
-                askers.run(fleet)
+                faults = run_with_hosts(fleet, self.hosts, memories, self._channels())
         # Collect the outcome.
         complete = all(
             before is not None and host.hidden() == before
             for host, before in zip(self.hosts, hidden, strict=True)
         )
-        outcome = self._outcome(fleet, complete, {**askers.faults, **fleet.faults}, recordings)
+        outcome = self._outcome(fleet, complete, {**faults, **fleet.faults}, recordings)
         if like is not None:
             outcome = replace(outcome, ending=like.ending, period=like.period, entry=like.entry)
         return outcome, fleet

@@ -63,10 +63,7 @@ class ControllerHost:
 
     def __init__(self, controller: Any) -> None:
         self.controller = controller
-        self.plans = self._plans()
-
-    def _plans(self) -> bool:
-        return wants_world(self.controller)
+        self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
         """Make sure that it can run; what this raises is not a fault of the controller."""
@@ -137,9 +134,6 @@ class CoreHost(ControllerHost):
         self.start_speed = controller.start_speed
         self.thesis_rule = controller.thesis_rule
 
-    def _plans(self) -> bool:
-        return False
-
     def begin(self, world: World | None, *, anew: bool = True) -> Memory:
         """Return its memory at reset."""
         return self._memory
@@ -161,9 +155,6 @@ class ManyHost(ControllerHost):
     """The host of a Python object that acts for many robots in one call."""
 
     acts_for_many = True
-
-    def _plans(self) -> bool:
-        return False
 
     def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act for the only robot, whose memory the core keeps."""

@@ -26,27 +26,27 @@ class _Claims(Protocol):
     def period(self) -> int: ...
 
 
-Claims = TypeVar("Claims", bound=_Claims)
-Proof = TypeVar("Proof")
+Claims_co = TypeVar("Claims_co", bound=_Claims, covariant=True)
+Proof_co = TypeVar("Proof_co", covariant=True)
 
 
-class _Run(Protocol[Claims, Proof]):
+class _Run(Protocol[Claims_co, Proof_co]):
     """A run of one robot or of several; see :class:`sim.outcome.Runnable`."""
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> Claims: ...
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> Claims_co: ...
 
-    def prove(self, entry: int, period: int, *, record: bool) -> Proof | None: ...
+    def prove(self, entry: int, period: int, *, record: bool) -> Proof_co | None: ...
 
 
 def decide(
-    run: _Run[Claims, Proof],
+    run: _Run[Claims_co, Proof_co],
     budget: int,
     *,
     record: bool,
     at_once: bool = False,
-    renewed: Callable[[], _Run[Claims, Proof]] | None = None,
-    prove_otherwise: Callable[[int], Proof | None] = lambda _steps: None,
-) -> Claims | Proof:
+    renewed: Callable[[], _Run[Claims_co, Proof_co]] | None = None,
+    prove_otherwise: Callable[[int], Proof_co | None] = lambda _steps: None,
+) -> Claims_co | Proof_co:
     """Run to a certain outcome.
 
     Args:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from sim.controllers.base import CompiledController, robot_for
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.library.thesis import RANDOM
-from sim.controllers.noise import is_noisy
+from sim.controllers.noise import is_random
 from sim.options.run import switch_class
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
@@ -156,11 +156,7 @@ def random_run(scenario: Scenario) -> bool:
     For a Python class or a program, this is unknown.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    return (
-        not isinstance(controller, CompiledController)
-        or controller.randomised
-        or is_noisy(controller, scenario.run)
-    )
+    return not isinstance(controller, CompiledController) or is_random(controller, scenario.run)
 
 
 def _unused_in_the_thesis(controller: object, scenario: Scenario) -> list[str]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fuzz.faults import FAULTS
+from benchmarks.faults import FAULTS
 from sim.controllers import CONTROLLERS
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct

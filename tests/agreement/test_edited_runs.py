@@ -124,3 +124,25 @@ def test_a_way_that_the_flood_sees_is_one(radius):
             seen += 1
             assert decide(world).result == "reachable"
     assert seen
+
+
+@pytest.mark.parametrize(
+    ("free", "radius", "start"),
+    [(1, 0.04, 1636), (2, 0.05, 1536)],
+    ids=["at the start, beside a node", "at a node"],
+)
+def test_a_centre_on_the_circle_around_the_target_has_arrived(free, radius, start):
+    # The target is in a wall, at 1024 lattice units from the farthest place that the disc reaches.
+    def metres(units):
+        return round(0.1 * units / 1024, 12)
+
+    walls = np.ones((3, 6), bool)
+    walls[1, 1 : 1 + free] = False
+    end = start + 1024 * free
+    answers = []
+    for length in (1024, 1023):
+        target = Target(metres(end), 0.15, metres(length))
+        world = World(walls, Pose(metres(start), 0.15), target, robot_radius=radius)
+        answers.append((has_sure_path(world), decide(world).result == "reachable"))
+    assert answers[0] == (True, True)
+    assert not answers[1][0]

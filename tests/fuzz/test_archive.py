@@ -7,7 +7,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from fuzz.campaign.store.entry import Done, read_entry, write_entry
+from fuzz.campaign.store.journal import Journal, UnitRecord
 from fuzz.campaign.unit import run_unit
 from fuzz.layouts.features import decode_scene
 from fuzz.screening import evaluate
@@ -93,10 +93,12 @@ def test_who_fails_has_no_children_but_a_place_on_the_map(epochs):
         assert (elite.verdict == "reached") is (len(cell) == 4)
 
 
-def test_elites_come_back_from_a_ledger_as_they_were(epochs):
-    done = Done(replace(epochs[0][1], failures={}), 1.0)
-    text = write_entry(1, done, "fingerprint", {}).decode()
-    assert read_entry(text, 1, "fingerprint", read_world).result.elites == epochs[0][1].elites
+def test_elites_come_back_from_a_journal_as_they_were(epochs, tmp_path):
+    result = replace(epochs[0][1], failures={})
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    journal.append(UnitRecord.of(1, result, 1.0))
+    ((_, record),) = journal
+    assert record.result(read_world).elites == epochs[0][1].elites
 
 
 def test_a_summary_shows_the_simplest_run_of_each_kind_and_failures_before_others():

@@ -1,25 +1,22 @@
-"""A campaign's folder: whenever and however a campaign is interrupted, it ends with the same
-corpus, byte for byte.
+"""A campaign's folder: what continues it, what it keeps, and what it refuses.
+
+That interruptions do not change its corpus is tested in ``test_campaign_interrupted.py``.
 """
 
 import contextlib
 import json
-import random
 import re
 import signal
 import subprocess
 import sys
 import time
 from collections import deque
-from concurrent.futures import Future
 from dataclasses import replace
 from itertools import count
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-import fuzz.campaign.store.folder
 from fuzz.campaign.executors import InlineExecutor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.store import (
@@ -32,17 +29,16 @@ from fuzz.campaign.store import (
     resume,
     stored_seed,
 )
+from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, append_line
 from fuzz.campaign.summary import describe_units, summary_of
 from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
-from fuzz.search.native import Pace
 from fuzz.shrink.queue import Shrinking
 from fuzz.unit.config import CampaignConfig
-from fuzz.unit.deadline import Deadline
 from sim.scenario import Scenario
+from tests.fuzz.test_campaign_interrupted import StuckInTheFirst, left_in, stopped_clock, writes_end
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from tests.helpers.tiers import some
 from worldgen.errors import FormatError, OutputError
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=1)
@@ -53,19 +49,8 @@ FUZZ = (
 )  # fmt: skip
 
 
-class Killed(BaseException):
-    """Ends a campaign between two files, as kill -9 would."""
-
-
 def run(campaign_run):
     return CampaignSession(campaign_run, InlineExecutor(), quiet=True).run()
-
-
-def left_in(out):
-    """Everything that a campaign wrote, except times."""
-    text = (out / ".campaign" / "summary.json").read_text()
-    summary = re.sub(r'"seconds": [0-9.]+|"times": {[^}]*}', "", text)
-    return {file.name: file.read_bytes() for file in out.glob("*.grid")}, summary
 
 
 @pytest.fixture(scope="module")
@@ -87,40 +72,13 @@ def copied(whole, tmp_path):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("seed", some(range(4)))
-def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(
-    seed, whole, tmp_path, monkeypatch
-):
-    chance, write = random.Random(seed), fuzz.campaign.store.folder.write_bytes
-    left, killed, done = 0, 0, False
-
-    def write_or_die(path, data, *, force):
-        nonlocal left
-        left -= 1
-        if left < 0:
-            raise Killed
-        write(path, data, force=force)
-
-    monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", write_or_die)
-    while not done:
-        left = chance.randrange(1, 14)
-        try:
-            done = run(begin(CONFIG, tmp_path / "out", Budget(units=UNITS))) == 1
-        except Killed:
-            killed += 1
-    assert killed and left_in(tmp_path / "out") == left_in(whole)
-
-
-@pytest.mark.gate
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.nightly), 2])
-def test_a_campaign_killed_with_signal_9_goes_on_to_the_same_corpus(workers, whole, tmp_path):
+def test_two_processes_killed_with_signal_9_go_on_to_the_corpus_of_one(whole, tmp_path):
     out = tmp_path / "out"
-    process = start(*FUZZ[:-1], workers, "--units", UNITS, "--out", out)
-    units = out / ".campaign" / "units"
-    wait_for(lambda: units.is_dir() and any(units.iterdir()))
+    process = start(*FUZZ[:-1], 2, "--units", UNITS, "--out", out)
+    wait_for((out / ".campaign" / "journal.txt").is_file)
     process.kill()
     process.communicate()
-    assert run(resume(out)) == 1
+    assert worldgen("fuzz", "--resume", out, "--workers", 2, "--json").code == 1
     assert left_in(out) == left_in(whole)
 
 
@@ -148,49 +106,11 @@ def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_pat
     assert left_in(out) == left_in(whole)
 
 
-@pytest.mark.gate
-def test_a_finished_campaign_goes_on_to_more_units_as_if_it_had_never_stopped(copied, tmp_path):
-    run(begin(CONFIG, tmp_path / "all", Budget(units=UNITS + 1)))
-    result = worldgen("fuzz", "--resume", copied, "--units", UNITS + 1, "--workers", 1, "--json")
-    assert result.code == 1 and json.loads(result.out)["units"] == UNITS + 1
-    assert left_in(copied) == left_in(tmp_path / "all")
-
-
-@pytest.mark.gate
-def test_the_whole_plan_goes_on_from_its_memory_as_if_it_had_never_stopped(tmp_path):
-    config = replace(CONFIG, families=(), examples=10, epoch=2, shrink=False)
-
-    def search(name, units):
-        campaign_run = begin(config, tmp_path / name, Budget(units=units))
-        campaign = Campaign(config, units=units, store=campaign_run.store)
-        with contextlib.closing(campaign_run.store):
-            deque(campaign.run(), maxlen=0)
-        return campaign.state
-
-    whole = search("whole", 10)
-    parts = [search("parts", units) for units in (3, 7, 10)][-1]
-    assert {"native", "archive"} <= whole.memory.strategies.keys() and whole.memory.elites
-    assert list(parts.memory.elites.items()) == list(whole.memory.elites.items())
-    assert (parts.memory.strategies, list(parts.best), parts.met) == (
-        whole.memory.strategies,
-        list(whole.best),
-        whole.met,
-    )
-
-
-def test_the_same_command_again_does_nothing_again_and_says_the_same(copied):
-    before = {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")}
-    result = worldgen(*FUZZ, "--units", UNITS, "--out", copied, "--json")
-    assert (
-        result.code == 1
-        and f"continues the campaign in {copied}: seed 5, 3 units done" in result.err
-    )
-    assert {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")} == before
-
-
 def test_a_campaign_whose_seed_was_drawn_is_found_again_by_the_same_command(copied):
     without_seed = [word for word in FUZZ if word not in ("--seed", 5)]
-    assert worldgen(*without_seed, "--units", UNITS, "--out", copied, "--json").code == 1
+    result = worldgen(*without_seed, "--units", UNITS, "--out", copied, "--json")
+    assert result.code == 1
+    assert f"continues the campaign in {copied}: seed 5, 3 units done" in result.err
 
 
 def ticking(patch, start=0):
@@ -207,9 +127,7 @@ def test_a_time_counts_anew(copied, monkeypatch, capsys):
     assert said["units"] + said["units_cut"] > UNITS
 
 
-def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_later(
-    whole, tmp_path, monkeypatch, capsys
-):
+def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found(tmp_path, monkeypatch, capsys):
     at = SimpleNamespace(now=0.0)
 
     def unit_of_15_s(*given):
@@ -221,12 +139,11 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
         at.now = 1_000.0
         return Shrinking(failure, complete=False)
 
-    with monkeypatch.context() as patch:
-        patch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-        patch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
-        patch.setattr("fuzz.campaign.run.run_unit", unit_of_15_s)
-        patch.setattr("fuzz.campaign.run.shrunk_or_same", endless_shrinking)
-        run(begin(CONFIG, tmp_path / "out", Budget(seconds=40.0)))
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.run.run_unit", unit_of_15_s)
+    monkeypatch.setattr("fuzz.campaign.run.shrunk_or_same", endless_shrinking)
+    run(begin(CONFIG, tmp_path / "out", Budget(seconds=40.0)))
     assert at.now == 1_000.0
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
@@ -234,16 +151,11 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     assert "not fully shrunk, because time ran out" in said.err and re.search(
         "--units [1-3] finishes it", said.err
     )
-    run(resume(tmp_path / "out", Budget(units=UNITS)))
-    assert left_in(tmp_path / "out") == left_in(whole)
 
 
 @pytest.mark.gate
-def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_later(
-    whole, tmp_path, monkeypatch, capsys
-):
+def test_a_unit_that_the_time_cuts_short_keeps_what_it_met(tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
-    entries = tmp_path / "out" / ".campaign" / "units"
     at = SimpleNamespace(now=0.0)
 
     def cut_where_it_failed(config, unit, known, _):
@@ -252,103 +164,36 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
             at.now = 1_000.0
         return replace(result, cut=bool(result.failures))
 
-    with monkeypatch.context() as at_once:
-        at_once.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-        at_once.setattr("fuzz.campaign.run.run_unit", cut_where_it_failed)
-        assert run(begin(CONFIG, out, Budget(seconds=60.0))) == 1
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.run.run_unit", cut_where_it_failed)
+    assert run(begin(CONFIG, out, Budget(seconds=60.0))) == 1
     said = json.loads(capsys.readouterr().out)
     assert said["units_cut"] == 1 and said["failures"] and list(out.glob("*.grid"))
-    assert [file.name for file in entries.glob("*.cut.json")] == [f"{said['units']:06}.cut.json"]
-    run(resume(out, Budget(units=UNITS)))
-    assert left_in(out) == left_in(whole) and not list(entries.glob("*.cut.json"))
+    with contextlib.closing(resume(out).store) as store:
+        assert store.units_cut() == [said["units"]]
 
 
-@pytest.mark.gate
-def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped(
-    tmp_path, monkeypatch
-):
-    config = replace(CONFIG, families=("archive",), examples=4, shrink=False)
-    for strategy in ("archive", "native"):
-        monkeypatch.setattr(
-            f"fuzz.search.{strategy}.pace_of", lambda _: Pace(generation=50, proved=6)
-        )
+def test_units_that_lack_the_findings_of_a_cut_one_are_counted_apart(monkeypatch):
+    def cut_the_second(config, unit, known, _):
+        return replace(run_unit(config, unit, known), cut=unit == 1)
 
-    def left(name):
-        campaign_run = begin(config, tmp_path / name, Budget(units=4))
-        campaign = Campaign(config, units=4, store=campaign_run.store)
-        with contextlib.closing(campaign_run.store):
-            deque(campaign.run(), maxlen=0)
-        entries = sorted((tmp_path / name / ".campaign" / "units").iterdir())
-        return campaign.state, {file.name: without_seconds(file.read_text()) for file in entries}
-
-    def cut_in_the_second(config, unit, known, deadline):
-        return run_unit(config, unit, known, Deadline(begin=1.0) if unit == 1 else deadline)
-
-    with monkeypatch.context() as once:
-        once.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=count().__next__))
-        once.setattr("fuzz.campaign.run.run_unit", cut_in_the_second)
-        cut, entries = left("stopped")
+    monkeypatch.setattr("fuzz.campaign.run.run_unit", cut_the_second)
+    campaign = Campaign(replace(CONFIG, examples=1, shrink=False), units=4)
+    deque(campaign.run(), maxlen=0)
     # Unit 3 knows what unit 1 found.
-    whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
-    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut, cut.too_early) == (
-        2,
-        2,
-        1,
-    )
-    assert describe_units(summary_of(config, cut, Status.STOPPED)) == (
+    state = campaign.state
+    assert (state.units, state.cut, state.too_early) == (2, 2, 1)
+    assert describe_units(summary_of(campaign.config, state, Status.STOPPED)) == (
         "2 whole units and 1 cut short and 1 that learned too little from them"
     )
-    (stopped, _) = left("stopped")
-    (state, _) = left("never")
-    assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
-    assert stopped.memory.elites == state.memory.elites and dumped(stopped.best) == dumped(
-        state.best
-    )
 
 
-def dumped(worlds):
-    return {kind: found.dumps() for kind, found in worlds.items()}
-
-
-class StuckInTheFirst(InlineExecutor):
-    """Two workers, one of which never returns from its first unit until the time is up."""
-
-    room = 2
-
-    def __init__(self, at):
-        super().__init__()
-        self.at = at
-
-    def submit(self, work, /, *args, **kwargs):
-        return (
-            Future() if work is run_unit and args[1] == 0 else super().submit(work, *args, **kwargs)
-        )
-
-    def listen(self):
-        self.at.now = 1_000.0
-
-
-@pytest.fixture
-def stuck(monkeypatch):
-    at = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr("fuzz.unit.deadline.time", SimpleNamespace(time=lambda: at.now))
+def test_a_worker_beside_one_that_is_stuck_goes_on(monkeypatch):
     monkeypatch.setattr("fuzz.campaign.scheduler.LISTEN", 0.0)
-    return StuckInTheFirst(at)
-
-
-@pytest.mark.gate
-def test_units_that_are_done_behind_one_that_is_stuck_are_kept(stuck, whole, tmp_path):
-    out = tmp_path / "out"
-    CampaignSession(begin(CONFIG, out, Budget(seconds=60.0)), stuck, quiet=True).run()
-    assert [file.name for file in (out / ".campaign" / "units").iterdir()] == ["000001.json"]
-    run(resume(out, Budget(units=UNITS)))
-    assert left_in(out) == left_in(whole)
-
-
-def test_a_worker_beside_one_that_is_stuck_goes_on(stuck):
     campaign = Campaign(
-        replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, executor=stuck
+        replace(CONFIG, examples=1, epoch=5, shrink=False),
+        seconds=60.0,
+        executor=StuckInTheFirst(stopped_clock(monkeypatch)),
     )
     deque(campaign.run(), maxlen=0)
     assert (
@@ -363,7 +208,7 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
     out = tmp_path / "out"
     run(begin(CONFIG, out, Budget(units=UNITS)))
     known = next(iter(sorted(out.glob("*.grid"))))
-    with contextlib.closing(FolderStore(out)) as folder:
+    with contextlib.closing(resume(out).store) as folder:
         folder.write_failure("beyond.grid", known.read_bytes())
         folder.write_failure("changed.grid", known.read_bytes())
     (out / "changed.grid").write_bytes(b"mine")
@@ -384,46 +229,86 @@ def test_the_seconds_of_all_runs_are_added_up(copied):
     assert json.loads(file.read_text())["seconds"] > before
 
 
-def spoil_text(file):
-    file.write_text(file.read_text()[: file.stat().st_size // 2])
+SHRUNK = ShrunkRecord("0" * 16, "1" * 16)
 
 
-def spoil_number(file):
-    file.write_text(file.read_text().replace('"worlds": ', '"worlds": 1'))
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda line: line[: len(line) // 2],
+        lambda line: line.replace(b"1111", b"1112"),
+        lambda line: b"",
+        lambda line: b"\0" * len(line),
+        lambda line: line + line,
+    ],
+)
+def test_a_record_that_is_torn_or_changed_is_as_if_it_were_not_there(spoil, tmp_path):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    other = ShownRecord("loop.grid", "2" * 16)
+    journal.append(other)
+    end = (tmp_path / "journal.txt").stat().st_size
+    journal.append(SHRUNK)
+    data = (tmp_path / "journal.txt").read_bytes()
+    (tmp_path / "journal.txt").write_bytes(data[:end] + spoil(data[end:].rstrip()))
+    offset = journal.append(other)
+    assert [record for _, record in journal] == [other, other]
+    assert journal.at(offset) == other
 
 
-def spoil_type(file):
-    file.write_text("[" * 100_000)
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"[" * 100_000,
+        b'{"type":"shrunk","found":"../../../etc/passwd","shrunk":"0000000000000000"}',
+        b'{"type":"unit"}',
+    ],
+)
+def test_a_sealed_record_that_is_none_is_passed_over(text, tmp_path):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    append_line(tmp_path / "journal.txt", journal._seal(text) + b" " + text)
+    journal.append(SHRUNK)
+    assert [record for _, record in journal] == [SHRUNK]
 
 
-def spoil_path(file):
-    file.write_text(
-        json.dumps({**json.loads(file.read_text()), "failures": {"loop": "../../../etc/passwd"}})
-    )
+def test_records_of_another_campaign_do_not_count(tmp_path):
+    Journal(tmp_path / "journal.txt", "fingerprint").append(SHRUNK)
+    assert not [*Journal(tmp_path / "journal.txt", "other")]
 
 
-@pytest.mark.parametrize("spoil", [Path.unlink, spoil_text, spoil_number, spoil_type, spoil_path])
-def test_a_unit_whose_entry_is_not_whole_is_done_again(spoil, copied, whole):
-    entry = copied / ".campaign" / "units" / "000001.json"
-    before = entry.read_text()
-    spoil(entry)
-    assert run(resume(copied)) == 1 and left_in(copied) == left_in(whole)
-    assert without_seconds(entry.read_text()) == without_seconds(before)
+def test_each_failure_is_stored_once_and_the_folder_shows_some_of_them(whole):
+    stored = {file.read_bytes() for file in (whole / ".campaign/failures").iterdir()}
+    assert len(stored) == len([*(whole / ".campaign/failures").iterdir()])
+    assert {file.read_bytes() for file in whole.glob("*.grid")} <= stored
 
 
-def without_seconds(text):
-    entry = json.loads(text)
-    entry["first_met"] = [(worlds, steps) for worlds, steps, _ in entry["first_met"]]
-    return {name: entry[name] for name in entry if name not in ("seconds", "digest")}
+def of_an_earlier_version(out):
+    """Make a campaign's store one of a version that had no journal."""
+    memory = out / ".campaign"
+    (memory / "units").mkdir()
+    (memory / "journal.txt").rename(memory / "units" / "000000.json")
+    said = json.loads((memory / "campaign.json").read_text())
+    said["code"]["worldgen"] = "earlier"
+    (memory / "campaign.json").write_text(json.dumps(said))
 
 
-@pytest.mark.gate
-@pytest.mark.parametrize("part", ["failures", "shrunk"])
-@pytest.mark.parametrize("spoil", [Path.unlink, spoil_text])
-def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copied, whole):
-    for file in (copied / ".campaign" / part).iterdir():
-        spoil(file)
-    assert run(resume(copied)) == 1 and left_in(copied) == left_in(whole)
+def test_a_campaign_of_an_earlier_version_is_refused_and_kept(copied):
+    of_an_earlier_version(copied)
+    before = {file: file.read_bytes() for file in copied.rglob("*") if file.is_file()}
+    for again in (("--resume", copied), (*FUZZ[1:], "--out", copied)):
+        result = worldgen("fuzz", *again, "--units", UNITS)
+        assert result.code == 2 and result.error_code == "another-campaign"
+        assert "worldgen was earlier and is now" in result.err and "--force" in result.err
+    after = {file: file.read_bytes() for file in copied.rglob("*") if file.is_file()}
+    names = ("lock", "error.json")
+    assert before == {file: data for file, data in after.items() if file.name not in names} | {
+        file: before[file] for file in before if file.name in names
+    }
+
+
+def test_force_replaces_a_campaign_of_an_earlier_version(copied, whole):
+    of_an_earlier_version(copied)
+    run(begin(CONFIG, copied, Budget(units=UNITS), force=True))
+    assert not (copied / ".campaign/units").exists() and left_in(copied) == left_in(whole)
 
 
 @pytest.mark.parametrize(
@@ -557,25 +442,9 @@ def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
     assert status() == "failed"
 
 
-@pytest.mark.gate
-def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(
-    whole, tmp_path, monkeypatch
-):
-    write, left = fuzz.campaign.store.folder.write_bytes, 9
-
-    def full(path, data, *, force):
-        nonlocal left
-        left -= 1
-        if left < 0:
-            raise OutputError(
-                "unwritable", "{path}: cannot be written: No space left on device", path=path
-            )
-        write(path, data, force=force)
-
-    monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", full)
+def test_a_full_disk_stops_a_campaign_in_one_sentence(tmp_path, monkeypatch):
+    full = OutputError("unwritable", "{path}: No space left on device", path=tmp_path)
+    writes_end(monkeypatch, 4, full)
     result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
     assert result.code == 2 and result.error_code == "broken-off"
     assert read_error(tmp_path).code == "broken-off"
-    monkeypatch.undo()
-    assert worldgen("fuzz", "--resume", tmp_path, "--workers", 1, "--json").code == 1
-    assert left_in(tmp_path) == left_in(whole)

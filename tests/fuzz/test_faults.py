@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.faults import FAULTS
 from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tells
 from benchmarks.finding_tables import tables
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.faults import FAULTS
 from fuzz.triage.judging import failure_of
 from sim import simulate
 from sim.controllers import CONTROLLERS

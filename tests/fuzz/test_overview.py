@@ -11,7 +11,7 @@ from msgspec import structs
 from fuzz.campaign.configure import configure
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState
-from fuzz.campaign.store import Find, FolderStore
+from fuzz.campaign.store import Find, resume
 from fuzz.cause import Severity
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.corpus.baseline import _key
@@ -341,7 +341,7 @@ def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
                "--examples", 2, "--workers", 1, "--seed", 1, "--out", out)  # fmt: skip
     assert worldgen(*options).code == 1
-    store = FolderStore(out)
+    store = resume(out).store
     store.write_failure("wanders.grid", next(out.glob("*.grid")).read_bytes())
     store.close()
     assert worldgen("fuzz", "--resume", out).code == 1

@@ -139,9 +139,9 @@ FAULTS = (
     Fault(
         "lockstep-in-transit",
         "robots in lockstep do what each does alone",
-        "sim/runners/lockstep.py",
-        'ends = entries[looped] + reports["period"][looped]',
-        'ends = entries[looped] + 2 * reports["period"][looped]',
+        "sim/core/runs/batch.c",
+        "settings->steps = settings->loop_entry + report->period;",
+        "settings->steps = settings->loop_entry + 2 * report->period;",
         ("tests/sim/test_vector_controllers.py",),
     ),
     Fault(
@@ -228,10 +228,10 @@ FAULTS = (
     Fault(
         "resumed-short",
         "a campaign that is stopped and resumed ends as one that was not",
-        "fuzz/campaign/store/entry.py",
-        "steps=entry.steps,",
+        "fuzz/campaign/store/journal.py",
+        "steps=self.steps,",
         "steps=0,",
-        ("tests/fuzz/test_campaign_folder.py",),
+        ("tests/fuzz/test_campaign_interrupted.py",),
     ),
     Fault(
         "old-names",

@@ -5,8 +5,8 @@ They run like their compiled functions, and campaigns find them just as quickly.
 
 import pytest
 
+from benchmarks.faults import FAULTS
 from benchmarks.faults_as_classes import look_for
-from fuzz.faults import FAULTS
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from build_tools.cores import CORES, ROOT
+from build_tools.cores import CORES, FAULTS, ROOT
 
 INCLUDED = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 SHARED = {"wg_types.h"}
-C_FILES = sorted({file for core in CORES for file in core.c_files()})
+ALL = (*CORES, FAULTS)
+C_FILES = sorted({file for core in ALL for file in core.c_files()})
 
 
 QUICK = "--checks=-clang-analyzer-*"  # the analyzer takes nine tenths of the time
@@ -27,7 +28,7 @@ def test_clang_tidy_finds_nothing(options):
     tool = shutil.which("clang-tidy", path=str(Path(sys.executable).parent))
     if tool is None:
         pytest.skip("NOT CHECKED: pip install -e '.[dev]' brings clang-tidy")
-    folders = sorted({folder for core in CORES for folder in core.includes})
+    folders = sorted({folder for core in ALL for folder in core.includes})
     compiling = ["-std=c17", *(f"-I{ROOT / folder}" for folder in folders)]
 
     def findings(file):

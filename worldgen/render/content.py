@@ -43,8 +43,7 @@ class Content:
 
     Args:
         world: What to draw.
-        trail: A run in it.
-        trails: Instead of ``trail`` in a world of several robots, a path for each robot.
+        trails: A run in it: a path for each robot; empty to draw none.
         signal: True to tint the floor by the target's signal.
         witness: True to draw the proof's path, or its cut.
         title: First line of the caption.
@@ -54,11 +53,15 @@ class Content:
     """
 
     world: World
-    trail: Trail | None
+    trails: Sequence[Trail]
     signal: bool
     witness: bool
     title: str
     frame: Frame
     changes: Changes
-    trails: Sequence[Trail] = ()
     named: Sequence[tuple[int, int]] = ()
+
+    @property
+    def trail(self) -> Trail | None:
+        """The run of a single robot, which is drawn with more of its details."""
+        return self.trails[0] if self.trails and not self.world.is_fleet else None

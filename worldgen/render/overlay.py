@@ -278,10 +278,8 @@ def each_trail(trails: Trails) -> tuple[Trail, ...]:
     return (trails,) if isinstance(trails, Trail) else tuple(trails)
 
 
-def naming(trails: Trails, cells: Sequence[tuple[int, int]]) -> Trails:
+def naming(trails: Sequence[Trail], cells: Sequence[tuple[int, int]]) -> Sequence[Trail]:
     """Return the same trails for a picture next to a text that names some cells."""
     if not cells or not trails:
         return trails
-    first, *others = each_trail(trails)
-    marked = replace(first, named=tuple(cells))
-    return marked if isinstance(trails, Trail) else [marked, *others]
+    return [replace(trails[0], named=tuple(cells)), *trails[1:]]

@@ -18,7 +18,7 @@ from worldgen.render.frame import BAND, Frame
 from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
 from worldgen.render.named_parts import axis_numbers, named_cells, named_parts
 from worldgen.render.outline import corner_count, outlines
-from worldgen.render.overlay import Trail, Trails, each_trail
+from worldgen.render.overlay import Trails, each_trail
 from worldgen.render.palette import (
     FIRE,
     FLOOR,
@@ -86,13 +86,12 @@ def compose(
     Raises:
         InvalidParameter: If ``pixels`` is out of range.
     """
-    named = named_cells(each_trail(trail))
+    trails = each_trail(trail)
+    named = named_cells(trails)
     frame = Frame.of(world, pixels, is_numbered=bool(named))
     # The floor cannot show the signals of several targets.
     shown = signal and not world.is_fleet
-    one = trail if isinstance(trail, Trail) else None
-    several = () if trail is None or isinstance(trail, Trail) else tuple(trail)
-    content = Content(world, one, shown, witness, title, frame, Changes.of(world), several, named)
+    content = Content(world, trails, shown, witness, title, frame, Changes.of(world), named)
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
     marked = [*named_parts(named, frame), *axis_numbers(content)] if named else []
@@ -103,7 +102,7 @@ def compose(
 def map_parts(world: World, frame: Frame) -> list[Primitive]:
     """Return a world's map alone, without caption, signal or proof, lowest layer first."""
     paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, PAPER)
-    return [paper, *_map(Content(world, None, False, False, "", frame, Changes.of(world)))]
+    return [paper, *_map(Content(world, (), False, False, "", frame, Changes.of(world)))]
 
 
 def moment_parts(

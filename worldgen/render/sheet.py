@@ -51,14 +51,14 @@ class Panel:
     Args:
         world: What to draw.
         title: Text above it.
-        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one, and a
-            list for the paths that several robots drive with one controller, all in one colour.
+        trails: The robots' paths, in the sheet's order. A list has the paths that all robots drive
+            with one controller, in one colour.
         notes: A line below it for each robot, in the robot's colour.
     """
 
     world: World
     title: str
-    trails: tuple[Trail | list[Trail] | None, ...]
+    trails: tuple[Trail | list[Trail], ...]
     notes: tuple[str, ...] = ()
 
 
@@ -125,8 +125,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
             colour = colour_of(k)
         for trail in shown if isinstance(shown, list) else [shown]:
             parts += _way(trail, frame, shift, colour)
-            if trail is not None:
-                parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
+            parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
     size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
     picture = draw_parts(parts, frame, size)
     box = (
@@ -167,10 +166,8 @@ def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int)
     pen.text((7 + length, low + 1), words, fill=rgb(INK), font=font, anchor="ls")
 
 
-def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:
+def _way(trail: Trail, frame: Frame, shift: float, colour: str) -> list[Primitive]:
     """Return a robot's path, shifted slightly from the others', so that equal ones stay visible."""
-    if trail is None:
-        return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)
     points = points + shift
     if len(points) < 2:

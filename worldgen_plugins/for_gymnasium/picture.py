@@ -54,14 +54,7 @@ def frame_of(world: World, places: Sequence[Points], mode: str) -> Any:
     from worldgen.render.png import draw_parts
     from worldgen.render.scene import compose
 
-    scene = compose(
-        world,
-        trails if world.is_fleet else trails[0],
-        signal=True,
-        witness=False,
-        title="",
-        pixels=_PIXELS,
-    )
+    scene = compose(world, trails, signal=True, witness=False, title="", pixels=_PIXELS)
     return np.array(draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)))
 
 

@@ -4,7 +4,7 @@ No matter how a campaign ends, it loses only the units in progress.
 
 Contents:
     FolderStore: The folder ``OUT/.campaign`` and its lock.
-    CampaignStore: The interface of a store; this one stores nothing.
+    stored_elites: The archive's entries in a folder.
     CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
     controller_change: Whether its controller's file is still the same.
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
@@ -17,7 +17,7 @@ Contents:
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
-from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore
+from fuzz.campaign.store.folder import Budget, FolderStore, stored_elites
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
 from fuzz.campaign.store.opening import CampaignRun, begin, controller_change, resume, stored_seed
 from fuzz.campaign.store.summary import (
@@ -38,7 +38,6 @@ __all__ = [
     "Archive",
     "Budget",
     "CampaignRun",
-    "CampaignStore",
     "Find",
     "Fingerprint",
     "FolderStore",
@@ -53,5 +52,6 @@ __all__ = [
     "read_summary",
     "record_error",
     "resume",
+    "stored_elites",
     "stored_seed",
 ]

@@ -1,25 +1,23 @@
 """The folder ``OUT/.campaign``: written by one process at a time, and consistent at every moment.
 
-Every file is written under another name and then renamed, so that it is complete or absent; files
-with failures are written before the entry that names them.
+Each failure is stored once, in a file named by its content. What is done is in the journal, which
+names failures that are already there. The ``.grid`` files in ``OUT`` only show some of them.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
 import os
-import re
 import shutil
-from collections.abc import Collection
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.store.fingerprint import Fingerprint
+from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, StoredElite, UnitRecord
 from fuzz.campaign.store.last_error import forget_error
 from fuzz.campaign.store.summary import (
     MEMORY,
@@ -31,18 +29,18 @@ from fuzz.campaign.store.summary import (
     read_summary,
 )
 from fuzz.failure import ID_DIGITS, Failure
+from fuzz.unit.result import UnitResult
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
 from worldgen.files.json_file import JsonFile
 from worldgen.files.locks import lock, sign
 from worldgen.files.whole import read_text, refused_writes, write_bytes
 
-_SHRUNK = re.compile(
-    rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}})-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
-)
-_CUT = ".cut.json"
-_WRITTEN = "written.json"
-_PARTS = ("units", "failures", "shrunk")
+_JOURNAL = "journal.txt"
+_FAILURES = "failures"
+# What earlier versions had in place of the journal. They cannot be continued, but a campaign must
+# not discard their results unasked.
+_EARLIER = ("units", "shrunk", "written.json")
 
 
 @dataclass(frozen=True)
@@ -80,43 +78,7 @@ def _content_name(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
 
 
-class CampaignStore:
-    """A campaign's store.
-
-    This one stores nothing; it is for campaigns that are never continued.
-    """
-
-    def unit(self, unit: int) -> Done | None:
-        """Return a unit that was done before; ``None`` if it has yet to be done."""
-        return None
-
-    def cut_unit(self, unit: int) -> Done | None:
-        """Return the findings of a unit that was cut short.
-
-        It is ``None`` if there are none, or if the unit has been done since.
-        """
-        return None
-
-    def units_cut(self) -> list[int]:
-        """Return the numbers of the units that were cut short and not done since."""
-        return []
-
-    def save_unit(self, unit: int, done: Done) -> None:
-        """Store a unit; one that was cut short is stored separately."""
-
-    def seconds(self) -> float:
-        """Return the duration of earlier runs, as far as known."""
-        return 0.0
-
-    def shrunk(self, failure: Failure) -> Failure | None:
-        """Return the stored result of shrinking a failure; ``None`` if it has yet to be shrunk."""
-        return None
-
-    def save_shrunk(self, failure: Failure, shrunk: Failure) -> None:
-        """Store the result of shrinking a failure."""
-
-
-class FolderStore(CampaignStore):
+class FolderStore:
     """A campaign's store in ``OUT/.campaign``, locked against other processes until :meth:`close`.
 
     Args:
@@ -129,8 +91,7 @@ class FolderStore(CampaignStore):
     def __init__(self, out: Path) -> None:
         self.out = out
         self._path = out / MEMORY
-        self._fingerprint = ""
-        self._shrunk: dict[str, Path] = {}
+        self._forget_journal()
         if out.exists() and not out.is_dir():
             raise OutputError("wrong-kind-of-file", "{out} is a file", "choose a folder", out=out)
         with refused_writes(self._path):
@@ -161,14 +122,24 @@ class FolderStore(CampaignStore):
         stored = _CAMPAIGN.read(file)
         return Fingerprint(stored.configuration, stored.code), stored.goal
 
+    def has_results(self) -> bool:
+        """Return True if a unit was done, perhaps by an earlier version.
+
+        Raises:
+            FormatError: If the campaign's configuration cannot be read.
+        """
+        return self.units_done() > 0 or any((self._path / name).exists() for name in _EARLIER)
+
     def units_done(self) -> int:
-        """Return the number of units in it: one more than the last unit's number."""
-        numbers = [
-            int(file.stem)
-            for file in (self._path / "units").glob("*.json")
-            if file.stem.isdecimal()
-        ]
-        return max(numbers, default=-1) + 1
+        """Return the number of units in it: one more than the last unit's number.
+
+        Raises:
+            FormatError: If the campaign's configuration cannot be read.
+        """
+        stored = self.stored_in(self.out)
+        if stored is not None:
+            self._read_journal(stored[0].digest)
+        return max(self._units, default=-1) + 1
 
     def close(self) -> None:
         """Unlock it for other processes."""
@@ -180,16 +151,12 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        self._fingerprint = fingerprint.digest
         forget_error(self.out)
         with refused_writes(self._path):
-            for part in _PARTS:
-                (self._path / part).mkdir(exist_ok=True)
-            for file in (self._path / "shrunk").iterdir():
-                if name := _SHRUNK.fullmatch(file.name):
-                    self._shrunk[name["key"]] = file
+            (self._path / _FAILURES).mkdir(exist_ok=True)
         stored = _Stored(dict(fingerprint.configuration), dict(fingerprint.code), budget)
         _CAMPAIGN.write(self._path / _CAMPAIGN_FILE, stored)
+        self._read_journal(fingerprint.digest)
 
     def forget(self) -> None:
         """Remove an earlier campaign's store, but not its failures in the folder outside.
@@ -197,57 +164,80 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be removed.
         """
+        self._forget_journal()
+        # The journal goes first: without it, the campaign has done nothing.
+        names = (_JOURNAL, *_EARLIER, _CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
         with refused_writes(self._path):
-            # Remove this one first: the rest is then no longer a campaign.
-            (self._path / _CAMPAIGN_FILE).unlink(missing_ok=True)
-            (self._path / SUMMARY_FILE).unlink(missing_ok=True)
-            (self._path / OVERVIEW_FILE).unlink(missing_ok=True)
-            (self._path / _WRITTEN).unlink(missing_ok=True)
-            for part in _PARTS:
-                if (self._path / part).exists():
-                    shutil.rmtree(self._path / part)
+            for path in (self._path / name for name in names):
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink(missing_ok=True)
 
-    def unit(self, unit: int) -> Done | None:
-        """Return a unit that was done before; ``None`` if there is no complete entry of it."""
-        return self._read_unit(unit, self._unit_file(unit))
+    def _forget_journal(self) -> None:
+        self._journal = Journal(self._path / _JOURNAL, "")
+        # Offsets of the records of whole units and of those cut short, by number.
+        self._units: dict[int, int] = {}
+        self._cut: dict[int, int] = {}
+        # IDs of shrunk failures, by those of the failures as found.
+        self._shrunk: dict[str, str] = {}
+        # IDs of the failures written to the campaign's folder, by the files' names.
+        self._shown: dict[str, str] = {}
 
-    def cut_unit(self, unit: int) -> Done | None:
+    def _read_journal(self, fingerprint: str) -> None:
+        if self._journal.fingerprint == fingerprint:
+            return
+        self._forget_journal()
+        self._journal = Journal(self._path / _JOURNAL, fingerprint)
+        for offset, record in self._journal:
+            if isinstance(record, UnitRecord):
+                (self._cut if record.cut else self._units)[record.unit] = offset
+            elif isinstance(record, ShrunkRecord):
+                self._shrunk[record.found] = record.shrunk
+            elif Path(record.file).name == record.file:
+                self._shown[record.file] = record.failure
+
+    def unit(self, unit: int) -> UnitResult | None:
+        """Return a unit that was done before; ``None`` if part of it is missing."""
+        return self._read_unit(self._units.get(unit))
+
+    def cut_unit(self, unit: int) -> UnitResult | None:
         """Return the findings of a unit that was cut short.
 
         It is ``None`` if there are none, or if the unit has been done since.
         """
-        done = self._read_unit(unit, self._cut_file(unit))
-        return done and replace(done, result=replace(done.result, cut=True))
+        return None if unit in self._units else self._read_unit(self._cut.get(unit))
 
     def units_cut(self) -> list[int]:
         """Return the numbers of the units that were cut short and not done since."""
-        names = [file.name.removesuffix(_CUT) for file in (self._path / "units").glob(f"*{_CUT}")]
-        return sorted(int(name) for name in names if name.isdecimal())
+        return sorted(self._cut.keys() - self._units.keys())
 
-    def _read_unit(self, unit: int, file: Path) -> Done | None:
-        if not file.is_file():
+    def _read_unit(self, offset: int | None) -> UnitResult | None:
+        record = None if offset is None else self._journal.at(offset)
+        if not isinstance(record, UnitRecord):
             return None
         try:
-            return read_entry(read_text(file), unit, self._fingerprint, self._failure)
+            return record.result(self._failure)
         except (ValueError, WorldgenError):
             return None
 
-    def save_unit(self, unit: int, done: Done) -> None:
-        """Store a unit: its failures first, then its entry.
+    def save_unit(self, unit: int, result: UnitResult, seconds: float) -> None:
+        """Store a unit: its failures first, then its record.
 
         A continued campaign starts a cut unit again.
+
+        Args:
+            unit: Number of the unit.
+            result: Its result, with only those failures and elites that are worth keeping.
+            seconds: Seconds of the campaign, over all runs, so far.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        names = []
-        for failure in done.result.failures.values():
-            names.append(failure.id)
+        for failure in result.failures.values():
             self.save_original(failure)
-        file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
-        write_bytes(file, write_entry(unit, done, self._fingerprint, names), force=True)
-        if not done.result.cut:
-            self._cut_file(unit).unlink(missing_ok=True)
+        offset = self._journal.append(UnitRecord.of(unit, result, seconds))
+        (self._cut if result.cut else self._units)[unit] = offset
 
     def save_original(self, failure: Failure) -> None:
         """Store a failure as it was found.
@@ -255,18 +245,16 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        self._save(f"failures/{failure.id}.grid", failure.dumps())
+        self._save_failure(failure.dumps())
 
     def shrunk(self, failure: Failure) -> Failure | None:
         """Return the stored result of shrinking a failure.
 
         It is ``None`` if it has yet to be shrunk, or the file is incomplete.
         """
-        file = self._shrunk.get(failure.id)
-        if file is None:
-            return None
+        name = self._shrunk.get(failure.id)
         try:
-            return _whole_failure(file, file.stem.rpartition("-")[2])
+            return None if name is None else self._failure(name)
         except (ValueError, WorldgenError):
             return None
 
@@ -280,16 +268,13 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        data = shrunk.dumps()
-        self._save(f"shrunk/{failure.id}-{_content_name(data)}.grid", data)
+        name = self._save_failure(shrunk.dumps())
+        self._journal.append(ShrunkRecord(failure.id, name))
+        self._shrunk[failure.id] = name
 
     def written(self) -> dict[str, str]:
-        """Return a digest of each failure that this campaign wrote to its folder, by file name."""
-        try:
-            said = msgspec.json.decode(read_text(self._path / _WRITTEN), type=dict[str, str])
-        except (RecursionError, ValueError):
-            return {}
-        return {name: digest for name, digest in said.items() if Path(name).name == name}
+        """Return the ID of each failure that this campaign wrote to its folder, by file name."""
+        return dict(self._shown)
 
     def write_failure(self, name: str, data: bytes) -> None:
         """Write a failure into the campaign's folder.
@@ -299,10 +284,10 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        self._save(
-            _WRITTEN,
-            (json.dumps(self.written() | {name: _content_name(data)}, indent=1) + "\n").encode(),
-        )
+        failure = self._save_failure(data)
+        if self._shown.get(name) != failure:
+            self._journal.append(ShownRecord(name, failure))
+            self._shown[name] = failure
         write_bytes(self.out / name, data, force=True)
 
     def remove_failures_but(self, names: Collection[str]) -> None:
@@ -314,7 +299,7 @@ class FolderStore(CampaignStore):
             OutputError: If a file cannot be removed.
         """
         with refused_writes(self.out):
-            for name, content in self.written().items():
+            for name, content in self._shown.items():
                 file = self.out / name
                 if (
                     name not in names
@@ -359,26 +344,39 @@ class FolderStore(CampaignStore):
             changes = outdated if status == Status.RUNNING else {}
             self.save_summary(msgspec.structs.replace(summary, status=status, **changes))
 
-    def _unit_file(self, unit: int) -> Path:
-        return self._path / "units" / f"{unit:06}.json"
-
-    def _cut_file(self, unit: int) -> Path:
-        return self._path / "units" / f"{unit:06}{_CUT}"
+    def _save_failure(self, data: bytes) -> str:
+        """Store a failure unless it is there, and return its ID."""
+        name = _content_name(data)
+        file = self._failure_file(name)
+        if not file.is_file() or file.read_bytes() != data:
+            write_bytes(file, data, force=True)
+        return name
 
     def _failure(self, name: str) -> Failure:
-        return _whole_failure(self._path / "failures" / f"{name}.grid", name)
+        """Return the failure with an ID.
 
-    def _save(self, name: str, data: bytes) -> None:
-        write_bytes(self._path / name, data, force=True)
+        Raises:
+            ValueError: If its file was changed.
+            FormatError: If it cannot be read.
+        """
+        file = self._failure_file(name)
+        data = read_text(file).encode()
+        if _content_name(data) != name:
+            raise ValueError("the file was changed")
+        return Failure.of(loads(data, str(file)))
+
+    def _failure_file(self, name: str) -> Path:
+        return self._path / _FAILURES / f"{name}.grid"
 
 
-def _whole_failure(file: Path, content: str) -> Failure:
-    """Return the failure in a file that is named by its content.
+def stored_elites(out: Path) -> Iterator[StoredElite]:
+    """Yield the entries that units added to a campaign's archive, in order.
 
     Raises:
-        ValueError: If the content differs; FormatError if it cannot be read.
+        FormatError: If the campaign's configuration cannot be read.
     """
-    data = read_text(file).encode()
-    if _content_name(data) != content:
-        raise ValueError("the file was changed")
-    return Failure.of(loads(data, str(file)))
+    stored = FolderStore.stored_in(out)
+    if stored is not None:
+        for _, record in Journal(out / MEMORY / _JOURNAL, stored[0].digest):
+            if isinstance(record, UnitRecord):
+                yield from record.elites

@@ -107,7 +107,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
     fingerprint = fingerprint_of(config)
     store = FolderStore(out)
     try:
-        if force or not store.units_done():
+        if force or not store.has_results():
             store.forget()
         # Check again, because another process may have started.
         stored = FolderStore.stored_in(out)

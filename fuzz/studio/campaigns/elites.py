@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
-
-from fuzz.campaign.store import MEMORY, FolderStore, read_summary
-from fuzz.campaign.store.entry import StoredElite, UnitEntry
+from fuzz.campaign.store import FolderStore, read_summary, stored_elites
 from fuzz.layouts.features import decode_scene
 from fuzz.studio.requests.protocol import RecordedRun
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import InvalidParameter
 from worldgen.files.json_file import converted
-from worldgen.files.whole import read_text
 from worldgen.world import World
 
 
@@ -41,8 +36,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
             i=i,
             j=j,
         )
-    for cell, layout, quality, verdict in _elites(folder / MEMORY / "units"):
-        if cell[:2] == [i, j] and (quality, verdict) == shown:
+    for cell, layout, quality, verdict in stored_elites(folder):
+        if cell[:2] == (i, j) and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
         "world-not-kept",
@@ -50,23 +45,6 @@ def elite_of(folder: Path, i: int, j: int) -> World:
         "resume the campaign",
         name=folder.name,
     )
-
-
-def _elites(units: Path) -> Iterator[StoredElite]:
-    """Yield the entries that units added to the archive, in order."""
-    for file in sorted(units.glob("*.json")):
-        if file.is_symlink() or not file.is_file():
-            continue
-        text = read_text(file)
-        try:
-            yield from msgspec.json.decode(text, type=UnitEntry).elites
-        except (RecursionError, ValueError) as error:
-            raise FormatError(
-                "invalid-entry",
-                "is not an entry of a campaign store",
-                "resume the campaign, which repairs it",
-                source=str(file),
-            ) from error
 
 
 def runs_in(folder: Path) -> RecordedRun | None:

@@ -136,7 +136,7 @@ def campaign_state(
     status = Status.UNKNOWN if summary is None else summary.status
     error = None if status in _ENDED_WELL else read_error(folder)
     if error is not None or status == Status.FAILED:
-        state.error = error and refusal(error, opened)
+        state.error = None if error is None else refusal(error, opened)
         state.activity = "gave-up"
     # A process that was killed has left the status "running".
     elif status in (Status.STOPPED, Status.RUNNING) or state.units < (budget.units or 0):

@@ -8,10 +8,11 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.store import MEMORY
 from fuzz.studio.campaigns import state as states
 from fuzz.studio.requests.edits import code_files, digest_of_file, own_files
 from fuzz.studio.requests.folder import Folder
-from fuzz.studio.requests.protocol import CampaignState, Edits, Request, Stop, Watch
+from fuzz.studio.requests.protocol import CampaignState, Request, Stop, Watch
 from worldgen.errors import Message, WorldgenError
 
 _CODE_EVERY = 0.25  # s between checks of the files of code
@@ -39,7 +40,9 @@ class Watching:
 
     def ask(self, request: Request) -> AsyncGenerator[tuple[str, Any, dict[str, str]]]:
         """Answer a request; see ``Worker.ask``."""
-        return self._edits() if isinstance(request, Edits) else self._campaign(request)
+        if isinstance(request, Watch | Stop):
+            return self._campaign(request)
+        return self._edits()
 
     async def _edits(self) -> AsyncGenerator[tuple[str, Any, dict[str, str]]]:
         """Report the files of the named controllers now, and whenever they have changed."""
@@ -60,7 +63,9 @@ class Watching:
         files = {file for label in self._named for file in own_files(label)}
         return {file: digest_of_file(file) for file in sorted(files | set(self._loaded()))}
 
-    async def _campaign(self, request: Request) -> AsyncGenerator[tuple[str, Any, dict[str, str]]]:
+    async def _campaign(
+        self, request: Watch | Stop
+    ) -> AsyncGenerator[tuple[str, Any, dict[str, str]]]:
         """Report a campaign's state until it ends; or stop it, and report the state then."""
         before: CampaignState | None = None
         while True:
@@ -104,7 +109,7 @@ def _stopped(place: Path) -> bool:
     """Stop a campaign and wait for its end; return True if there was one to stop."""
     process = states.running_process(place)
     if process is None:
-        return states.end_beginnings(place / states.MEMORY)
+        return states.end_beginnings(place / MEMORY)
     states.interrupt(process)
     until = time.monotonic() + _ENDS
     while states.running_process(place) is not None and time.monotonic() < until:

@@ -88,9 +88,10 @@ def opened_message(world: World, **more: Any) -> OpenedMessage:
     record = None if failure is None else failure.record
     return OpenedMessage(
         world=message_of(world),
-        made=made and f"{made.family}, version {made.version}, seed {made.seed}",
-        failure=record
-        and RecordedRun(
+        made=None if made is None else f"{made.family}, version {made.version}, seed {made.seed}",
+        failure=None
+        if record is None
+        else RecordedRun(
             record.controller,
             record.motion,
             record.seed,

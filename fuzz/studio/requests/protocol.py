@@ -102,9 +102,7 @@ class WorldMessage(Struct):
 # Requests
 
 
-class Request(
-    Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="do", tag=str.lower
-):
+class Request(Struct, kw_only=True, forbid_unknown_fields=True, tag_field="do", tag=str.lower):
     """A message from the page, with its own number."""
 
     id: Annotated[int, Meta(ge=0)]
@@ -169,7 +167,7 @@ class Save(Request, kw_only=True):
     replaces: str | None = None
 
 
-class NamedFile(Struct, frozen=True, forbid_unknown_fields=True):
+class NamedFile(Struct, forbid_unknown_fields=True):
     """A file of the browser: dropped on the page, or to be kept."""
 
     name: str
@@ -349,7 +347,7 @@ class Check(RunRequest, kw_only=True):
     controller: str
 
 
-class ComparedWorld(Struct, frozen=True, forbid_unknown_fields=True):
+class ComparedWorld(Struct, forbid_unknown_fields=True):
     """A world of a comparison: sent along, a file of the folder, or made by a family."""
 
     world: WorldMessage | None = None
@@ -491,7 +489,7 @@ class Know(Request):
 
 
 REQUESTS: dict[str, type[Request]] = {
-    kind.__struct_config__.tag: kind
+    str(kind.__struct_config__.tag): kind
     for kind in (
         Hello, Files, Open, Before, Save, Bring, Export, Decide, Widest, Signal, Measure, Generate,
         Preview, Shift, Run, Picture, Drive, Check, Compare, Edits, Campaigns, Begin, Command,
@@ -726,7 +724,7 @@ class ProofMessage(Struct, kw_only=True, omit_defaults=True):
         others: Ends and witness of each robot after the first.
     """
 
-    result: Literal["reachable", "blocked", "undecided"]
+    result: Annotated[str, Meta(title='"reachable" | "blocked" | "undecided"')]
     reason: str
     length: float = 0.0
     duration: float = 0.0
@@ -837,7 +835,7 @@ class CellPart(Struct, kw_only=True):
     column: int
     verdict: str
     detail: str
-    steps: int
+    steps: float
     time: float | None
     runs: int
     reached: int

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzz.faults import FAULTS
+from benchmarks.faults import FAULTS
 from sim import Command
 from sim.kernels import layout
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fuzz.faults import by_sight, by_touch
-from fuzz.faults.planting import Fault
+from . import by_sight, by_touch
+from .planting import Fault
 
 __all__ = ["FAULTS", "Fault"]
 

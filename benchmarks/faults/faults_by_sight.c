@@ -1,5 +1,5 @@
 // Faults in the controllers that see by range beams, and in Q-learning.
-// fuzz/faults/by_sight.py describes each fault.
+// benchmarks/faults/by_sight.py describes each fault.
 
 #include "faults.h"
 

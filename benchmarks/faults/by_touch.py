@@ -1,14 +1,15 @@
 """Faults in the controllers that follow walls by touch: Bug1 and Bug2.
 
-The functions are in ``fuzz/core/faults_by_touch.c``.
+The functions are in ``benchmarks/faults/faults_by_touch.c``.
 """
 
 from __future__ import annotations
 
-from fuzz.faults.planting import planted
 from sim.controllers.library.bug1 import bug1
 from sim.controllers.library.bug2 import bug2
 from sim.verdict import Verdict
+
+from .planting import planted
 
 bug1_keeps_the_last_place = planted(
     "bug1-keeps-the-last-place",

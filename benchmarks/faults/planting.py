@@ -1,22 +1,47 @@
-"""Plant a fault in a controller: its code runs unchanged, with one deviation around it, in C."""
+"""Plant a fault in a controller: its code runs unchanged, with one deviation around it, in C.
+
+The C is compiled on first use; ``python -m build_tools.cores`` compiles it again after a change.
+"""
 
 from __future__ import annotations
 
+import fcntl
+import importlib
+import subprocess
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from fuzz import _core
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
 from sim.verdict import Verdict
 
+_FOLDER = Path(__file__).parent
+
+
+def _compiled() -> Any:
+    """Return the extension module with the faults; of several processes one compiles it."""
+    try:
+        return importlib.import_module("._core", __package__)
+    except ModuleNotFoundError:
+        with (_FOLDER / ".lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not any(_FOLDER.glob("_core.*")):
+                command = [sys.executable, "-m", "build_tools.cores", "benchmarks.faults._core"]
+                subprocess.run(command, cwd=_FOLDER.parents[1], check=True, stdout=sys.stderr)
+        importlib.invalidate_caches()
+        return importlib.import_module("._core", __package__)
+
+
+_core = _compiled()
 _ffi: Any = _core.ffi
 _lib: Any = _core.lib
 
 
 @dataclass(frozen=True)
 class FaultAct(CoreAct):
-    """The act of a controller with a fault, a function of the search's C core.
+    """The act of a controller with a fault, a function of the C next to this file.
 
     Args:
         name: Name of the fault in ``wg_fault``.

@@ -1,17 +1,18 @@
 """Faults in the controllers that see with range beams, and in Q-learning.
 
-The functions are in ``fuzz/core/faults_by_sight.c``.
+The functions are in ``benchmarks/faults/faults_by_sight.c``.
 """
 
 from __future__ import annotations
 
-from fuzz.faults.planting import planted
 from sim.controllers.library.dynamic_window import dynamic_window
 from sim.controllers.library.potential_field import potential_field
 from sim.controllers.library.q_learning import q_learning
 from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import vfh
 from sim.verdict import Verdict
+
+from .planting import planted
 
 three_layer_patience_starts_anew = planted(
     "three-layer-patience-starts-anew",

@@ -1,5 +1,5 @@
 // Faults in the controllers that follow walls by touch: Bug1 and Bug2.
-// fuzz/faults/by_touch.py describes each fault.
+// benchmarks/faults/by_touch.py describes each fault.
 
 #include <stdbool.h>
 
