@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Protocol
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.files.whole import SupportsRead, read_up_to
 
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
@@ -60,6 +60,23 @@ class Member:
     name: str
     packed: int
     read: Callable[[int], bytes | None]
+
+    def read_all(self, most: int, source: str) -> bytes:
+        """Return the file's bytes.
+
+        Raises:
+            FormatError: If it is longer than a limit, or cannot be read; ``source`` names it.
+        """
+        data = self.read(most)
+        if data is None:
+            raise FormatError(
+                "too-large",
+                "longer than {most} bytes, the limit in such an archive",
+                "unpack it by hand",
+                most=most,
+                source=source,
+            )
+        return data
 
 
 class _Zip:
@@ -202,12 +219,12 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
             def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
                 # Other modes take as much memory as the file demands.
                 if entry.compress_type not in _METHODS:
-                    message = Message(
+                    raise FormatError(
                         "unsupported",
                         "is compressed by a method other than deflate",
                         "pack it again with deflate",
+                        source=f"{source}/{entry.filename}",
                     )
-                    raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
                     return read_up_to(file, limit)
 

@@ -44,17 +44,9 @@ def manifest_of(path: Path) -> Manifest:
         return read_manifest(path)
     for member in members(path):
         if member.name == MANIFEST:
-            data = member.read(_MOST)
-            if data is None:
-                raise FormatError(
-                    "too-large",
-                    "longer than {most} bytes",
-                    "unpack it by hand",
-                    most=_MOST,
-                    source=f"{path}/{MANIFEST}",
-                )
+            source = f"{path}/{MANIFEST}"
             # Read line by line, because the file may be a decompression bomb.
-            return parse_manifest(io.BytesIO(data), f"{path}/{MANIFEST}")
+            return parse_manifest(io.BytesIO(member.read_all(_MOST, source)), source)
     raise FormatError(
         "no-manifest", "holds no {manifest}; it is not a set", manifest=MANIFEST, source=str(path)
     )

@@ -13,7 +13,7 @@ import msgspec
 from msgspec import Meta
 
 from worldgen.domain import MASK64
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.files.json_file import converted, faulty_field, plain
 from worldgen.plugins.trust import NameInFile, note_names
 from worldgen.world import Value
@@ -194,14 +194,14 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
         kept.append(line)
     # A file with more lines than its header states was concatenated or edited.
     if len(entries) > header.count:
-        message = Message(
+        raise FormatError(
             "wrong-count",
             "{worlds} worlds, but the first line promises {said}",
             "correct one of them",
             worlds=len(entries),
             said=header.count,
+            source=source,
         )
-        raise FormatError.of(message, source=source)
     return Manifest(header, first, entries, kept)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
-from worldgen.errors import FormatError, Message, OutputError
+from worldgen.errors import FormatError, OutputError
 from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.reader import loads
 from worldgen.files.grid.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
@@ -48,7 +48,7 @@ def read_packed(path: Path) -> bytes:
     for member in members(archive):
         # tar writes ./w.grid for a folder that is packed as ``.``.
         if PurePosixPath(member.name).as_posix() == name:
-            return _read_member(member, str(path))
+            return member.read_all(_expansion_limit(member.packed), str(path))
     raise FormatError(
         "no-such-file",
         "holds no file {name!r}",
@@ -81,21 +81,7 @@ def unpack_world(member: Member, source: str) -> World:
     Raises:
         FormatError: If it cannot be read, or isn't a ``.grid`` file.
     """
-    return unpack(_read_member(member, source), source)
-
-
-def _read_member(member: Member, source: str) -> bytes:
-    limit = _expansion_limit(member.packed)
-    data = member.read(limit)
-    if data is None:
-        raise FormatError(
-            "too-large",
-            "longer than {most} bytes, the limit in such an archive",
-            "unpack it by hand",
-            most=limit,
-            source=source,
-        )
-    return data
+    return unpack(member.read_all(_expansion_limit(member.packed), source), source)
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
@@ -166,25 +152,27 @@ def _expand(data: bytes, source: str) -> bytes:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
             expanded = read_up_to(stream, limit)
     except EOFError as error:
-        message = Message(
-            "cut-short", "the gzip data ends too early; the file is truncated", "copy it again"
-        )
-        raise FormatError.of(message, source=source) from error
+        raise FormatError(
+            "cut-short",
+            "the gzip data ends too early; the file is truncated",
+            "copy it again",
+            source=source,
+        ) from error
     except (OSError, zlib.error) as error:
-        message = Message(
+        raise FormatError(
             "damaged-file",
             "not valid gzip data: {reason}",
             "copy the file again, or name it without .gz",
             reason=str(error),
-        )
-        raise FormatError.of(message, source=source) from error
+            source=source,
+        ) from error
     if expanded is None:
-        message = Message(
+        raise FormatError(
             "too-large",
             "{bytes} compressed bytes expand to more than the limit of {most}",
             "unpack it by hand",
             bytes=len(data),
             most=limit,
+            source=source,
         )
-        raise FormatError.of(message, source=source)
     return expanded
