@@ -128,7 +128,7 @@ def is_alive(process):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("where", ["controller", "motion", "oracle", "family"])
+@pytest.mark.parametrize("where", ["controller", "oracle", "family"])
 def test_a_file_that_names_code_is_opened_and_its_code_is_never_loaded(page, folder, where):
     (folder / "pwned").unlink(missing_ok=True)
     code = f"{folder}/evil.py:Thing"
