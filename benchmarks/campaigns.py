@@ -28,7 +28,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.unit.config import CampaignConfig
-from fuzz.unit.result import SearchState, UnitResult
+from fuzz.unit.result import FirstMet, SearchState, UnitResult
 from sim.scenario import Scenario
 
 # The words of a round that takes seconds; the gate runs it. All failures of this controller are one
@@ -86,7 +86,10 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
         state = campaign.state
         files = [file for file in Path(place).rglob("*") if file.is_file()]
         # Time one save of a unit with failures, which later units rarely have.
-        found = UnitResult("features", failures=dict(list(state.memory.failures.items())[:2]))
+        failures = dict(list(state.memory.failures.items())[:2])
+        found = UnitResult(
+            "features", failures=failures, first_met=dict.fromkeys(failures, FirstMet(1, 1, 0.0))
+        )
         save = _seconds(lambda: campaign_run.store.save_unit(units, found, 0.0))
         campaign_run.store.close()
         some = list(state.memory.failures.values())[:_SHRUNK]

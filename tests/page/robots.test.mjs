@@ -151,11 +151,11 @@ test("walls are allowed to change places once, and a late answer is ignored", as
   const events = { times: [1], ix: [2], iy: [2], state: [1] };
   tick(part("#changes"));
   tick(part("#changes"), false);
-  waiting.shift()({ world: { events } });
+  waiting.shift()({ events });
   await next();
   assert.deepEqual([model.world.events, part("#changes").checked, model.unsaved], [null, false, false]);
   tick(part("#changes"));
-  waiting.shift()({ world: { events } });
+  waiting.shift()({ events });
   await next();
   assert.deepEqual([model.world.events, runs.length], [events, 1]);
   robots.refresh();
