@@ -15,7 +15,7 @@ const file = (name, digest) => ({ file: `/robots/${name}`, name, digest, control
 // Returns the edits reported when the server sends these lists of files on one connection.
 async function edits(known, ...parts) {
   const heard = [];
-  const ask = async (kind, message, part) => parts.forEach((files) => part({ files }));
+  const ask = async (kind, message, part) => parts.forEach((files) => part(files));
   await listenToEdits({ ask }, known, (files) => heard.push(files.map(({ name }) => name)));
   return heard;
 }
