@@ -284,6 +284,7 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
             "worldgen = 1\nsize = [6, 6]\nspeed = 1\n",
             {"code": "unknown-name", "line": 3, "name": "speed"},
         ),
+        ("worldgen = 1\nsize = [40.5, 40]\n", {"code": "not-whole", "line": 2, "width": 40.5}),
         ("worldgen = [[[\n", {"code": "not-toml"}),
         (
             "worldgen = 1\r\nsize = [6, 6]\r\nspeed = 1\r\n",
@@ -309,6 +310,12 @@ def test_an_old_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, ex
             dumps(room(provenance=Provenance("export", 1, 0, {"kept": [["start"]]}))),
             "not-a-sidecar",
         ),
+        (
+            "grid",
+            dumps(room(provenance=Provenance("export", 2, 0, {"kept": ["start"]}))),
+            "other-version",
+        ),
+        ("toml", b'worldgen = 1\nsize = [6, 6]\nheading = "a"\n', "wrong-type"),
     ],
 )
 def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(
@@ -319,6 +326,32 @@ def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(
     with raises(FormatError, code) as caught:
         read_map(tmp_path / "world.gex")
     assert "export the world again" in str(caught.value)
+
+
+def test_the_rule_that_an_old_sidecar_breaks_is_in_the_message(tmp_path):
+    write_export(export_world(room(), "thesis", sidecar=False), tmp_path)
+    (tmp_path / "world.gex.worldgen.toml").write_text(
+        'worldgen = 1\nsize = [6, 6]\nheading = "a"\n'
+    )
+    with raises(FormatError, "wrong-type") as caught:
+        read_map(tmp_path / "world.gex")
+    assert "write a number, like 0.1, or delete it" in str(caught.value)
+
+
+def test_an_export_deletes_a_sidecar_but_no_world_that_has_its_name(tmp_path):
+    sidecars = [tmp_path / f"world.gex.worldgen.{ending}" for ending in ("grid", "toml")]
+    write_world(room(), sidecars[0])
+    sidecars[1].write_text("mine = 1\n")
+    kept = [path.read_bytes() for path in sidecars]
+    export = export_world(room(), "thesis", sidecar=False)
+    write_export(export, tmp_path)
+    assert [path.read_bytes() for path in sidecars] == kept
+    for path in sidecars:
+        path.unlink()
+    write_export(export_world(room(), "thesis"), tmp_path, force=True)
+    sidecars[1].write_text("worldgen = 1\nsize = [6, 6]\n")
+    write_export(export, tmp_path, force=True)
+    assert not any(path.exists() for path in sidecars)
 
 
 def test_a_sidecar_is_a_world_but_not_another_one_of_its_folder(tmp_path):

@@ -13,7 +13,7 @@ from worldgen.files.whole import check_output, write_bytes
 from worldgen.files.worlds import SIDECAR
 from worldgen.interop.format import FORMATS, HELD, ROBOT_FACTS, Destination, Format
 from worldgen.interop.format.foreign_map import origin_of
-from worldgen.interop.sidecar import sidecar_text, sidecars_of
+from worldgen.interop.sidecar import is_sidecar, sidecar_text, sidecars_of
 from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
@@ -279,8 +279,8 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
         for path in new.intersection(written):
             path.unlink(missing_ok=True)
         raise
-    # An overwritten file's old sidecar is about other contents.
+    # An overwritten file's old sidecar is about other contents. A user's world may have its name.
     for stale in sidecars_of(paths[0]):
-        if stale not in paths and stale.is_file():
+        if stale not in paths and stale.is_file() and is_sidecar(stale):
             stale.unlink()
     return paths

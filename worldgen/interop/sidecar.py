@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, WorldgenError
 from worldgen.files.grid.disk import unpack
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.records import Table, tables_of
@@ -115,12 +115,34 @@ def read_sidecar(path: Path) -> Sidecar | None:
             exists = False
         if exists:
             try:
-                return read(read_bounded(companion, most), companion)
+                data = read_bounded(companion, most)
             except FormatError as error:
-                # Others have remedies for maps.
+                # Its remedies are for maps.
                 message = error.message.with_remedy(_WAY_OUT)
                 raise FormatError.of(message, line=error.line, source=str(companion)) from error
+            try:
+                return read(data, companion)
+            except FormatError as error:
+                fault = error.message
+                message = (
+                    fault.before(f", or {_WAY_OUT}")
+                    if fault.remedy
+                    else fault.with_remedy(_WAY_OUT)
+                )
+                raise FormatError.of(message, line=error.line, source=str(companion)) from error
     return None
+
+
+def is_sidecar(path: Path) -> bool:
+    """Return True if a file is a sidecar, of any version; another file may have its name."""
+    try:
+        if path.name.endswith(_TOML):
+            text = decoded(read_bounded(path, _MOST_TOML), str(path))
+            return "worldgen" in Header(text, 1, str(path), "the sidecar").data
+        made = unpack(read_bounded(path, MAX_FILE_BYTES), str(path)).provenance
+    except (OSError, WorldgenError):
+        return False
+    return made is not None and made.family == EXPORTED
 
 
 def _of_grid(data: bytes, companion: Path) -> Sidecar:
@@ -129,6 +151,13 @@ def _of_grid(data: bytes, companion: Path) -> Sidecar:
     kept = made.params.get(_KEPT) if made is not None and made.family == EXPORTED else None
     if not isinstance(kept, list) or not all(name in list(HELD) for name in kept):
         raise FormatError("not-a-sidecar", "does not say which facts it is for")
+    if made is not None and made.version != _VERSION:
+        raise FormatError(
+            "other-version",
+            "the sidecar's version is {came}; it must be {version}",
+            came=made.version,
+            version=_VERSION,
+        )
     of_map = {"cell_size": (world.cell_size,), "origin": origin_of(world)}
     robots = [_chosen(robot_values(robot), kept) for robot in world.robots]
     return Sidecar(
@@ -154,6 +183,16 @@ def _of_toml(data: bytes, companion: Path) -> Sidecar:
             **header.at("worldgen"),
         )
     width, height = top.read("size")
+    if not (width.is_integer() and height.is_integer()):
+        raise FormatError(
+            "not-whole",
+            "size is [{width:g}, {height:g}]",
+            "write two whole numbers: {meaning}",
+            width=width,
+            height=height,
+            meaning=_TOP_KEYS["size"].meaning,
+            **header.at("size"),
+        )
     return Sidecar(
         companion.name,
         digest(data),
