@@ -35,6 +35,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
 from fuzz.shrink.queue import Shrinking
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import UnitResult
 from sim.scenario import Scenario
 from tests.fuzz.test_campaign_interrupted import StuckInTheFirst, left_in, stopped_clock, writes_end
 from tests.helpers.command_line import worldgen
@@ -344,6 +345,46 @@ def test_a_campaign_that_did_nothing_makes_room_for_another(tmp_path):
     begin(other, tmp_path, Budget(units=UNITS)).store.close()
     stored = FolderStore.stored_in(tmp_path)
     assert stored is not None and stored[0] == fingerprint_of(other)
+
+
+def with_windows_lines(copied):
+    file = copied / ".campaign" / "journal.txt"
+    file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+
+
+def with_another_digest(copied):
+    file = copied / ".campaign" / "campaign.json"
+    text = file.read_text()
+    file.write_text(text.replace('"worldgen": "', '"worldgen": "edited '))
+    assert file.read_text() != text
+
+
+def without_journal(copied):
+    (copied / ".campaign" / "journal.txt").unlink()
+
+
+@pytest.mark.parametrize("spoil", [with_windows_lines, with_another_digest, without_journal])
+def test_findings_whose_records_do_not_count_are_kept(spoil, copied):
+    spoil(copied)
+    before = {file: file.read_bytes() for file in (copied / ".campaign/failures").iterdir()}
+    assert before
+    with raises(OutputError, "another-campaign"):
+        begin(replace(CONFIG, seed=6), copied, Budget(units=UNITS))
+    with contextlib.suppress(OutputError):
+        begin(CONFIG, copied, Budget(units=UNITS)).store.close()
+    assert {file: file.read_bytes() for file in before} == before
+
+
+def test_a_campaign_that_only_cut_units_goes_on_and_refuses_another(tmp_path):
+    begun = begin(CONFIG, tmp_path, Budget(units=UNITS))
+    begun.store.save_unit(0, UnitResult(strategy="features", worlds=3, cut=True), 1.0)
+    begun.store.close()
+    with raises(OutputError, "another-campaign"):
+        begin(replace(CONFIG, seed=6), tmp_path, Budget(units=UNITS))
+    again = begin(CONFIG, tmp_path, Budget(units=UNITS))
+    again.store.close()
+    assert again.done == 0 and again.store.units_cut() == [0]
+    assert again.store.cut_unit(0).worlds == 3
 
 
 def test_force_begins_anew_even_after_an_earlier_version(copied, tmp_path):

@@ -123,12 +123,16 @@ class FolderStore:
         return Fingerprint(stored.configuration, stored.code), stored.goal
 
     def has_results(self) -> bool:
-        """Return True if a unit was done, perhaps by an earlier version.
+        """Return True if anything was done or found, perhaps by an earlier version.
 
-        Raises:
-            FormatError: If the campaign's configuration cannot be read.
+        Records that do not fit the campaign's configuration count too: either may have been
+        changed by accident.
         """
-        return self.units_done() > 0 or any((self._path / name).exists() for name in _EARLIER)
+        return (
+            self._journal.is_begun()
+            or any((self._path / _FAILURES).glob("*.grid"))
+            or any((self._path / name).exists() for name in _EARLIER)
+        )
 
     def units_done(self) -> int:
         """Return the number of units in it: one more than the last unit's number.
@@ -165,7 +169,7 @@ class FolderStore:
             OutputError: If it cannot be removed.
         """
         self._forget_journal()
-        # The journal goes first: without it, the campaign has done nothing.
+        # The journal goes first: it must not name failures that are gone.
         names = (_JOURNAL, *_EARLIER, _CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
         with refused_writes(self._path):
             for path in (self._path / name for name in names):

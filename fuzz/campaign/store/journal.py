@@ -129,6 +129,13 @@ class Journal:
         self.fingerprint = fingerprint
         self._file = file
 
+    def is_begun(self) -> bool:
+        """Return True if the file holds anything, even if no record in it is intact."""
+        try:
+            return self._file.lstat().st_size > 0
+        except OSError:
+            return False
+
     def __iter__(self) -> Iterator[tuple[int, Record]]:
         """Yield the intact records in order, each with its offset."""
         if not self._file.is_file() or self._file.is_symlink():

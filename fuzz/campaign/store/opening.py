@@ -80,7 +80,7 @@ def controller_change(folder: Path, controller: str) -> str:
 def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:
     """Begin a campaign in a folder, or continue the same one.
 
-    A campaign without any results may be replaced by another.
+    A campaign that has neither done nor found anything may be replaced by another.
 
     Args:
         config: Definition of the campaign.
