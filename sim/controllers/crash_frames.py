@@ -64,6 +64,15 @@ def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
     return facts | ({"frames": frames} if frames else {})
 
 
+def crash_text(error: BaseException) -> str:
+    """Return an exception's type and message; the type alone if the message cannot be read."""
+    name = type(error).__name__
+    try:
+        return f"{name}: {error}"
+    except Exception:  # noqa: BLE001 - a controller's exception may raise anything
+        return name
+
+
 def _calls(error: BaseException) -> Iterator[TracebackType]:
     call = error.__traceback__
     while call is not None:

@@ -22,7 +22,7 @@ from sim.controllers.catalogue.renewal import has_shared_state_changed, reset_an
 from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
-from sim.controllers.crash_frames import crash_facts
+from sim.controllers.crash_frames import crash_facts, crash_text
 from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.controllers.instances import origin_of
 from sim.controllers.programs.process import ProcessController
@@ -247,7 +247,7 @@ class Faults:
             raise KeyboardInterrupt from None
         name = type(error).__name__
         facts = {"exception": _in_short(name), **crash_facts(error, self._host.controller)}
-        raise ControllerError(Verdict.CRASH, _in_short(f"{name}: {error}"), facts) from error
+        raise ControllerError(Verdict.CRASH, _in_short(crash_text(error)), facts) from error
 
 
 def _in_short(text: str) -> str:

@@ -15,7 +15,7 @@ from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, robot_for
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct
-from sim.controllers.crash_frames import crash_facts
+from sim.controllers.crash_frames import crash_facts, crash_text
 from sim.controllers.flat_act import compiled_act
 from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import CoreMemory
@@ -412,9 +412,10 @@ class LatticeRun:
         try:
             act(workspace.observation, workspace.memory, command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
-            facts = crash_facts(error, self.controller) or {"message": str(error)}
+            text = crash_text(error)
             name = type(error).__name__
-            return ControllerError(Verdict.CRASH, f"{name}: {error}", {"exception": name, **facts})
+            facts = crash_facts(error, self.controller) or {"message": text.partition(": ")[2]}
+            return ControllerError(Verdict.CRASH, text, {"exception": name, **facts})
         return ControllerError(
             Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace")
         )

@@ -2,7 +2,10 @@
 
 import pytest
 
-from sim.controllers.crash_frames import crash_facts
+from sim import simulate
+from sim.controllers.crash_frames import crash_facts, crash_text
+from sim.verdict import Verdict
+from tests.helpers.drawn_worlds import drawn
 
 ROBOT = "/home/ann/robot.py"
 
@@ -44,3 +47,23 @@ def test_a_file_that_only_has_a_similar_name_is_the_users_code():
         "plan",
         "solve",
     ]
+
+
+class Unsayable(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+class Speechless:
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        raise Unsayable
+
+
+def test_an_exception_without_words_is_named_by_its_type():
+    assert crash_text(ValueError("a gap")) == "ValueError: a gap"
+    assert crash_text(Unsayable()) == "Unsayable"
+    outcome = simulate(drawn("#####\n#S.G#\n#####", radius=0.05), Speechless())
+    assert outcome.verdict == Verdict.CRASH and outcome.evidence.error == "Unsayable"
