@@ -7,6 +7,7 @@ import math
 import os
 import signal
 import sys
+import time
 from collections import deque
 from contextlib import suppress
 from dataclasses import replace
@@ -195,6 +196,20 @@ def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
     with pytest.raises(KeyboardInterrupt), InlineExecutor() as executor:
         executor.submit(endless)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.usefixtures("heard")
+def test_work_that_waits_in_the_system_after_ctrl_c_is_interrupted(monkeypatch):
+    monkeypatch.setattr("fuzz.campaign.executors.local.TO_HAND_IN", 0.05)
+
+    def waiting():
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(10.0)
+
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), InlineExecutor() as executor:
+        executor.submit(waiting)
+    assert time.monotonic() < began + 9.0
 
 
 @pytest.mark.usefixtures("heard")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import _thread
 import math
+import signal
+import sys
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
@@ -87,7 +89,7 @@ class InlineExecutor:
         A controller that never returns takes too long.
         """
         self._stopped_at = now()
-        self._patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
+        self._patience = threading.Timer(TO_HAND_IN, _interrupt_main)
         self._patience.daemon = True
         self._patience.start()
 
@@ -174,6 +176,15 @@ class ProcessExecutor:
                 "({reason})",
                 reason=str(error),
             ) from error
+
+
+def _interrupt_main() -> None:
+    """Send Ctrl-C to the main thread, even while it waits in a call of the system."""
+    main = threading.main_thread().ident
+    if sys.platform == "win32" or main is None:
+        _thread.interrupt_main()
+    else:
+        signal.pthread_kill(main, signal.SIGINT)
 
 
 def load(scenarios: Sequence[Scenario]) -> float:
