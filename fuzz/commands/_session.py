@@ -166,7 +166,7 @@ class CampaignSession:
             "{reason}",
             remedy,
             at_terminal=self._lasts,
-            reason=str(error),
+            reason=error.message.problem,
             out=self._out,
             way_on=self._way_on,
         )

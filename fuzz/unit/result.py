@@ -14,6 +14,12 @@ from sim.clock.controller_time import Effort
 
 _Count = Annotated[int, msgspec.Meta(ge=0, le=(1 << 63) - 1)]
 
+UnitCount: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=1 << 48)]
+"""A count of one unit; the limit keeps the sums over all units in range."""
+
+Seconds: TypeAlias = Annotated[float, msgspec.Meta(ge=-1e12, le=1e12)]
+"""A duration; slightly negative if a clock was set back."""
+
 FailureKey: TypeAlias = tuple[str, str]
 """See :attr:`fuzz.failure.Failure.key`."""
 
@@ -42,9 +48,9 @@ class FirstMet(NamedTuple):
         seconds_left: Seconds from then to the unit's end.
     """
 
-    worlds: int
-    steps: int
-    seconds_left: float
+    worlds: UnitCount
+    steps: UnitCount
+    seconds_left: Seconds
 
     @property
     def order(self) -> tuple[int, float]:

@@ -5,6 +5,7 @@ That interruptions do not change its corpus is tested in ``test_campaign_interru
 
 import contextlib
 import json
+import os
 import re
 import signal
 import subprocess
@@ -33,6 +34,7 @@ from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, appe
 from fuzz.campaign.summary import describe_units, summary_of
 from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
+from fuzz.layouts.layout_bytes import SCENE_BYTES
 from fuzz.shrink.queue import Shrinking
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import UnitResult
@@ -271,6 +273,72 @@ def test_a_sealed_record_that_is_none_is_passed_over(text, tmp_path):
     assert [record for _, record in journal] == [SHRUNK]
 
 
+UNIT = {
+    "type": "unit", "unit": 0, "cut": False, "seconds": 1.0, "strategy": "archive", "worlds": 1, "steps": 1,
+    "verdicts": {"loop": 1}, "judged": 1, "met": [["loop", "loop", 1]], "failures": ["0" * 16],
+    "first_met": [[1, 1, 0.5]], "elites": [[[1, 2], "00" * SCENE_BYTES, -3.0, "loop"]],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("unit", -1),
+        ("unit", 1 << 63),
+        ("seconds", 1e300),
+        ("strategy", ""),
+        ("strategy", "a" * 20_000),
+        ("worlds", 1 << 64),
+        ("steps", -1),
+        ("verdicts", {"loop": -1}),
+        ("verdicts", {"": 1}),
+        ("judged", 10**30),
+        ("met", [["loop", "loop", 1 << 62]]),
+        ("first_met", [[-1, 1, 0.5]]),
+        ("elites", [[[1], "00" * SCENE_BYTES, -3.0, "loop"]]),
+        ("elites", [[[-1, 2], "00" * SCENE_BYTES, -3.0, "loop"]]),
+        ("elites", [[[1, 2], "00", -3.0, "loop"]]),
+    ],
+)
+def test_a_sealed_unit_with_numbers_that_no_unit_has_is_passed_over(name, value, tmp_path):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    for unit in (UNIT, {**UNIT, name: value}):
+        text = json.dumps(unit).encode()
+        append_line(tmp_path / "journal.txt", journal._seal(text) + b" " + text)
+    ((_, record),) = journal
+    assert record.unit == 0 and record.strategy == "archive"
+
+
+def test_a_journal_that_cannot_be_read_is_said_in_one_sentence(tmp_path, monkeypatch):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    offset = journal.append(SHRUNK)
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("pathlib.Path.open", refuse)
+    for read in (lambda: [*journal], lambda: journal.at(offset)):
+        with raises(FormatError, "unreadable", reason="Permission denied"):
+            read()
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system follows links")
+@pytest.mark.parametrize("name", ["journal.txt", "lock"])
+def test_a_link_in_the_store_is_not_written(name, tmp_path):
+    memory = tmp_path / "out" / ".campaign"
+    memory.mkdir(parents=True)
+    target = tmp_path / "target"
+    target.write_text("mine")
+    (memory / name).symlink_to(target)
+    with (
+        raises(OutputError, "is-a-link") as caught,
+        contextlib.closing(FolderStore(tmp_path / "out")) as store,
+    ):
+        store.begin(fingerprint_of(CONFIG), Budget(units=1))
+        store.save_unit(0, UnitResult(strategy="features"), 1.0)
+    assert "remove it" in str(caught.value) and target.read_text() == "mine"
+
+
 def test_records_of_another_campaign_do_not_count(tmp_path):
     Journal(tmp_path / "journal.txt", "fingerprint").append(SHRUNK)
     assert not [*Journal(tmp_path / "journal.txt", "other")]
@@ -480,8 +548,11 @@ def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
 
 
 def test_a_full_disk_stops_a_campaign_in_one_sentence(tmp_path, monkeypatch):
-    full = OutputError("unwritable", "{path}: No space left on device", path=tmp_path)
+    full = OutputError(
+        "unwritable", "{path}: No space left on device", "choose another place", path=tmp_path
+    )
     writes_end(monkeypatch, 4, full)
     result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
     assert result.code == 2 and result.error_code == "broken-off"
+    assert "free some space" in result.err and "choose another place" not in result.err
     assert read_error(tmp_path).code == "broken-off"

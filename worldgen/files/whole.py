@@ -196,6 +196,36 @@ def refused_writes(path: Path) -> Iterator[None]:
         ) from error
 
 
+def open_no_link(path: Path, flags: int = 0) -> int:
+    """Open a file in place to read and write, and create it if it is missing.
+
+    A folder may come from anyone, so a link in it is not followed where the system can tell.
+
+    Args:
+        path: The file.
+        flags: More flags of ``os.open``.
+
+    Returns:
+        The descriptor.
+
+    Raises:
+        OutputError: If it is a link, or cannot be written.
+    """
+    more = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    with refused_writes(path):
+        try:
+            return os.open(path, os.O_RDWR | os.O_CREAT | more | flags, 0o666)
+        except OSError as error:
+            if not path.is_symlink():
+                raise
+            raise OutputError(
+                "is-a-link",
+                "{path} is a link, so it is not written",
+                "remove it, or choose another folder",
+                path=path,
+            ) from error
+
+
 def _replace(path: Path, data: bytes) -> None:
     # Write to a temporary file in the same folder, which can then be renamed.
     temporary = None

@@ -34,7 +34,7 @@ from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
 from worldgen.files.json_file import JsonFile
 from worldgen.files.locks import lock, sign
-from worldgen.files.whole import read_text, refused_writes, write_bytes
+from worldgen.files.whole import open_no_link, read_text, refused_writes, write_bytes
 
 _JOURNAL = "journal.txt"
 _FAILURES = "failures"
@@ -96,7 +96,7 @@ class FolderStore:
             raise OutputError("wrong-kind-of-file", "{out} is a file", "choose a folder", out=out)
         with refused_writes(self._path):
             self._path.mkdir(parents=True, exist_ok=True)
-            self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+            self._lock = open_no_link(self._path / "lock")
         if not lock(self._lock):
             os.close(self._lock)
             raise OutputError(

@@ -6,26 +6,35 @@ fingerprint: a line that is torn, changed or another campaign's is as if it were
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, BinaryIO, TypeAlias
 
 import msgspec
 
 from fuzz.failure import ID_DIGITS, Failure
-from fuzz.unit.result import Elite, FirstMet, UnitResult
-from worldgen.files.whole import refused_writes
+from fuzz.layouts.layout_bytes import SCENE_BYTES
+from fuzz.unit.result import Elite, FirstMet, Seconds, UnitCount, UnitResult
+from worldgen.errors import FormatError
+from worldgen.files.whole import open_no_link, refused_writes
 
 # Limit on the bytes of a line, because a folder may come from anyone.
 _LONGEST = 64 << 20
 
 _FailureId = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{ID_DIGITS}}}\Z")]
-_Hex = Annotated[str, msgspec.Meta(pattern=r"^([0-9a-f]{2})*\Z")]
+_Layout = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{2 * SCENE_BYTES}}}\Z")]
+_Name = Annotated[str, msgspec.Meta(min_length=1, max_length=10_000)]
+_Rows = msgspec.Meta(max_length=100_000)
+_Cell = Annotated[
+    tuple[Annotated[int, msgspec.Meta(ge=0, le=1_000)], ...],
+    msgspec.Meta(min_length=2, max_length=8),
+]
 
-StoredElite: TypeAlias = tuple[tuple[int, ...], _Hex, float, str]
+StoredElite: TypeAlias = tuple[_Cell, _Layout, float, _Name]
 """Cell of the archive, layout, quality and verdict."""
 
 
@@ -41,18 +50,18 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
         first_met: Of each of them in turn, when the unit first met one of its key.
     """
 
-    unit: int
+    unit: UnitCount
     cut: bool
-    seconds: float
-    strategy: str
-    worlds: int
-    steps: int
-    verdicts: dict[str, int]
-    judged: int
-    met: list[tuple[str, str, int]]
-    failures: list[_FailureId]
-    first_met: list[FirstMet]
-    elites: list[StoredElite]
+    seconds: Seconds
+    strategy: _Name
+    worlds: UnitCount
+    steps: UnitCount
+    verdicts: Annotated[dict[_Name, UnitCount], _Rows]
+    judged: UnitCount
+    met: Annotated[list[tuple[_Name, _Name, UnitCount]], _Rows]
+    failures: Annotated[list[_FailureId], _Rows]
+    first_met: Annotated[list[FirstMet], _Rows]
+    elites: Annotated[list[StoredElite], _Rows]
 
     @classmethod
     def of(cls, unit: int, result: UnitResult, seconds: float) -> UnitRecord:
@@ -110,7 +119,7 @@ class ShrunkRecord(msgspec.Struct, frozen=True, tag="shrunk"):
 class ShownRecord(msgspec.Struct, frozen=True, tag="shown"):
     """A failure is about to be written to a file in the campaign's folder."""
 
-    file: str
+    file: _Name
     failure: _FailureId
 
 
@@ -137,10 +146,14 @@ class Journal:
             return False
 
     def __iter__(self) -> Iterator[tuple[int, Record]]:
-        """Yield the intact records in order, each with its offset."""
+        """Yield the intact records in order, each with its offset.
+
+        Raises:
+            FormatError: If the file cannot be read.
+        """
         if not self._file.is_file() or self._file.is_symlink():
             return
-        with self._file.open("rb") as stream:
+        with self._opened() as stream:
             at = 0
             while line := stream.readline(_LONGEST):
                 record = self._read(line)
@@ -149,10 +162,22 @@ class Journal:
                 at += len(line)
 
     def at(self, offset: int) -> Record | None:
-        """Return the record at an offset; ``None`` if it is no longer intact."""
-        with self._file.open("rb") as stream:
+        """Return the record at an offset; ``None`` if it is no longer intact.
+
+        Raises:
+            FormatError: If the file cannot be read.
+        """
+        with self._opened() as stream:
             stream.seek(offset)
             return self._read(stream.readline(_LONGEST))
+
+    @contextlib.contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        try:
+            with self._file.open("rb") as stream:
+                yield stream
+        except OSError as error:
+            raise FormatError.unreadable(self._file, error) from error
 
     def append(self, record: Record) -> int:
         """Add a record and return its offset; it is on the disk then.
@@ -180,8 +205,12 @@ class Journal:
 
 
 def append_line(file: Path, line: bytes) -> int:
-    """Append a line to a file, sync it, and return its offset."""
-    with refused_writes(file), file.open("ab+") as stream:
+    """Append a line to a file, sync it, and return its offset.
+
+    Raises:
+        OutputError: If it cannot be written, or is a link.
+    """
+    with refused_writes(file), os.fdopen(open_no_link(file, os.O_APPEND), "ab+") as stream:
         end = stream.seek(0, os.SEEK_END)
         # Whatever a crash or a full disk left of the last line must not swallow this one.
         if end:
