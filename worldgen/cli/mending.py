@@ -29,11 +29,14 @@ from worldgen.cli.command_parts import (
 )
 from worldgen.cli.meant import (
     COMMANDS,
+    SELECTED,
     better_names,
     better_values,
     built_in,
+    can_be_dropped,
     is_missing,
     other_file,
+    removed_option,
 )
 from worldgen.cli.names import kind_of, names_in_one
 from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
@@ -88,6 +91,9 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
         after = _after_command(error, words)
         if after is not None:
             return after
+        flag = error.option_name.lstrip("-")
+        if removed_option(command.command, flag) and not can_be_dropped(flag):
+            return None
         _rename_option(command, error.option_name)
     # Some faults cannot be mended.
     elif isinstance(error, click.MissingParameter):
@@ -284,6 +290,8 @@ def _rename_option(command: CommandParts, flag: str) -> None:
     elif takes_word:
         part.value = following.value  # type: ignore[union-attr]
         command.parts.remove(following)  # type: ignore[arg-type]
+    if meant.name == "only" and name.casefold() in SELECTED and part.value is not None:
+        part.value = f"{name.casefold()}={part.value}"
 
 
 def _place_words(command: CommandParts, extra: Sequence[str]) -> None:
