@@ -35,6 +35,7 @@ from fuzz.campaign.summary import describe_units, summary_of
 from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
 from fuzz.layouts.layout_bytes import SCENE_BYTES
+from fuzz.layouts.layout_bytes import SCENE_BYTES
 from fuzz.shrink.queue import Shrinking
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import UnitResult
@@ -339,6 +340,70 @@ def test_a_link_in_the_store_is_not_written(name, tmp_path):
     assert "remove it" in str(caught.value) and target.read_text() == "mine"
 
 
+UNIT = {
+    "type": "unit", "unit": 0, "cut": False, "seconds": 1.0, "strategy": "archive", "worlds": 1, "steps": 1,
+    "verdicts": {"loop": 1}, "judged": 1, "met": [["loop", "loop", 1]], "failures": ["0" * 16],
+    "first_met": [[1, 1, 0.5]], "elites": [[[1, 2], "00" * SCENE_BYTES, -3.0, "loop"]],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("unit", -1),
+        ("unit", 1 << 63),
+        ("seconds", 1e300),
+        ("strategy", ""),
+        ("strategy", "a" * 20_000),
+        ("worlds", 1 << 64),
+        ("steps", -1),
+        ("verdicts", {"loop": -1}),
+        ("verdicts", {"": 1}),
+        ("judged", 10**30),
+        ("met", [["loop", "loop", 1 << 62]]),
+        ("first_met", [[-1, 1, 0.5]]),
+        ("elites", [[[1], "00" * SCENE_BYTES, -3.0, "loop"]]),
+        ("elites", [[[-1, 2], "00" * SCENE_BYTES, -3.0, "loop"]]),
+        ("elites", [[[1, 2], "00", -3.0, "loop"]]),
+    ],
+)
+def test_a_sealed_unit_with_numbers_that_no_unit_has_is_passed_over(name, value, tmp_path):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    for unit in (UNIT, {**UNIT, name: value}):
+        text = json.dumps(unit).encode()
+        append_line(tmp_path / "journal.txt", journal._seal(text) + b" " + text)
+    ((_, record),) = journal
+    assert record.unit == 0 and record.strategy == "archive"
+
+
+def test_a_journal_that_cannot_be_read_is_said_in_one_sentence(tmp_path, monkeypatch):
+    journal = Journal(tmp_path / "journal.txt", "fingerprint")
+    offset = journal.append(SHRUNK)
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("pathlib.Path.open", refuse)
+    for read in (lambda: [*journal], lambda: journal.at(offset)):
+        with raises(FormatError, "unreadable", reason="Permission denied"):
+            read()
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system follows links")
+@pytest.mark.parametrize("name", ["journal.txt", "lock"])
+def test_a_link_in_the_store_is_not_written(name, tmp_path):
+    memory = tmp_path / "out" / ".campaign"
+    memory.mkdir(parents=True)
+    target = tmp_path / "target"
+    target.write_text("mine")
+    (memory / name).symlink_to(target)
+    with raises(OutputError, "is-a-link") as caught:
+        with contextlib.closing(FolderStore(tmp_path / "out")) as store:
+            store.begin(fingerprint_of(CONFIG), Budget(units=1))
+            store.save_unit(0, UnitResult(strategy="features"), 1.0)
+    assert "remove it" in str(caught.value) and target.read_text() == "mine"
+
+
 def test_records_of_another_campaign_do_not_count(tmp_path):
     Journal(tmp_path / "journal.txt", "fingerprint").append(SHRUNK)
     assert not [*Journal(tmp_path / "journal.txt", "other")]
@@ -453,6 +518,30 @@ def test_a_campaign_that_only_cut_units_goes_on_and_refuses_another(tmp_path):
     again.store.close()
     assert again.done == 0 and again.store.units_cut() == [0]
     assert again.store.cut_unit(0).worlds == 3
+
+
+def stored_after(spoil, out):
+    begun = begin(CONFIG, out, Budget(units=UNITS))
+    begun.store.save_unit(0, UnitResult(strategy="features"), 1.0)
+    begun.store.close()
+    spoil(out)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "change", "is_offered"),
+    [
+        (lambda _: None, {"seed": 6}, True),
+        (with_another_digest, {"seed": 6}, False),
+        (with_another_digest, {}, False),
+    ],
+)
+def test_resuming_is_offered_only_where_it_would_be_accepted(spoil, change, is_offered, tmp_path):
+    stored_after(spoil, tmp_path)
+    with raises(OutputError, "another-campaign") as caught:
+        begin(replace(CONFIG, **change), tmp_path, Budget(units=UNITS))
+    assert ("--resume" in str(caught.value)) == is_offered
+    with contextlib.nullcontext() if is_offered else raises(OutputError, "another-campaign"):
+        resume(tmp_path).store.close()
 
 
 def test_force_begins_anew_even_after_an_earlier_version(copied, tmp_path):

@@ -5,6 +5,7 @@ A folder is refused for any other use.
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from fuzz.campaign.store.folder import Budget, FolderStore
 from fuzz.unit.config import CampaignConfig
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.support.plain_text import shown
+
+_WITH_ITS_CODE = "resume it in its original folder, with its original code"
 
 # Limit on the differences to list.
 _SAID_AT_MOST = 3
@@ -112,9 +115,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         # Check again, because another process may have started.
         stored = FolderStore.stored_in(out)
         if stored is not None:
-            _refuse_another(
-                out, stored[0], fingerprint, f"worldgen fuzz --resume {out} continues that one"
-            )
+            _refuse_another(out, stored[0], fingerprint)
         return _open_run(config, store, fingerprint, budget)
     except BaseException:
         store.close()
@@ -155,9 +156,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
             source=str(out),
         ) from error
     now = fingerprint_of(config)
-    _refuse_another(
-        out, fingerprint, now, "resume it in its original folder, with its original code"
-    )
+    _refuse_another(out, fingerprint, now)
     store = FolderStore(out)
     try:
         return _open_run(config, store, now, budget or before)
@@ -183,9 +182,27 @@ def _open_run(
     return CampaignRun(config, store, budget, done)
 
 
-def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: str) -> None:
+def _can_resume(out: Path, before: Fingerprint, now: Fingerprint) -> bool:
+    """Return True if a stored campaign can be read, and its code is still the same.
+
+    Of its code, only what another campaign has too is compared: the rest would have to be loaded,
+    which nobody has asked for.
+    """
+    try:
+        config_of(before.configuration, str(out))
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError, WorldgenError):
+        return False
+    return all(before.code[name] == now.code[name] for name in before.code.keys() & now.code.keys())
+
+
+def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint) -> None:
     said = before.differences(now)
     if said:
+        way_out = (
+            f"worldgen fuzz --resume {shlex.quote(str(out))} continues that one"
+            if before.configuration != now.configuration and _can_resume(out, before, now)
+            else _WITH_ITS_CODE
+        )
         more = f", and {len(said) - _SAID_AT_MOST} more" if len(said) > _SAID_AT_MOST else ""
         raise OutputError(
             "another-campaign",
