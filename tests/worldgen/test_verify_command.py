@@ -137,6 +137,9 @@ def test_ctrl_c_keeps_the_summary_of_the_worlds_so_far(save, tmp_path, monkeypat
     result = run(tmp_path)
     assert result.exit_code == 130
     assert "2 worlds: 2 reachable" in result.stdout and "interrupted" in result.stderr
+    stop_at_the_third.__defaults__[0].clear()
+    answer = json.loads(run(tmp_path, "--json").stdout)
+    assert (answer["summary"]["worlds"], answer["summary"]["interrupted"]) == (2, True)
 
 
 def test_one_false_certificate_of_several_is_a_failure(save, tmp_path):
@@ -194,6 +197,24 @@ def test_the_largest_disc_is_not_known_of_a_world_that_changes(save, tmp_path):
     write_world(world, tmp_path / "w.grid")
     result = CliRunner().invoke(verify, [str(tmp_path / "w.grid"), "--widest"])
     check_says(result.exception, "world-changes")
+    assert result.stdout == ""
+
+
+def test_among_several_worlds_one_without_a_largest_disc_says_so(save, tmp_path):
+    save("b.grid", ROOM)
+    changing = dataclasses.replace(
+        drawn(ROOM, radius=0.05), timeline=Timeline.of([Event(1.0, 3, 1, CellState.BURNING)])
+    )
+    for name in ("a.grid", "c.grid"):
+        write_world(changing, tmp_path / name)
+    result = run(tmp_path, "--widest", "--json")
+    files = json.loads(result.stdout)["files"]
+    assert [item.get("widest") for item in files] == [None, pytest.approx(0.05), None]
+    assert ["widest" in item for item in files] == [False, True, False]
+    assert files[0]["widest_unknown"] == "world-changes" and result.exit_code == 0
+    lines = run(tmp_path, "--widest").stdout.splitlines()
+    assert len(lines) == 4 and lines[3].startswith("3 worlds")
+    assert lines[0].endswith("is not defined: the world changes") and "0.05 m" in lines[1]
 
 
 @pytest.fixture

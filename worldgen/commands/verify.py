@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,8 +12,14 @@ from worldgen.cli.output import PATH, emit_json, json_option, note, say, skip_ba
 from worldgen.support.plain_text import shown, stacked
 from worldgen.support.progress import working
 
+if TYPE_CHECKING:
+    from worldgen.errors import InvalidParameter
+    from worldgen.world import World
+
 # Unsolvable worlds that a summary names.
 _FIRST = 10
+# Why the largest disc of a world is not defined, by the code of the error.
+_NO_WIDEST = {"several-robots": "it has several robots", "world-changes": "the world changes"}
 
 EXAMPLES = (
     "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n  worldgen verify mazes.zip"
@@ -62,49 +68,44 @@ def verify(
     of the map that it was imported from, cannot be read.
     """
     from worldgen.difficulty.bottleneck import bottleneck
-    from worldgen.errors import InvalidParameter
     from worldgen.files.worlds import read_worlds
     from worldgen.reach.verifying import verify_world
 
     # Verify one world after the other.
     results: list[dict[str, Any]] = []
+    unjudged: InvalidParameter | None = None
+    lines: list[str] = []
     interrupted = False
     try:
         with working("verifying") as work:
             for path, world in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
                 result = {"path": str(path), **verify_world(world, radius, deadline)}
-                if widest and world.is_fleet:
-                    raise InvalidParameter(
-                        "several-robots",
-                        "{path} has {count} robots, but the widest disc is computed only for "
-                        "worlds with one robot",
-                        "use --radius R to find out whether discs of that radius get through",
-                        at_terminal=True,
-                        path=str(path),
-                        count=len(world.robots),
-                    )
-                if widest and world.is_dynamic:
-                    raise InvalidParameter(
-                        "world-changes",
-                        "{path} changes, but the largest disc that could pass is defined only for "
-                        "static worlds",
-                        path=str(path),
-                    )
-                if widest and not world.unread:
+                fault = _without_widest(world, path) if widest else None
+                if fault is not None:
+                    result["widest_unknown"] = fault.code
+                    unjudged = None if results else fault
+                elif widest and not world.unread:
                     work.say(f"{path}: looking for the largest disc that could pass")
                     result["widest"] = bottleneck(world, world.walls)
                 results.append(result)
-                # Each result is printed as soon as it is known, since one can take minutes.
-                if not as_json:
-                    say(_line(result))
+                lines.append(_line(result))
+                # Each result is printed as soon as it is known, since one can take minutes. That of
+                # a world without a widest disc is an error unless other worlds follow.
+                if not as_json and (len(results) > 1 or unjudged is None):
+                    say(stacked(lines))
+                    lines.clear()
     # What many worlds gave so far is worth keeping.
     except KeyboardInterrupt:
         if len(results) < 2:
             raise
         interrupted = True
+    if unjudged is not None and len(results) == 1:
+        raise unjudged
     # Report, and fail if a proof does not hold.
     summary = _summary(results)
+    if interrupted:
+        summary["interrupted"] = True
     if as_json:
         files = {"files": results, "summary": summary}
         emit_json(results[0] if len(results) == 1 else files)
@@ -117,6 +118,30 @@ def verify(
         raise click.exceptions.Exit(1)
     if any("unread" in result for result in results):
         raise click.exceptions.Exit(2)
+
+
+def _without_widest(world: World, path: PurePath) -> InvalidParameter | None:
+    """Return why the widest disc of a world is not defined; None if it is."""
+    from worldgen.errors import InvalidParameter
+
+    if world.is_fleet:
+        return InvalidParameter(
+            "several-robots",
+            "{path} has {count} robots, but the widest disc is computed only for worlds with one "
+            "robot",
+            "use --radius R to find out whether discs of that radius get through",
+            at_terminal=True,
+            path=str(path),
+            count=len(world.robots),
+        )
+    if world.is_dynamic:
+        return InvalidParameter(
+            "world-changes",
+            "{path} changes, but the largest disc that could pass is defined only for static "
+            "worlds",
+            path=str(path),
+        )
+    return None
 
 
 def _summary(results: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -186,6 +211,9 @@ def _line(result: dict[str, Any]) -> str:
         if "widest" in result
         else ""
     )
+    if "widest_unknown" in result:
+        why = _NO_WIDEST[result["widest_unknown"]]
+        at_all = f"; the largest disc that could pass at all is not defined: {why}"
     return f"{shown(result['path'])}: {verdict}{at_all}"
 
 
