@@ -342,8 +342,39 @@ def _with_first(
     if robots:
         return (replace(robots[0], **given), *robots[1:])
     if start is None or target is None:
-        raise TypeError("a World needs a start and a target, or robots")
+        absent = [name for name in ("start", "target") if parts[name] is None]
+        raise InvalidWorld(
+            "no-robots",
+            "a world needs at least one robot, and {came}",
+            "give start and target, or robots=[Robot(start, target)]",
+            came=f"there are no robots and no {' and no '.join(absent)}",
+        )
     return (Robot(**given),)
+
+
+def _robots_of(given: object) -> tuple[Robot, ...]:
+    """Return the robots that a caller gives as a tuple."""
+    robots = tuple(given) if isinstance(given, Iterable) else None
+    if robots is not None and all(isinstance(robot, Robot) for robot in robots):
+        return robots
+    came = f"robots is {_article(type(given).__name__)}"
+    if robots is not None:
+        number, strange = next(
+            (number, robot)
+            for number, robot in enumerate(robots, start=1)
+            if not isinstance(robot, Robot)
+        )
+        came = f"robot {number} is {_article(type(strange).__name__)}"
+    raise InvalidWorld(
+        "not-robots",
+        "{came}; robots must be a list of Robot",
+        "write robots=[Robot(start, target)], or leave robots out for a world of one robot",
+        came=came,
+    )
+
+
+def _article(name: str) -> str:
+    return "None" if name == "NoneType" else f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -370,9 +401,10 @@ class World(HoldsFrozen):
         robots: All robots, in order.
 
     Raises:
-        InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
-            the grid; if robots overlap at the start, or their targets exclude each other; or if the
-            certificate is not for this number of robots, or is about a map that was not read whole.
+        InvalidWorld: If there is no robot, or ``robots`` has something else; if a number is outside
+            its limits (`worldgen.domain`), or a point is outside the grid; if robots overlap at the
+            start, or their targets exclude each other; or if the certificate is not for this number
+            of robots, or is about a map that was not read whole.
     """
 
     walls: Bools
@@ -417,7 +449,7 @@ class World(HoldsFrozen):
         # Freeze the arrays, so that a certificate can't become wrong afterwards.
         fields = {
             "walls": _frozen_array(walls, np.bool_, "walls", (None, None)),
-            "robots": _with_first(tuple(robots), start, target, robot_radius, robot_speed),
+            "robots": _with_first(_robots_of(robots), start, target, robot_radius, robot_speed),
             "cell_size": cell_size,
             "timeline": timeline,
             "certificate": certificate,

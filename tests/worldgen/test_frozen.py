@@ -7,6 +7,8 @@ import pickle
 import numpy as np
 import pytest
 
+from tests.helpers.raising import raises
+from worldgen.errors import InvalidWorld
 from worldgen.families.parts.layout import Arena
 from worldgen.files.grid import dumps, loads
 from worldgen.generation import generate
@@ -122,5 +124,23 @@ def test_what_is_replaced_is_the_first_robots(name, part, value):
 
 def test_a_world_needs_a_robot():
     for ends in ({}, {"start": ENDS[0]}, {"target": ENDS[1]}):
-        with pytest.raises(TypeError, match="start and a target, or robots"):
+        with raises(InvalidWorld, "no-robots"):
             World(np.zeros((5, 5), bool), **ends)
+    with raises(InvalidWorld, "no-robots"):
+        dataclasses.replace(World(np.zeros((5, 5), bool), *ENDS), robots=())
+
+
+@pytest.mark.parametrize(
+    ("robots", "came"),
+    [
+        ([1, 2], "robot 1 is an int"),
+        ([FIRST, None], "robot 2 is None"),
+        (None, "robots is None"),
+        (FIRST, "robots is a Robot"),
+    ],
+)
+def test_what_is_no_list_of_robots_is_refused(robots, came):
+    with raises(InvalidWorld, "not-robots", came=came):
+        World(np.zeros((5, 5), bool), robots=robots)
+    with raises(InvalidWorld, "not-robots", came=came):
+        dataclasses.replace(World(np.zeros((5, 5), bool), *ENDS), robots=robots)
