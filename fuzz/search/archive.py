@@ -155,7 +155,9 @@ def archive_table(elites: Mapping[Cell, Elite]) -> dict[str, Any] | None:
     for cell, elite in sorted(
         elites.items(), key=lambda one: (len(one[0]), -one[1].quality, one[0])
     ):
-        cells.setdefault(cell[: len(_MAP)], elite)
+        # A store may hold cells that another version had.
+        if all(at <= len(axis.edges) for at, axis in zip(cell, _MAP, strict=False)):
+            cells.setdefault(cell[: len(_MAP)], elite)
     axes = [{"name": axis.name, "edges": list(axis.edges)} for axis in _MAP]
     shown = [[*cell, elite.quality, elite.verdict] for cell, elite in sorted(cells.items())]
     return {"axes": axes, "cells": shown} if shown else None

@@ -114,3 +114,10 @@ def test_a_summary_shows_the_simplest_run_of_each_kind_and_failures_before_other
 
 def test_a_campaign_without_an_archive_says_so():
     assert archive_table({}) is None
+
+
+def test_a_cell_outside_the_archive_is_not_shown():
+    inside, outside = (Elite(b"", -1.0, "loop") for _ in range(2))
+    table = archive_table({(1, 2): inside, (999, 0): outside, (0, 999, 0, 0): outside})
+    assert table["cells"] == [[1, 2, -1.0, "loop"]]
+    assert archive_table({(999, 0): outside}) is None
