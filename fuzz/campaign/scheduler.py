@@ -201,7 +201,7 @@ class Scheduler:
     def _all_finished(self) -> Iterator[Work[Any]]:
         """Yield the finished work at the end, including units after an unfinished one.
 
-        The unfinished one has lost its turn. Work that failed is left out.
+        Units that are still running are skipped, and so is work that failed.
         """
         for unit, work in sorted(self.units.items()):
             if work.future.done():

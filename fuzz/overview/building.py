@@ -293,7 +293,7 @@ def _has_passed(end: float, clock: Callable[[], float]) -> bool:
 def _example(
     cause: Cause, own: Sequence[Failure], is_over: Callable[[], bool] | None
 ) -> Failure | None:
-    """Return the failure of a cause to look at; ``None`` if there are none."""
+    """Return the failure that shows a cause best, or ``None`` if ``own`` is empty."""
     # An error of the controller and a broken rule show in their message, not in the picture.
     if cause.severity in (Severity.CONTROLLER_ERROR, Severity.QUESTIONABLE):
         return min(own, key=lambda one: one.order, default=None)

@@ -46,9 +46,9 @@ class CauseResult(msgspec.Struct, frozen=True, kw_only=True):
         groups: Names under which its failures are filed: its own or, if errors have different
             reasons, theirs.
         files: All its files, the clearest first.
-        file: File of the world to look at, relative to the campaign's folder; empty if there is
-            none.
-        smallest: File of the simplest world; empty if there is none.
+        file: File of the world to look at, relative to the campaign's folder, or an empty
+            string.
+        smallest: File of the simplest world, or an empty string.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
             empty if the controller raised none.
         repeats: See :class:`fuzz.triage.run_facts.RunFacts`, as for the next two.
@@ -223,7 +223,7 @@ def write_overview(result: CampaignResult, folder: Path) -> None:
 
 
 def read_overview(folder: Path) -> CampaignResult | None:
-    """Return the result in a campaign's folder without its numbers, or ``None`` if there is none.
+    """Return the stored result of a campaign without its numbers, or ``None`` before its end.
 
     The form is checked, so that pages can rely on it whatever the file's origin.
 

@@ -73,7 +73,7 @@ class OneByOne:
         try:
             with self._faults:
                 world = self._world(n) if self._world else None
-                memory = self._host.begin(world, anew=self._is_light)
+                memory = self._host.begin(world, renew=self._is_light)
                 seat = self._seated(n, len(memory))
                 seat.memory[:] = memory
                 seat.begin()

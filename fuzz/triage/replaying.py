@@ -68,7 +68,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
 
 
 def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> str:
-    """Return a difference from the record; empty if there is none."""
+    """Describe how a run differs from the record, or return an empty string."""
     if found is None and failure.oracle is not None:
         return f"oracle {failure.oracle} finds nothing wrong with the run"
     if found is None:
@@ -86,10 +86,7 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
 
 
 def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
-    """Describe how a run and its evidence differ from the record.
-
-    Empty if there is none.
-    """
+    """Describe how a run and its evidence differ from the record, or return an empty string."""
     made = record.details.get("motion_version")
     now = MOTIONS.get(record.motion).version
     other = (

@@ -18,7 +18,7 @@ from sim._core import ffi
 from sim.clock.controller_time import timed
 from sim.clock.stopping import OutOfTime, breakable, in_time
 from sim.controllers.base import CompiledController, Memory, VectorController, wants_world
-from sim.controllers.catalogue.renewal import has_shared_state_changed, reset_anew
+from sim.controllers.catalogue.renewal import has_shared_state_changed, renew_and_reset
 from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
@@ -68,17 +68,17 @@ class ControllerHost:
     def start(self) -> None:
         """Make sure that it can run; what this raises is not a fault of the controller."""
 
-    def begin(self, world: World | None, *, anew: bool = True) -> Memory:
+    def begin(self, world: World | None, *, renew: bool = True) -> Memory:
         """Reset it for a run, and return its memory; call this inside :class:`Faults`.
 
         Args:
             world: The world of the run, for a controller that plans.
-            anew: Whether a new instance takes its place if earlier runs have left something in it.
+            renew: Whether to use a new instance if earlier runs have left something in this one.
         """
         shown = world if self.plans else None
-        if not anew:
+        if not renew:
             return _memory_at_start(self.controller, shown)
-        self.controller, memory = reset_anew(
+        self.controller, memory = renew_and_reset(
             self.controller, lambda one: _memory_at_start(one, shown), plans=shown is not None
         )
         return memory
@@ -134,7 +134,7 @@ class CoreHost(ControllerHost):
         self.start_speed = controller.start_speed
         self.thesis_rule = controller.thesis_rule
 
-    def begin(self, world: World | None, *, anew: bool = True) -> Memory:
+    def begin(self, world: World | None, *, renew: bool = True) -> Memory:
         """Return its memory at reset."""
         return self._memory
 

@@ -162,7 +162,7 @@ class Journal:
                 at += len(line)
 
     def at(self, offset: int) -> Record | None:
-        """Return the record at an offset; ``None`` if it is no longer intact.
+        """Return the record at an offset, or ``None`` if its line has been damaged.
 
         Raises:
             FormatError: If the file cannot be read.

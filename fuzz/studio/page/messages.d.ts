@@ -188,7 +188,7 @@ interface OpenedMessage {
   made: string | null;
   /** The record of a failure's file. */
   failure: RecordedRun | null;
-  /** Digest of the file's bytes; null if there is none in the folder. */
+  /** Digest of the file's bytes, or null if the world was not read from the folder. */
   file: string | null;
   /** The file's name, once it is saved. */
   name: string;

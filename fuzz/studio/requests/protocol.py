@@ -667,7 +667,7 @@ class OpenedMessage(Struct, kw_only=True):
     Args:
         made: A sentence on its origin.
         failure: The record of a failure's file.
-        file: Digest of the file's bytes; null if there is none in the folder.
+        file: Digest of the file's bytes, or null if the world was not read from the folder.
         name: The file's name, once it is saved.
         main: Name of an imported map among its files.
         format: Format of an imported map.

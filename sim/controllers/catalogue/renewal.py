@@ -86,7 +86,7 @@ def has_shared_state_changed(controller: object, state: HiddenState | None) -> b
     return True
 
 
-def reset_anew(
+def renew_and_reset(
     controller: Any, reset: Callable[[Any], Memory], *, plans: bool
 ) -> tuple[Any, Memory]:
     """Reset a controller; take another instance if earlier runs have left something in this one.
