@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -20,6 +21,7 @@ from worldgen.cli.output import (
     skip_bad_file,
 )
 from worldgen.files.whole import write_bytes
+from worldgen.parameters.known_names import nearest
 from worldgen.support.plain_text import aligned, counted, shown
 
 if TYPE_CHECKING:
@@ -41,6 +43,14 @@ class _Only(click.ParamType[tuple[str, str]]):
         if not equals or field not in FIELDS:
             self.fail(
                 f"{value!r} is not {'=..., '.join(FIELDS)}=...; write verdict=loop", param, ctx
+            )
+        # Verdicts are a closed set, so a mistyped one would select nothing in silence.
+        from sim.verdict import Verdict
+
+        if field == "verdict" and not any(fnmatchcase(one, pattern) for one in Verdict):
+            near = nearest(pattern, list(Verdict))
+            self.fail(
+                f"no verdict is {pattern!r}; write verdict={near or Verdict.LOOP}", param, ctx
             )
         return field, pattern
 

@@ -92,6 +92,12 @@ def test_a_filter_of_no_field_is_refused():
     assert done.code == 2 and "write verdict=loop" in done.err
 
 
+def test_a_filter_that_fits_no_verdict_is_refused():
+    done = worldgen("corpus", "list", FAULTS, "--only", "verdict=lopo")
+    assert done.code == 2 and "no verdict is 'lopo'; write verdict=loop" in done.err
+    assert worldgen("corpus", "list", FAULTS, "--only", "verdict=st*").code == 0
+
+
 def test_the_options_of_a_run_are_part_of_its_controller(tmp_path):
     world = read_world(LOOP)
     noisy = replace(world.failure, parameters={**world.failure.parameters, "noise": True})

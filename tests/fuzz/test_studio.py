@@ -435,12 +435,19 @@ def test_nonsense_gets_a_sentence(page, text):
         ({"do": "picture", "motion": "x", "time_step": 1, "seed": 0, "options": {}, "looked": -1},
          "looked = -1: Expected `int` >= 0"),
         ({"do": "files", "more": 1}, "the page's message: Object contains unknown field `more`"),
+        ({"do": "files", "id": 2**53}, f"id = {2**53}: Expected `int` <= {2**53 - 1}"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_message_is_said_by_field_value_and_rule(message, problem):
     with raises(InvalidParameter, "wrong-message") as caught:
         decoded(json.dumps({"id": 1} | message))
     assert caught.value.message.problem == problem
+
+
+def test_the_rule_that_a_message_breaks_quotes_little_of_it():
+    with raises(InvalidParameter, "wrong-message") as caught:
+        decoded(json.dumps({"id": 1, "do": "x" * 100_000}))
+    assert len(caught.value.message.problem) < 500
 
 
 def test_a_message_larger_than_allowed_ends_the_connection(gate):

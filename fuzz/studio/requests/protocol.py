@@ -29,6 +29,9 @@ SUBPROTOCOL = "worldgen-studio"
 FULL = 4000
 """WebSocket code that closes a connection too many; its reason is a sentence for the page."""
 
+LARGEST_EXACT = 2**53 - 1
+"""Largest whole number that the page's scripts hold exactly."""
+
 T = TypeVar("T")
 SendPart: TypeAlias = Callable[[T], None]
 """Sends a part of an answer to the page before the rest is known."""
@@ -106,7 +109,7 @@ class WorldMessage(Struct):
 class Request(Struct, kw_only=True, forbid_unknown_fields=True, tag_field="do", tag=str.lower):
     """A message from the page, with its own number."""
 
-    id: Annotated[int, Meta(ge=0)]
+    id: Annotated[int, Meta(ge=0, le=LARGEST_EXACT)]
 
     worker: ClassVar[str] = "files"
     """The process that answers it.
@@ -128,7 +131,7 @@ class Request(Struct, kw_only=True, forbid_unknown_fields=True, tag_field="do", 
 class Cancel(Request):
     """End another request, which is then answered by ``ended``."""
 
-    of: int
+    of: Annotated[int, Meta(ge=0, le=LARGEST_EXACT)]
 
 
 class Hello(Request):
@@ -1107,7 +1110,8 @@ _DECODER: msgspec.json.Decoder[Request] = msgspec.json.Decoder(
     Union[tuple(REQUESTS.values())],  # noqa: UP007 - of as many types as there are
     dec_hook=_converted,
 )
-_FAULT = re.compile(r"(?s)(.*?)(?: - at `\$\.?(.*)`)?")
+_LONGEST_RULE = 200  # characters; it may quote a name from the message
+_FAULT = re.compile(r"(?s)(.*?)(?: - at `\$\.?([^`\s]*)`)?")
 
 
 def decoded(text: str) -> Request:
@@ -1126,7 +1130,7 @@ def decoded(text: str) -> Request:
             "correct it, or reload the page",
             place=place or "the page's message",
             value=_value_at(text, place),
-            rule=rule,
+            rule=rule[:_LONGEST_RULE],
         ) from None
     except (ValueError, RecursionError):
         raise InvalidParameter("not-json", "this is not JSON", "send one object") from None

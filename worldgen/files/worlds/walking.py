@@ -152,9 +152,10 @@ def _places(path: Path, *, may_be_empty: bool) -> Iterator[tuple[Path, Member | 
     if is_empty and not may_be_empty:
         raise FormatError(
             "no-map-found",
-            "contains no .grid files",
+            "contains no .grid files (those called NAME{sidecar} belong to exported maps)",
             "choose a .grid file, or a folder or archive that contains some",
             source=str(path),
+            sidecar=SIDECAR,
         )
 
 
