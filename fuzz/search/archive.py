@@ -18,7 +18,7 @@ import numpy as np
 
 from fuzz.layouts.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.screening import Screening
-from fuzz.search.native import look_through, pace_of, scenes
+from fuzz.search.native import look_through, scenes, unit_size_of
 from fuzz.search.task import SearchTask
 from fuzz.unit.result import Elite
 from sim.verdict import Verdict
@@ -65,7 +65,7 @@ def search(task: SearchTask) -> None:
     """Screen children of the archive's elites, and hand the smallest failures to triage."""
     elites = dict(task.memory.elites)
     brought = task.triage.result.elites
-    count = pace_of(task.config).generation
+    count = unit_size_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
         # Vary only layouts where the robot arrives: their cells have more axes than failures do.

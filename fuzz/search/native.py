@@ -44,7 +44,7 @@ _SCENE_WORDS = -(-SCENE_BYTES // 8)  # words of 8 bytes
 
 
 @dataclass(frozen=True)
-class Pace:
+class UnitSize:
     """The amount of work in a unit, chosen so that it takes a second or two whatever a step costs.
 
     Args:
@@ -72,17 +72,17 @@ class Pace:
     asked: int = 4
 
 
-_COMPILED = Pace()
-_VECTOR = Pace(at_once=16_000, generation=4_000, step=4, proved=8, undecided=2)
-_PYTHON = Pace(at_once=100, generation=100, scene=16, step=24, proved=8, undecided=2, asked=1)
-_PROCESS = Pace(at_once=100, generation=100, scene=160, step=400, proved=4, asked=1)
+_COMPILED = UnitSize()
+_VECTOR = UnitSize(at_once=16_000, generation=4_000, step=4, proved=8, undecided=2)
+_PYTHON = UnitSize(at_once=100, generation=100, scene=16, step=24, proved=8, undecided=2, asked=1)
+_PROCESS = UnitSize(at_once=100, generation=100, scene=160, step=400, proved=4, asked=1)
 
 
-def pace_of(config: CampaignConfig) -> Pace:
-    """Return the pace of a campaign, which depends on the kind of controller."""
+def unit_size_of(config: CampaignConfig) -> UnitSize:
+    """Return the size of a campaign, which depends on the kind of controller."""
     controller = CONTROLLERS.get(config.scenario.controller)
     if isinstance(controller, CompiledController):
-        return Pace(one_in=config.slower, step=config.slower, beam=config.slower)
+        return UnitSize(one_in=config.slower, step=config.slower, beam=config.slower)
     if isinstance(controller, ProcessController):
         return _PROCESS
     return _VECTOR if isinstance(controller, VectorController) else _PYTHON
@@ -100,7 +100,7 @@ def fits(config: CampaignConfig) -> bool:
 
 def search(task: SearchTask) -> None:
     """Screen random scenes, and pass the smallest failures of each key to triage."""
-    count = pace_of(task.config).at_once
+    count = unit_size_of(task.config).at_once
     look_through(task, lambda stream: scenes(stream, count))
 
 
@@ -115,18 +115,18 @@ def look_through(task: SearchTask, draw: Draw, seen: Seen | None = None) -> None
         seen: Called with each batch's result before the next is drawn.
     """
     few = Few()
-    pace = pace_of(task.config)
+    size = unit_size_of(task.config)
     to_prove: deque[tuple[Screening, int]] | None = None
     try:
-        asked = _look(task, draw, seen, few, pace)
-        to_prove = deque(few.in_order(pace))
+        asked = _look(task, draw, seen, few, size)
+        to_prove = deque(few.in_order(size))
         _prove(task, to_prove)
         few.count_others(task)
     except KeyboardInterrupt:
         # If screening was interrupted, nothing is proved yet, so prove all that it found.
         task.triage.stop()
         with contextlib.suppress(OutOfTime), stopping_when(lambda: True):
-            _prove(task, deque(few.in_order(pace)) if to_prove is None else to_prove)
+            _prove(task, deque(few.in_order(size)) if to_prove is None else to_prove)
         raise
     check_time()
     for looks, n in asked:
@@ -135,7 +135,7 @@ def look_through(task: SearchTask, draw: Draw, seen: Seen | None = None) -> None
 
 
 def _look(
-    task: SearchTask, draw: Draw, seen: Seen | None, few: Few, pace: Pace
+    task: SearchTask, draw: Draw, seen: Seen | None, few: Few, size: UnitSize
 ) -> list[tuple[Screening, int]]:
     """Screen the unit's scenes and add the failures to ``few``.
 
@@ -144,7 +144,7 @@ def _look(
     """
     result = task.triage.result
     asked = list[tuple[Screening, int]]()
-    for looks in _looks(task, draw, pace):
+    for looks in _looks(task, draw, size):
         if seen is not None:
             seen(looks)
         words, counts = np.unique(looks.verdict[looks.ran], return_counts=True)
@@ -156,7 +156,7 @@ def _look(
             count_live(word, count, looks.simulated * count // max(int(counts.sum()), 1))
         few.add(looks)
         if task.config.oracles:
-            asked += [(looks, n) for n in _most_winding(looks, pace.asked)]
+            asked += [(looks, n) for n in _most_winding(looks, size.asked)]
     return asked
 
 
@@ -204,7 +204,7 @@ class Few:
         for kind, runs in self._kinds.items():
             task.triage.count_alike(*kind, runs - task.triage.examined(*kind))
 
-    def in_order(self, pace: Pace = _COMPILED) -> list[tuple[Screening, int]]:
+    def in_order(self, size: UnitSize = _COMPILED) -> list[tuple[Screening, int]]:
         """Return the smallest failure of each key, then the second smallest, up to the limit."""
         ranked = sorted(
             (rank, solid, key, looks, n)
@@ -215,12 +215,12 @@ class Few:
         undecided = 0
         for _, _, _, looks, n in ranked:
             undecided += looks.ending[n] == lib.WG_LIMIT
-            if looks.ending[n] != lib.WG_LIMIT or undecided <= pace.undecided:
+            if looks.ending[n] != lib.WG_LIMIT or undecided <= size.undecided:
                 chosen.append((looks, n))
-        return chosen[: pace.proved]
+        return chosen[: size.proved]
 
 
-def _looks(task: SearchTask, draw: Draw, pace: Pace) -> Iterator[Screening]:
+def _looks(task: SearchTask, draw: Draw, size: UnitSize) -> Iterator[Screening]:
     """Yield screened batches of scenes until the unit's work is done.
 
     The amount of work depends only on their results, not on the clock.
@@ -235,11 +235,11 @@ def _looks(task: SearchTask, draw: Draw, pace: Pace) -> Iterator[Screening]:
     }
     times = np.array([scenario.run.time_step] if "time_step" in values else config.time_steps)
     # Each beam of a step adds its own cost.
-    step = pace.step + pace.beam * robot_for(task.controller, scenario.run.robot).beams
+    step = size.step + size.beam * robot_for(task.controller, scenario.run.robot).beams
     work = 0
     count = 0
     while work < _WORK * config.examples and count < _SCENES * config.examples:
-        drawn = draw(stream)[:: pace.one_in]
+        drawn = draw(stream)[:: size.one_in]
         numbers = stream.bits(len(drawn))
         steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
         looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
@@ -247,7 +247,7 @@ def _looks(task: SearchTask, draw: Draw, pace: Pace) -> Iterator[Screening]:
         if is_out_of_time():
             return
         work = work + looks.simulated * step + looks.deaths * _DEATH
-        count = count + len(drawn) * pace.scene
+        count = count + len(drawn) * size.scene
 
 
 def scenes(stream: RandomStream, count: int) -> Bytes:

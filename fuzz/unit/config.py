@@ -8,6 +8,7 @@ from functools import cached_property
 from fuzz.layouts.variation import Variation
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
+from fuzz.unit.pace import Pace, usual_pace
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -38,6 +39,7 @@ class CampaignConfig(SearchOptions):
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
         robots: Number of robots in each world.
         fixes_time_step: Whether the user gave the time step, so that every failure must have it.
+        measured: The controller's measured pace; ``None`` for the usual one of its kind.
     """
 
     scenario: Scenario
@@ -49,6 +51,12 @@ class CampaignConfig(SearchOptions):
     shrink: bool = True
     robots: int = 1
     fixes_time_step: bool = False
+    measured: Pace | None = None
+
+    @cached_property
+    def pace(self) -> Pace:
+        """The time that the controller takes: as measured, or as usual for its kind."""
+        return self.measured or usual_pace(CONTROLLERS.get(self.scenario.controller))
 
     @cached_property
     def constraint(self) -> Constraint:

@@ -24,7 +24,7 @@ from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.store import Budget, FolderStore, begin
 from fuzz.campaign.unit import run_unit
 from fuzz.commands._session import CampaignSession
-from fuzz.search.native import Pace
+from fuzz.search.native import UnitSize
 from fuzz.shrink.queue import Shrinking
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import Deadline
@@ -103,7 +103,7 @@ def small():
     with pytest.MonkeyPatch.context() as patch:
         for strategy in ("archive", "native"):
             patch.setattr(
-                f"fuzz.search.{strategy}.pace_of", lambda _: Pace(generation=50, proved=4)
+                f"fuzz.search.{strategy}.unit_size_of", lambda _: UnitSize(generation=50, proved=4)
             )
         patch.setattr("fuzz.campaign.scheduler.LISTEN", 0.0)
         yield
