@@ -28,7 +28,7 @@ from worldgen.plugins.user_modules import (
     sources_read,
     without_private_names,
 )
-from worldgen.support.paths import expanded
+from worldgen.support.paths import expanded, real_path
 from worldgen.support.progress import say_once
 from worldgen.support.results import only_results_on_stdout
 
@@ -257,7 +257,7 @@ def _identity(name: str) -> str:
     """
     place, colon, attribute = name.rpartition(":")
     return (
-        f"{expanded(_file(place)).resolve()}{colon}{attribute}" if place.endswith(".py") else name
+        f"{real_path(expanded(_file(place)))}{colon}{attribute}" if place.endswith(".py") else name
     )
 
 
@@ -266,7 +266,7 @@ def _module_name(path: Path) -> str:
 
 
 def _load_file(path: Path) -> Any:
-    path = expanded(path).resolve()
+    path = real_path(expanded(path))
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
     module_name = _module_name(path)

@@ -21,7 +21,7 @@ from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
 from worldgen.errors import Message
 from worldgen.plugins.user_modules import digest_of_source, sources_read
-from worldgen.support.paths import expanded
+from worldgen.support.paths import expanded, real_path
 
 _SHARED = "a variable of its class or module"
 
@@ -57,7 +57,7 @@ def _is_unedited(file: Path) -> bool:
 
     Loading an edited file would run other code in the second half of a campaign.
     """
-    folder = expanded(file).resolve().parent
+    folder = real_path(expanded(file)).parent
     try:
         return all(
             digest_of_source(Path(path).read_bytes()) == digest
