@@ -27,6 +27,7 @@ from fuzz.overview.natural import (
     natural_runs,
 )
 from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
+from fuzz.search.plan import prices_of
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
@@ -203,13 +204,14 @@ def answer_numbers(
         natural_unjudged=sum(one.natural or 0 for one in own if not one.groups),
         searched=state.worlds,
         searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),
+        proof_seconds=prices_of(config).proof / 1e3,
     )
 
 
 def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
     if seconds is not None:
         return _MOST_NATURAL
-    count = state.units * config.examples // (_NATURAL_SHARE * config.slower)
+    count = state.units * config.examples // (_NATURAL_SHARE * config.pace.slower)
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 
