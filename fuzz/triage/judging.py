@@ -100,6 +100,7 @@ def judge(
     *,
     fewest_steps: int = 0,
     steps: int | None = None,
+    known: Episode | None = None,
     **details: Value,
 ) -> JudgedRun:
     """Judge a scenario: run it, and prove the failure that an oracle finds.
@@ -111,6 +112,7 @@ def judge(
         fewest_steps: Smallest budget for verdicts that the run itself proves. ``stalled`` and
             ``timeout`` always refer to the witness's budget, even if the robot arrives after it.
         steps: The exact budget for verdicts that the run itself proves.
+        known: The run with the witness's budget, recorded, if it has already been done.
         **details: Further details to record.
     """
     oracle = oracle or verdict_oracle(world)
@@ -120,7 +122,13 @@ def judge(
         if oracle.by_verdict
         else options
     )
-    trial = Trial.recorded(world, scenario.controller, longer)
+    if known is not None:
+        longer = options
+    trial = (
+        Trial.recorded(world, scenario.controller, longer)
+        if known is None
+        else Trial(world, scenario.controller, options, known)
+    )
     episode = trial.episode
 
     # A robot that needs more than the witness's budget is judged by that budget.
