@@ -209,7 +209,7 @@ def answer_numbers(
 def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
     if seconds is not None:
         return _MOST_NATURAL
-    count = state.units * config.examples // (_NATURAL_SHARE * config.slower)
+    count = state.units * config.examples // (_NATURAL_SHARE * config.pace.slower)
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 

@@ -58,7 +58,7 @@ _SETTINGS = settings(
 def search(task: SearchTask) -> None:
     """Run worlds that Hypothesis draws, and pass those in which the robot fails to triage."""
     config = task.config
-    share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.slower
+    share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.pace.slower
     database = remembered(config, task.strategy) if config.database else None
     explore(
         strategy_scenarios(config, task.strategy),

@@ -21,7 +21,6 @@ from fuzz.search.small import fits as fits_small
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.names import DATABASE, SEALED, can_breach
 from fuzz.unit.result import SearchState, StrategyYield
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 
 _DRAWN = (
     "features",
@@ -60,30 +59,37 @@ _GOLDEN = 0x9E3779B97F4A7C15
 
 @dataclass(frozen=True)
 class Prices:
-    """Cost of a campaign's work in milliseconds, which depends on the kind of controller.
+    """Cost of a campaign's work in milliseconds, which depends on the controller's pace.
 
     Args:
         step: One step of a run.
         proof: One failure: certify, run again, record, judge and classify it.
+        run: Beginning a run.
     """
 
     step: float = 1e-4
     proof: float = 7.0
+    run: float = 0.0
 
 
-_SLOW = Prices(step=1e-2)
-# A proof runs a Python class about four times, for up to 7,500 steps.
-_PYTHON = Prices(step=3e-3, proof=80.0)
-# It also starts a program each time.
-_PROCESS = Prices(step=5e-2, proof=400.0)
+# Milliseconds of a step with a Python class, and of a proof, which runs it about four times, for up
+# to 7,500 steps.
+_PYTHON_STEP = 3e-3
+_PYTHON_PROOF = 80.0
+# Fraction of a step's time that the search adds to it.
+_ADDED = 0.25
 
 
 def prices_of(config: CampaignConfig) -> Prices:
     """Return the prices of a campaign's work."""
-    controller = CONTROLLERS.get(config.scenario.controller)
-    if isinstance(controller, CompiledController):
-        return _SLOW if controller.slow else Prices()
-    return _PROCESS if isinstance(controller, ProcessController) else _PYTHON
+    if config.pace.slower == 1:
+        return Prices()
+    step = 1e3 * (1.0 + _ADDED) * config.pace.step
+    return Prices(
+        step=step,
+        proof=max(Prices.proof, _PYTHON_PROOF * (step / _PYTHON_STEP)),
+        run=1e3 * config.pace.reset,
+    )
 
 
 def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:
@@ -137,6 +143,6 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
 def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
     """Return new signatures and failures per unit of cost, starting from the first estimate."""
     found = brought.variants + _FAILURE * brought.failures
-    worlds = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST)
+    worlds = brought.worlds * (_WORLD_COST.get(name, _FAMILY_COST) + prices.run)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof
     return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)

@@ -58,7 +58,7 @@ class Triage:
         # By key, the worlds and steps until the first failure, and the time.
         self._first_met: dict[FailureKey, tuple[int, int, float]] = {}
         controller = CONTROLLERS.get(config.scenario.controller)
-        self._proof_steps = _PROOF_STEPS // config.slower
+        self._proof_steps = _PROOF_STEPS // config.pace.slower
         # The memory of a program is unknown, so that its loops cannot be proved.
         if isinstance(controller, ProcessController):
             self._proof_steps = 0

@@ -9,13 +9,11 @@ from fuzz.layouts.variation import Variation
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
 from fuzz.unit.pace import Pace, usual_pace
-from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers import CONTROLLERS
 from sim.options.run import FEWEST_COSTLY_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Value, World
 
-# A step in Python takes microseconds.
-_SLOWER = 8
 # Units of a round in a campaign for a slow controller.
 _COSTLY_EPOCH = 2
 # Shares of the radius of a map's robot: that of the robots that a campaign puts on the map.
@@ -95,12 +93,6 @@ class CampaignConfig(SearchOptions):
         for one in self.vary:
             allowed[one.name] = one.values
         return Constraint.of(allowed)
-
-    @property
-    def slower(self) -> int:
-        """Factor by which a unit does less work than with a fast compiled controller."""
-        controller = CONTROLLERS.get(self.scenario.controller)
-        return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER
 
 
 def radii_on(world: World) -> tuple[float, ...]:

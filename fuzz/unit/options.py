@@ -61,6 +61,9 @@ class CampaignOptions(SearchOptions):
         detour: Count a path longer than RATIO times the witness path as a failure; the same as
             --oracle detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
+        pace: Milliseconds that a step of the controller takes, which sizes the units of work. With
+            --budget it is measured, with --units it is the usual one of a controller's kind, so
+            that the result depends only on the seed.
         robots: Number of robots in each world. Several robots are all driven by the same
             controller; the search then looks for deadlocks, livelocks and collisions.  [default: 1,
             or as many as --world has]
@@ -79,6 +82,7 @@ class CampaignOptions(SearchOptions):
     time_step: float | None = None
     detour: Annotated[float | None, Bounds(1.0), Written(metavar="RATIO")] = None
     shrink: bool | None = None
+    pace: Annotated[float | None, Bounds(1e-4, 100_000.0), Written(metavar="MS")] = None
     robots: Annotated[int | None, Bounds(1, MOST_ROBOTS)] = None
 
     def __post_init__(self) -> None:
