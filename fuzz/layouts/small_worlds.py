@@ -8,16 +8,17 @@ of their robot; later ones grow.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from fuzz.facts.proofs import certified
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
+from worldgen.reach import REACHABLE, decide
 from worldgen.support.arrays import Bools
 from worldgen.world import (
     DEFAULT_CELL_SIZE,
@@ -56,6 +57,9 @@ _DRAWS = 4
 # Half the width of a gap or slot, robot radii: from what hardly fits to what two robots share.
 _TIGHT = (1.05, 1.1, 1.2, 1.35, 1.6, 2.0, 3.0)
 _HEADINGS = 16
+
+# What is in a cell of a scene.
+_WALL, _START, _TARGET = 1, 2, 3
 
 Place = tuple[int, int]
 """Row and column of a cell."""
@@ -150,37 +154,37 @@ def _of_scene(
 ) -> World | None:
     """Return a scene's world, turned and mirrored at random; ``None`` if it has no path."""
     side = radius / _USUAL_RADIUS
-    cells = steps * speed * time_step / side
-    scene = build(stream, min(max(round(cells), _SHORTEST), _LONGEST))
+    length = steps * speed * time_step / side
+    scene = build(stream, min(max(round(length), _SHORTEST), _LONGEST))
     if scene.tight:
         side = scene.tight * radius
     side = round(side, 4)
-    walls = np.pad(scene.walls, 1, constant_values=True)
-    marks = np.zeros(walls.shape, np.int8)
-    marks[scene.start[0] + 1, scene.start[1] + 1] = 1
-    marks[scene.target[0] + 1, scene.target[1] + 1] = 2
-    turns = stream.below(4)
-    flip = -1 if stream.below(2) else 1
-    walls, marks = (np.rot90(one, turns)[:, ::flip] for one in (walls, marks))
-    (start,), (target,) = (np.argwhere(marks == mark) for mark in (1, 2))
+    # Mark start and target, so that they turn with the walls.
+    cells = np.pad(scene.walls.astype(np.int8), 1, constant_values=_WALL)
+    cells[scene.start[0] + 1, scene.start[1] + 1] = _START
+    cells[scene.target[0] + 1, scene.target[1] + 1] = _TARGET
+    cells = np.rot90(cells, stream.below(4))[:, :: 1 if stream.below(2) else -1]
     heading = stream.below(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
     try:
         world = World(
-            np.ascontiguousarray(walls),
-            start=Pose(*_middle(start, side), heading),
-            target=Target(*_middle(target, side), round(side / 2, 4)),
+            np.ascontiguousarray(cells == _WALL),
+            start=Pose(*_middle(cells == _START, side), heading),
+            target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
             cell_size=side,
             robot_radius=radius,
             robot_speed=speed,
         )
+        decision = decide(world, cut=False)
     except (InvalidWorld, InvalidParameter):
         return None
-    return certified(world)
+    is_reachable = decision.result == REACHABLE
+    return replace(world, certificate=decision.certificate) if is_reachable else None
 
 
-def _middle(place: Sequence[int], side: float) -> tuple[float, float]:
-    """Return x and y of a cell's centre, m."""
-    return round((int(place[1]) + 0.5) * side, 6), round((int(place[0]) + 0.5) * side, 6)
+def _middle(place: Bools, side: float) -> tuple[float, float]:
+    """Return x and y of the centre of the only marked cell, m."""
+    row, column = np.argwhere(place)[0].tolist()
+    return round((column + 0.5) * side, 6), round((row + 0.5) * side, 6)
 
 
 def _arena(stream: RandomStream, cells: int) -> tuple[Bools, Place, Place]:

@@ -60,7 +60,8 @@ class Triage:
         controller = CONTROLLERS.get(config.scenario.controller)
         self._proof_steps = _PROOF_STEPS // config.pace.slower
         # The memory of a program is unknown, so that its loops cannot be proved.
-        if isinstance(controller, ProcessController):
+        # At a slow controller's pace, a longer budget than the witness's would cost too much.
+        if isinstance(controller, ProcessController) or config.pace.is_slow:
             self._proof_steps = 0
 
     def end(self) -> None:
