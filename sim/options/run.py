@@ -51,6 +51,8 @@ _ROUNDING = 1e-6
 _LONGEST_STEP = 1_000
 # Smallest budget, steps, however short the witness.
 FEWEST_STEPS = 4_000
+# The same where each step is expensive: it is the budget of a witness of 20 steps.
+FEWEST_COSTLY_STEPS = 1_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
 
@@ -223,7 +225,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(world: World, run: RunOptions) -> int:
+def step_budget(world: World, run: RunOptions, fewest: int = FEWEST_STEPS) -> int:
     """Return the steps that a run gets.
 
     They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
@@ -233,6 +235,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Args:
         world: The world, with its certificate.
         run: Options of the run; its own budget is ignored.
+        fewest: Smallest budget, however short the witness.
 
     Raises:
         InvalidWorld: If a world that changes is to be covered.
@@ -252,7 +255,7 @@ def step_budget(world: World, run: RunOptions) -> int:
         delay, slower = delay_of(world, run.robot)
         duration = min(slower, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
     wanted = math.ceil(factor * duration / exact(run.time_step))
-    return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
+    return min(max(wanted, fewest), MAX_STEPS)
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
