@@ -129,6 +129,16 @@ class RunOptions:
         return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
 
+OF_EVERY_RUN = {
+    option.name: option
+    for option in parameters_of_fields(RunOptions)
+    if option.name in ("motion", "time_step", "task")
+}
+"""The options of a run that no motion model owns and that a controller's name may set."""
+
+WORDS_OF_A_RUN = frozenset({*OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()})
+"""The names of all options of a run; an option of a controller cannot have one of them."""
+
 TIME_STEP = next(
     option for option in parameters_of_fields(RunOptions) if option.name == "time_step"
 )

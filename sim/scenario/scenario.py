@@ -10,11 +10,14 @@ from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.fields import unknown_field
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
+    OF_EVERY_RUN,
     TARGET,
+    WORDS_OF_A_RUN,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -23,16 +26,9 @@ from sim.options.run import (
 )
 from sim.options.thesis import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import parameters_of_fields, split_options, with_options
+from worldgen.parameters import split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin
 from worldgen.world import Value, World
-
-_OF_EVERY_RUN = {
-    option.name: option
-    for option in parameters_of_fields(RunOptions)
-    if option.name in ("motion", "time_step", "task")
-}
-
 
 @dataclass(frozen=True)
 class Scenario:
@@ -160,12 +156,12 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
     Raises:
         InvalidParameter: If the text names no controller, or an option is unknown or out of range.
     """
-    controller, written = _split(text.strip())
+    controller, written = _split(same_origin(text, text.strip()))
     if not is_process_name(controller):
         _refuse_program_options(controller, written)
     settings = {
         name: option.parse(written.pop(name), "run")
-        for name, option in _OF_EVERY_RUN.items()
+        for name, option in OF_EVERY_RUN.items()
         if name in written
     }
     motion = settings.get("motion", motion)
@@ -183,10 +179,10 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     """
     if not _has_options_first(text):
         name, options = split_options(text, "thesis-1+noise, or ./mine.py:Robot")
-        return _with_own(name, options)
+        return _with_own(text, name, options)
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = {*_OF_EVERY_RUN, *RobotOptions.words()}
+    own = {*OF_EVERY_RUN, *RobotOptions.words()}
     if is_composition_name(text):
         own |= ThesisOptions.words()
     of_the_run = {option: value for option, value in options.items() if option in own}
@@ -194,12 +190,13 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     return with_options(name, others) + colon + command, of_the_run
 
 
-def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
+def _with_own(
+    text: str, name: str, options: dict[str, str | None]
+) -> tuple[str, dict[str, str | None]]:
     """Move a controller's own options, such as ``places=16``, from the run's into its name."""
-    of_runs = {*_OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()}
-    if of_runs.issuperset(options):
+    if WORDS_OF_A_RUN.issuperset(options):
         return name, options
-    own = CONTROLLERS.option_names(name)
+    own = CONTROLLERS.option_names(same_origin(text, name))
     of_its_own = {option: options.pop(option) for option in [*options] if option in own}
     return with_options(name, of_its_own), options
 
@@ -231,5 +228,7 @@ def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[s
         raise option_without_effect(motion, name)
     if name in own.words() or _has_options_first(controller):
         return own.parse(name, text)
-    plain, _ = split_options(controller)
+    plain = same_origin(controller, split_options(controller)[0])
+    if ":" in plain and not CONTROLLERS.has_variants(plain):
+        raise unknown_field(plain, CONTROLLERS.class_of(plain), name)
     return own.parse(name, text, also=CONTROLLERS.option_names(plain))
