@@ -108,32 +108,15 @@ def with_fields(given: Any, kind: type, words: Mapping[str, str | None], base: s
     origin = origin_of(given) or InstanceOrigin(f"controller {base!r}", kind)
     made = replace(
         origin,
-        make=functools.partial(_made, kind, values, base),
+        make=functools.partial(_made, kind, values),
         own=None,
         varying=set(),
         fields=", ".join(f"{name}={value}" for name, value in values.items()),
     )
-    return made.another()
-
-
-def _made(kind: type, values: Mapping[str, Any], base: str) -> Any:
-    """Return an instance with these values.
-
-    An attribute of the class becomes one of the instance before ``__init__`` runs, so that what
-    ``__init__`` computes from it is right. The class stays the same, for other runs use it too.
-    """
-    initial = initial_values(kind)
-    given = {name: value for name, value in values.items() if name in initial}
-    attributes = {name: value for name, value in values.items() if name not in initial}
-    if not attributes:
-        return kind(**given)
-    made: Any = kind.__new__(kind, **given)
-    for name, value in attributes.items():
-        # A frozen dataclass refuses its own way of setting an attribute.
-        object.__setattr__(made, name, value)
-    made.__init__(**given)
-    for name, value in attributes.items():
-        if getattr(made, name) != value:
+    instance = made.another()
+    for name, value in values.items():
+        now = getattr(instance, name, value)
+        if name not in initial_values(kind) and now != value:
             raise InvalidParameter(
                 "field-overwritten",
                 "__init__ of {controller} sets {name} to {now!r}, so {name}={value} has no effect",
@@ -141,6 +124,25 @@ def _made(kind: type, values: Mapping[str, Any], base: str) -> Any:
                 controller=base,
                 name=name,
                 value=value,
-                now=getattr(made, name),
+                now=now,
             )
+    return instance
+
+
+def _made(kind: type, values: Mapping[str, Any]) -> Any:
+    """Return an instance with these values.
+
+    An attribute of the class becomes one of the instance before ``__init__`` runs, so that what
+    ``__init__`` computes from it is right. The class itself stays as it is for other runs.
+    """
+    initial = initial_values(kind)
+    given = {name: value for name, value in values.items() if name in initial}
+    if len(given) == len(values):
+        return kind(**given)
+    made: Any = kind.__new__(kind, **given)
+    for name, value in values.items():
+        if name not in initial:
+            # A frozen dataclass refuses the usual way of setting an attribute.
+            object.__setattr__(made, name, value)
+    made.__init__(**given)
     return made

@@ -9,8 +9,8 @@ from typing import Any
 from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
-from sim.controllers.catalogue import CONTROLLERS
-from sim.controllers.fields import unknown_field
+from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.fields import fields_of, unknown_field
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
@@ -26,7 +26,7 @@ from sim.options.run import (
 )
 from sim.options.thesis import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import split_options, with_options
+from worldgen.parameters import Parameter, split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin
 from worldgen.world import Value, World
 
@@ -60,6 +60,20 @@ class Scenario:
             return thesis_arbitration(rule, self.run.thesis)
         found: Arbitration | None = getattr(controller, "arbitration", None)
         return found
+
+    @property
+    def fields(self) -> tuple[Parameter, ...]:
+        """The fields of its controller's class that its name may set; none for other kinds."""
+        base = same_origin(self.controller, own_words(self.controller)[0])
+        kind = None if CONTROLLERS.has_variants(base) else CONTROLLERS.class_of(base)
+        return () if kind is None else fields_of(kind)
+
+    def value_of(self, field: Parameter) -> Value:
+        """Return the value of one of its fields: its name's, or else the class's."""
+        _, words = own_words(self.controller)
+        given = field.name in words
+        value: Value = field.parse(words[field.name], field.name) if given else field.default
+        return value
 
     @classmethod
     def parse(cls, text: str, **defaults: Any) -> Scenario:
@@ -130,15 +144,20 @@ class Scenario:
         return replace(self, run=replace(self.run, **changes))
 
     def with_option(self, name: str, value: Value) -> Scenario:
-        """Return the same scenario with another value for one option of its motion model.
+        """Return the same scenario with another value for one option.
 
         Args:
-            name: The option's name, such as ``slip``.
+            name: Name of an option of the motion model, such as ``slip``, or of a field of the
+                controller's class.
             value: Its new value, in the option's unit.
 
         Raises:
-            InvalidParameter: If the motion model has no such option, or the value is out of range.
+            InvalidParameter: If there is no such option, or the value is out of range.
         """
+        if name in {one.name for one in self.fields}:
+            base, words = own_words(self.controller)
+            changed = with_options(base, {**words, name: str(value)})
+            return replace(self, controller=same_origin(self.controller, changed))
         options = self.run.changed() | {name: value}
         return self.with_run(**switch_sets(self.run.motion, options))
 
