@@ -215,7 +215,9 @@ class LatticeRun:
         self.settings.find_loop = self.search if find_loop else lib.WG_NO_LOOP
         if self.host.in_core:
             return self._run_compiled(record)
-        ended = run_in_python(self.host, self.arena(), self.settings, self.world, record=record)
+        ended = run_in_python(
+            self.host, self.arena(), self.settings, self.world, self.options, record=record
+        )
         return self.outcome_of(*ended), ended.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:

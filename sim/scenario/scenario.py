@@ -116,6 +116,8 @@ class Scenario:
             options["time_step"] = repr(self.run.time_step)
         if self.run.task != TARGET:
             options["task"] = str(self.run.task)
+        if self.run.frozen_time:
+            options["frozen_time"] = None
         if self.run.thesis.repaired:
             options["repaired"] = None
             changed = {key: value for key, value in changed.items() if key not in REPAIRS}

@@ -77,6 +77,8 @@ def unused_options(scenario: Scenario) -> list[str]:
         InvalidParameter: If no controller or motion model has that name.
     """
     controller = CONTROLLERS.get(scenario.controller)
+    if scenario.run.frozen_time and isinstance(controller, CompiledController):
+        return [f"+frozen_time has no effect: {scenario.controller} is compiled, not a Python class"]
     if switch_class(scenario.run.motion) is ThesisOptions:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
