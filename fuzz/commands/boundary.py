@@ -66,7 +66,12 @@ def boundary(
     from fuzz.boundary import AXES, axis_of_field
     from fuzz.find import AxisScan
     from worldgen.errors import InvalidParameter
+    from worldgen.parameters.known_names import nearest, unknown_name
     from worldgen.support.progress import working
+
+    # A misspelt axis comes before a missing controller; its class may have a field of that name.
+    if controller is None and name not in AXES and nearest(name, AXES):
+        raise InvalidParameter.of(unknown_name("--axis {name!r} is not an axis", name, AXES))
 
     # Find the value to start from.
     subject = _subject(path, controller, motion, time_step, seed)

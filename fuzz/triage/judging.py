@@ -14,11 +14,11 @@ from typing import NamedTuple
 from fuzz.facts.crash_bucket import FACTS, NAMED
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from sim.clock.controller_time import count_survivors
 from sim.controllers import CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
+from sim.episode.differences import count_sources
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
@@ -191,7 +191,7 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
         if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
-            count_survivors(["something that makes equal runs differ, such as a random generator"])
+            count_sources(trial.world, trial.controller, trial.options)
         return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
     other = violation_in(second, oracle)

@@ -139,7 +139,8 @@ def _made(kind: type, values: Mapping[str, Any]) -> Any:
     given = {name: value for name, value in values.items() if name in initial}
     if len(given) == len(values):
         return kind(**given)
-    made: Any = kind.__new__(kind, **given)
+    new: Any = kind.__new__
+    made = new(kind, **given)
     for name, value in values.items():
         if name not in initial:
             # A frozen dataclass refuses the usual way of setting an attribute.

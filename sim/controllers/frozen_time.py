@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,8 +38,8 @@ _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
 class FrozenTime:
     """The clock and the chance that a controller sees in one run.
 
-    In a step, the clock shows the number of the step times the time step. ``random`` and NumPy's own generator begin with the run's seed, and so
-    does every generator that is made without one.
+    In a step, the clock shows the number of the step times the time step. ``random`` and NumPy's
+    own generator begin with the run's seed, and so does every generator that is made without one.
 
     Args:
         seed: Seed of the run.
@@ -56,6 +57,13 @@ class FrozenTime:
         self._places: list[tuple[dict[str, Any], str, Any]] = []
         self._real: list[Any] = []
         self._thread = 0
+        self._sources: dict[str, None] = {}
+        self._seeded_by_user: set[str] = set()
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """What it has read that differs from run to run without this, each with its first line."""
+        return tuple(self._sources)
 
     @property
     def was_read(self) -> bool:
@@ -85,10 +93,15 @@ class FrozenTime:
         kept = random.getstate(), np.random.get_state()
         random.seed(self._seed)
         np.random.seed(self._seed % 2**32)
+        begun = random.getstate(), _state_of_numpy()
         try:
             yield
         finally:
             self._thaw()
+            ended = random.getstate(), _state_of_numpy()
+            for module, first, last in zip(("random", "numpy.random"), begun, ended, strict=True):
+                if first != last and module not in self._seeded_by_user:
+                    self._sources[f"{module} without a seed"] = None
             random.setstate(kept[0])
             np.random.set_state(kept[1])
 
@@ -126,10 +139,20 @@ class FrozenTime:
         for (place, name, _), real in zip(self._places, self._real, strict=True):
             place[name] = real
 
-    def _is_meant(self) -> bool:
-        """Return True if the caller of a replaced function is not ours."""
-        caller = str(sys._getframe(2).f_globals.get("__name__", ""))
-        return threading.get_ident() == self._thread and not caller.startswith(_OURS)
+    def _is_ours(self, depth: int = 2) -> bool:
+        """Return True if the caller of a replaced function is ours, or another thread."""
+        caller = str(sys._getframe(depth).f_globals.get("__name__", ""))
+        return threading.get_ident() != self._thread or caller.startswith(_OURS)
+
+    def _is_meant(self, source: str) -> bool:
+        """Return True if the caller of a replaced function is not ours, and note where it is."""
+        if self._is_ours(3):
+            return False
+        caller = sys._getframe(2)
+        if all(not known.startswith(f"{source} (") for known in self._sources):
+            place = f"{Path(caller.f_code.co_filename).name}:{caller.f_lineno}"
+            self._sources[f"{source} ({place})"] = None
+        return True
 
     def _read(self) -> float:
         self._read_here += 1
@@ -146,33 +169,32 @@ class FrozenTime:
 
     def _replacements(self) -> list[tuple[Any, str, Any]]:
         """Return each replaced name with its module and what replaces it."""
-        clocks = [(time, name, self._clock(getattr(time, name), 1.0)) for name in _CLOCKS]
-        exact = [f"{name}_ns" for name in _CLOCKS]
-        clocks += [(time, name, self._clock(getattr(time, name), 1e9)) for name in exact]
+        clocks = [(name, 1.0) for name in _CLOCKS] + [(f"{name}_ns", 1e9) for name in _CLOCKS]
         return [
-            *clocks,
+            *((time, name, self._clock(name, scale)) for name, scale in clocks),
             (time, "sleep", self._sleep(time.sleep)),
             (time, "gmtime", self._broken_down(time.gmtime)),
             (time, "localtime", self._broken_down(time.localtime)),
             (datetime, "datetime", self._dated(datetime.datetime)),
             (datetime, "date", self._dated(datetime.date)),
             (random, "Random", self._seeded(random.Random)),
-            (random, "seed", self._seeding(random.seed)),
-            (np.random, "seed", self._seeding(np.random.seed)),
-            (np.random, "default_rng", self._seeding(np.random.default_rng)),
+            (random, "seed", self._seeding("random", random.seed)),
+            (np.random, "seed", self._seeding("numpy.random", np.random.seed)),
+            (np.random, "default_rng", self._seeding("numpy.random", np.random.default_rng)),
         ]
 
-    def _clock(self, real: Callable[[], Any], scale: float) -> Callable[[], Any]:
+    def _clock(self, name: str, scale: float) -> Callable[[], Any]:
+        real = getattr(time, name)
         kind = float if scale == 1.0 else round
 
         def clock() -> Any:
-            return kind(self._read() * scale) if self._is_meant() else real()
+            return kind(self._read() * scale) if self._is_meant(f"time.{name}()") else real()
 
         return clock
 
     def _sleep(self, real: Callable[[float], None]) -> Callable[[float], None]:
         def sleep(seconds: float, /) -> None:
-            if not self._is_meant():
+            if self._is_ours():
                 real(seconds)
             else:
                 self._now += max(float(seconds), 0.0)
@@ -181,25 +203,28 @@ class FrozenTime:
 
     def _broken_down(self, real: Callable[..., Any]) -> Callable[..., Any]:
         def broken_down(seconds: float | None = None, /) -> Any:
-            if seconds is None and self._is_meant():
+            if seconds is None and self._is_meant(f"time.{real.__name__}()"):
                 # Local time differs between machines.
                 return time.gmtime(self._read())
             return real(seconds)
 
         return broken_down
 
-    def _seeding(self, real: Callable[..., Any]) -> Callable[..., Any]:
+    def _seeding(self, module: str, real: Callable[..., Any]) -> Callable[..., Any]:
         def seeding(seed: Any = None, *more: Any, **named: Any) -> Any:
-            if seed is None and self._is_meant():
+            if seed is None and self._is_meant(f"{module}.{real.__name__}() without a seed"):
                 # NumPy's own generator takes no more bits.
                 seed = self._next_seed() % 2**32
+            elif real.__name__ == "seed":
+                self._seeded_by_user.add(module)
             return real(seed, *more, **named)
 
         return seeding
 
     def _seeded(self, real: type[random.Random]) -> type:
         def new(_: type, seed: Any = None) -> random.Random:
-            return real(self._next_seed() if seed is None and self._is_meant() else seed)
+            is_left = seed is None and self._is_meant("random.Random() without a seed")
+            return real(self._next_seed() if is_left else seed)
 
         return _alias(real, {"__new__": new})
 
@@ -209,13 +234,13 @@ class FrozenTime:
             return now.replace(tzinfo=None) if zone is None else now.astimezone(zone)
 
         def now(_: type, tz: datetime.tzinfo | None = None) -> Any:
-            return moment(tz) if self._is_meant() else real.now(tz)  # type: ignore[attr-defined]
+            return moment(tz) if self._is_meant("datetime.now()") else real.now(tz)  # type: ignore[attr-defined]
 
         def utcnow(_: type) -> Any:
-            return moment() if self._is_meant() else real.utcnow()  # type: ignore[attr-defined]
+            return moment() if self._is_meant("datetime.utcnow()") else real.utcnow()  # type: ignore[attr-defined]
 
         def today(_: type) -> Any:
-            if not self._is_meant():
+            if not self._is_meant(f"{real.__name__}.today()"):
                 return real.today()  # type: ignore[attr-defined]
             return moment() if real is datetime.datetime else moment().date()
 
@@ -226,6 +251,12 @@ class FrozenTime:
         if real is datetime.datetime:
             methods |= {"now": classmethod(now), "utcnow": classmethod(utcnow)}
         return _alias(real, methods)
+
+
+def _state_of_numpy() -> tuple[Any, ...]:
+    """Return the state of NumPy's own generator in a form that can be compared."""
+    name, keys, *rest = np.random.get_state()
+    return name, np.asarray(keys).tobytes(), *rest
 
 
 def _alias(real: type, methods: Mapping[str, Any]) -> type:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import contextlib
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

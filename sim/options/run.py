@@ -100,7 +100,9 @@ class RunOptions:
             raise option_without_effect(self.motion, "task")
         if self.frozen_time and switch_class(self.motion) is ThesisOptions:
             raise option_without_effect(self.motion, "frozen_time")
-        object.__setattr__(self, "frozen_time", OF_EVERY_RUN["frozen_time"].accept(self.frozen_time, "run"))
+        object.__setattr__(
+            self, "frozen_time", OF_EVERY_RUN["frozen_time"].accept(self.frozen_time, "run")
+        )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))

@@ -57,6 +57,7 @@ class ControllerHost:
         shows_memory: Whether its memory can be seen, so that its loops can be found.
         start_speed: Speed during the first step, m/s.
         thesis_rule: See :class:`~sim.controllers.base.CompiledController`.
+        sources: What it read in its last run with frozen time that otherwise differs from run to run.
     """
 
     in_core = False
@@ -69,6 +70,7 @@ class ControllerHost:
     def __init__(self, controller: Any) -> None:
         self.controller = controller
         self._frozen: FrozenTime | None = None
+        self.sources: tuple[str, ...] = ()
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
@@ -100,6 +102,7 @@ class ControllerHost:
             with self._frozen.run(self.controller):
                 yield
         finally:
+            self.sources = self._frozen.sources
             self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:
@@ -115,7 +118,8 @@ class ControllerHost:
             origin = origin_of(self.controller)
             if origin is not None:
                 self.controller = self._frozen.seen_by(origin.another)()
-            return self._frozen.seen_by(_memory_at_start)(self.controller, shown)
+            memory: Memory = self._frozen.seen_by(_memory_at_start)(self.controller, shown)
+            return memory
         if not renew:
             return _memory_at_start(self.controller, shown)
         self.controller, memory = renew_and_reset(

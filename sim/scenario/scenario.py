@@ -30,6 +30,7 @@ from worldgen.parameters import Parameter, split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin
 from worldgen.world import Value, World
 
+
 @dataclass(frozen=True)
 class Scenario:
     """A controller and the options of its runs: everything about a run except the world.

@@ -78,7 +78,9 @@ def unused_options(scenario: Scenario) -> list[str]:
     """
     controller = CONTROLLERS.get(scenario.controller)
     if scenario.run.frozen_time and isinstance(controller, CompiledController):
-        return [f"+frozen_time has no effect: {scenario.controller} is compiled, not a Python class"]
+        return [
+            f"+frozen_time has no effect: {scenario.controller} is compiled, not a Python class"
+        ]
     if switch_class(scenario.run.motion) is ThesisOptions:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
@@ -107,7 +109,9 @@ def unset_fields(scenario: Scenario) -> list[str]:
     hidden = () if kind is None else hidden_fields(kind)
     if not hidden:
         return []
-    changed = {one for one, option in OF_EVERY_RUN.items() if getattr(scenario.run, one) != option.default}
+    changed = {
+        one for one, option in OF_EVERY_RUN.items() if getattr(scenario.run, one) != option.default
+    }
     set_here = {*scenario.run.changed(), *changed}
     return [
         f"+{one.name} sets the run's option, and the field {one.name} of {base} keeps "

@@ -443,11 +443,12 @@ def parameters_of_class(kind: type) -> tuple[Parameter, ...]:
     for base in reversed(kind.__mro__):
         notes |= argument_notes(vars(base).get("__doc__") or "")
         found |= {name: _plain(value) for name, value in vars(base).items()}
-    for thing in (kind, kind.__init__):
+    for thing in (kind, *(vars(base).get("__init__") for base in reversed(kind.__mro__))):
         # A user's annotation may be anything, even a name that does not exist.
         with contextlib.suppress(Exception):
             hints |= typing.get_type_hints(thing, include_extras=True)
-    found = {**initial_values(kind), **found, **initial_values(kind)}
+    initial = initial_values(kind)
+    found = initial | {name: value for name, value in found.items() if name not in initial}
     for name, value in found.items():
         # ``lookahead: float = 1`` is a float.
         if type(value) is int and hints.get(name) is float:
