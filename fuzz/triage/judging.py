@@ -208,7 +208,9 @@ def repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
 
     A program's stderr, and how much of its answer had arrived, depend on the clock. The line in
     which a class raised changes when its file is edited. Files written by older versions have no
-    facts for buckets, nor the names in ``NAMED``, which the error implies.
+    facts for buckets, nor the names in ``NAMED``, which the error implies, nor a drift of the memory,
+    which only recorded runs show.
     """
-    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED)
+    drift = ("memory_drift", "entry", "period") if "memory_drift" in evidence else ()
+    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED, *drift)
     return {name: value for name, value in evidence.items() if name not in unstable}

@@ -38,6 +38,7 @@ from sim.runners.core_calls import (
     memory_for,
     near_masks,
 )
+from sim.runners.drifting import with_memory_drift
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import run_in_python
@@ -275,9 +276,12 @@ class LatticeRun:
             return None
         return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
 
-    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
-        """Return the evidence unchanged: a robot on the lattice does not drift."""
-        return evidence
+    def with_confinement(self, evidence: BudgetEvidence, outcome: Outcome) -> BudgetEvidence:
+        """Add to a recorded run's evidence that its poses repeat and its memory nearly does.
+
+        Poses on the lattice do not drift, but a memory may.
+        """
+        return evidence if outcome.trace is None else with_memory_drift(evidence, outcome.trace)
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
