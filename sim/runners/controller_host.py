@@ -76,6 +76,22 @@ class ControllerHost:
     def start(self) -> None:
         """Make sure that it can run; what this raises is not a fault of the controller."""
 
+    def check(self, options: RunOptions) -> None:
+        """Refuse options that cannot work with such a controller.
+
+        Raises:
+            InvalidParameter: If its time is to be frozen, and it isn't a Python class that acts for
+                one robot. Compiled code reads no clock.
+        """
+        in_reach = self.in_core or (self.in_python and not self.acts_for_many)
+        if options.frozen_time and not in_reach:
+            raise InvalidParameter(
+                "not-in-python",
+                "frozen_time reaches only a Python class with act, and this controller is {what}",
+                "leave +frozen_time out",
+                what="a class with act_many" if self.acts_for_many else "a program",
+            )
+
     @contextmanager
     def freezing(self, options: RunOptions, seed: int | None = None) -> Iterator[None]:
         """Let it see simulated time and seeded chance in this block, if the run's options say so.
@@ -83,20 +99,10 @@ class ControllerHost:
         Args:
             options: Options of the run.
             seed: The run's seed, if it isn't the options'.
-
-        Raises:
-            InvalidParameter: If it isn't a Python class that acts for one robot.
         """
         if not options.frozen_time:
             yield
             return
-        if not self.in_python or self.acts_for_many:
-            raise InvalidParameter(
-                "not-in-python",
-                "frozen_time: this controller is not a Python class with act, so its clock cannot "
-                "be frozen",
-                "leave +frozen_time out",
-            )
         self._frozen = FrozenTime(options.seed if seed is None else seed, options.time_step)
         try:
             with self._frozen.run(self.controller):

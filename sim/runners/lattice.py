@@ -92,6 +92,7 @@ class LatticeRun:
                 robots=len(world.robots),
             )
         self.host = host_of(controller)
+        self.host.check(options)
         self.controller: Any = self.host.controller
         robot = robot_for(self.controller, options.robot)
         self.world = world
