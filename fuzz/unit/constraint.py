@@ -31,7 +31,8 @@ class Constraint:
     Args:
         allowed: The quantities in order of their names, each with its values. A quantity is
             ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), ``target_radius`` (m),
-            an option of the motion model or a field of the controller's class. Those of robots hold for each robot of a world.
+            an option of the motion model or a field of the controller's class. Those of robots hold
+            for each robot of a world.
     """
 
     allowed: tuple[tuple[str, tuple[Value, ...]], ...] = ()
