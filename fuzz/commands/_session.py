@@ -25,6 +25,7 @@ from fuzz.overview.result import CampaignResult, write_overview
 from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
+from sim.clock.controller_time import Effort
 from sim.clock.stopping import stopping_when
 from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -256,6 +257,7 @@ class CampaignSession:
     def _conclude(self, *, stopped: bool) -> bool:
         """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
         self._has_searched = True
+        began = Effort.so_far()
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
@@ -264,6 +266,10 @@ class CampaignSession:
                 stopped = True
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        # Natural worlds may show what the search did not.
+        state = self._campaign.state
+        more = began.since().differences
+        state.effort = replace(state.effort, differences=state.effort.differences | more)
         # Earlier results are not all processed, so the folder's files know more.
         if self._goes_on:
             return stopped
