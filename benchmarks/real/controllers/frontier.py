@@ -32,7 +32,7 @@ class Frontier:
     def act(self, seen, memory):
         news = self.look(seen)
         self.tired += 1
-        if self.path is None or self.tired > 60 or (news and self.tired > 4):
+        if self.path is None or self.tired > 60 or (news and self.tired > 12):
             self.choose(seen)
         if self.path is None:
             return Command(0.2 * seen.top_speed, 1.0 / seen.time_step), memory
@@ -57,10 +57,13 @@ class Frontier:
         return int(np.count_nonzero(self.grid)) > before
 
     def enter(self, seen, reach, angles, state):
-        ix = ((seen.x + reach * np.cos(angles)) / self.cell).astype(int)
-        iy = ((seen.y + reach * np.sin(angles)) / self.cell).astype(int)
+        x = (seen.x + reach * np.cos(angles)) / self.cell
+        y = (seen.y + reach * np.sin(angles)) / self.cell
+        ix, iy = x.astype(int), y.astype(int)
         ny, nx = self.grid.shape
         inside = (ix >= 0) & (ix < nx) & (iy >= 0) & (iy < ny)
+        # A beam that ends at a corner may belong to either cell.
+        inside &= np.maximum(np.abs(x - np.rint(x)), np.abs(y - np.rint(y))) > 0.1
         self.grid[iy[inside], ix[inside]] = state
 
     def choose(self, seen):
@@ -76,6 +79,7 @@ class Frontier:
             self.path = plan(self.grid == SOLID, self.cell, self.radius, here, goal)
             if self.path is not None:
                 return
+            self.given_up.append(goal)
         # Nothing is left to explore: hope that the unknown is free.
         self.goal = self.target
         self.given_up.clear()

@@ -22,22 +22,24 @@ class Hybrid:
         self.cell = world.cell_size
         self.target = (world.target.x, world.target.y)
         self.radius = world.robot_radius
-        self.hits = np.zeros(world.walls.shape, int)
+        self.seen_at = np.zeros(world.walls.shape, int)
+        self.now = 0
         self.path = None
         self.k = 0
         self.age = 0
         return ()
 
     def act(self, seen, memory):
+        self.now += 1
         news = self.mark(seen)
         self.age += 1
         if self.path is None or self.age > self.look_again or (news and self.is_cut()):
-            walls = self.hits > 0
+            walls = self.seen_at > 0
             self.path = plan(walls, self.cell, self.radius, (seen.x, seen.y), self.target)
             self.k = self.age = 0
             if self.path is None:
                 # Everything is closed by false marks: forget them.
-                self.hits[:] = 0
+                self.seen_at[:] = 0
                 return Command(0.0, 1.0), memory
         self.k = progress(self.path, self.k, seen.x, seen.y)
         goal = self.path[min(self.k + 2, len(self.path) - 1)]
@@ -52,17 +54,20 @@ class Hybrid:
         # A little further, into the cell that the beam has hit.
         reach = beams[ends] + 0.05 * self.cell
         angles = seen.heading + BEARINGS[ends]
-        ix = ((seen.x + reach * np.cos(angles)) / self.cell).astype(int)
-        iy = ((seen.y + reach * np.sin(angles)) / self.cell).astype(int)
-        ny, nx = self.hits.shape
+        x = (seen.x + reach * np.cos(angles)) / self.cell
+        y = (seen.y + reach * np.sin(angles)) / self.cell
+        ix, iy = x.astype(int), y.astype(int)
+        ny, nx = self.seen_at.shape
         inside = (ix >= 0) & (ix < nx) & (iy >= 0) & (iy < ny)
-        before = int(np.count_nonzero(self.hits))
-        self.hits[iy[inside], ix[inside]] = 1
-        return int(np.count_nonzero(self.hits)) > before
+        # A beam that ends at a corner may belong to either cell.
+        inside &= np.maximum(np.abs(x - np.rint(x)), np.abs(y - np.rint(y))) > 0.1
+        before = int(np.count_nonzero(self.seen_at))
+        self.seen_at[iy[inside], ix[inside]] = self.now
+        return int(np.count_nonzero(self.seen_at)) > before
 
     def is_cut(self):
         """Return True if a wall is on the rest of the path."""
         rest = self.path[self.k :]
-        ix = np.minimum((rest[:, 0] / self.cell).astype(int), self.hits.shape[1] - 1)
-        iy = np.minimum((rest[:, 1] / self.cell).astype(int), self.hits.shape[0] - 1)
-        return bool((self.hits[iy, ix] > 0).any()) or self.age > 5
+        ix = np.minimum((rest[:, 0] / self.cell).astype(int), self.seen_at.shape[1] - 1)
+        iy = np.minimum((rest[:, 1] / self.cell).astype(int), self.seen_at.shape[0] - 1)
+        return bool((self.seen_at[iy, ix] > 0).any()) or self.age > 5

@@ -1,6 +1,9 @@
-"""A potential field with noise against local minima (Barraquand and Latombe, 1991)."""
+"""A potential field along a planned path, with noise against local minima."""
 
 import math
+
+import numpy as np
+from routes import plan_in, progress, wrapped
 
 from sim import Command, RobotOptions
 
@@ -9,42 +12,35 @@ STEP = math.tau / BEAMS
 
 
 class Potential:
-    """Follows the force; where it makes no progress, it drives at random for a while."""
+    """Follows the force; where that makes no progress, it drives at random for a while."""
 
     needs = RobotOptions(beams=BEAMS, beam_range=1.0)
-    senses = ("heading", "x", "y", "beams", "target_heading", "target_distance", "random")
-    patience = 40  # steps without progress
-    longest = 400  # steps of noise
+    senses = ("heading", "x", "y", "beams", "random")
+    patience = 12  # steps without a new place on the path
+    noise = 1.2  # rad
 
-    def reset(self):
-        # Best distance so far, steps since then, steps of noise left, its direction, its length.
-        return (math.inf, 0.0, 0.0, 0.0, 20.0)
+    def reset(self, world):
+        # Place on the path, steps since then.
+        return (0.0, 0.0, *plan_in(world, 1.2).ravel().tolist())
 
     def act(self, seen, memory):
-        best, stuck, noisy, direction, length = memory
-        if seen.target_distance < best - 0.3 * seen.radius:
-            best, stuck, length = seen.target_distance, 0.0, 20.0
-        else:
-            stuck += 1.0
-        used = False
-        if noisy > 0.0:
-            noisy -= 1.0
-            if int(noisy) % 25 == 0 or min(seen.beams) < 1.02 * seen.radius:
-                direction, used = math.tau * seen.random, True
-            heading = direction
-            stuck = 0.0
-        else:
-            if stuck > self.patience:
-                # Each time longer, until it comes closer.
-                noisy, stuck, length = length, 0.0, min(self.longest, 1.5 * length)
-            fx, fy = math.cos(seen.target_heading), math.sin(seen.target_heading)
-            for k, distance in enumerate(seen.beams):
-                gap = max(distance - seen.radius, 0.02 * seen.radius) / seen.radius
-                if gap < 1.0:
-                    push = 0.1 * (1.0 / gap - 1.0)
-                    fx -= push * math.cos(seen.heading + k * STEP)
-                    fy -= push * math.sin(seen.heading + k * STEP)
-            heading = math.atan2(fy, fx)
-        turn = math.remainder(heading - seen.heading, math.tau)
-        memory = (best, stuck, noisy, direction, length)
-        return Command(0.6 * seen.top_speed, turn / seen.time_step, used), memory
+        path = np.reshape(memory[2:], (-1, 2))
+        k = progress(path, int(memory[0]), seen.x, seen.y)
+        stuck = 0.0 if k > memory[0] else min(memory[1] + 1.0, 2.0 * self.patience)
+        goal = path[min(k + 5, len(path) - 1)]
+        to_goal = math.atan2(goal[1] - seen.y, goal[0] - seen.x)
+        fx, fy = math.cos(to_goal), math.sin(to_goal)
+        for i, distance in enumerate(seen.beams):
+            gap = max(distance - seen.radius, 0.1 * seen.radius) / seen.radius
+            if gap < 0.8:
+                push = 0.12 * (1.0 / gap - 1.25)
+                fx -= push * math.cos(seen.heading + i * STEP)
+                fy -= push * math.sin(seen.heading + i * STEP)
+        heading = math.atan2(fy, fx)
+        # Stuck in a minimum: leave it in a random direction, wider the longer it takes.
+        shaken = stuck > self.patience
+        if shaken:
+            heading += self.noise * (2.0 * seen.random - 1.0) * stuck / self.patience
+        turn = wrapped(heading - seen.heading)
+        memory = (float(k), stuck, *memory[2:])
+        return Command(0.6 * seen.top_speed, turn / seen.time_step, shaken), memory

@@ -33,4 +33,5 @@ class Pursuit:
         curvature = 2.0 * math.sin(bearing) / max(distance, 1e-6)
         # Regulate: no faster than the turn rate allows on this arc.
         speed = min(seen.top_speed, self.turn_rate / max(abs(curvature), 1e-6))
-        return Command(speed, speed * curvature), memory
+        rate = max(-self.turn_rate, min(self.turn_rate, speed * curvature))
+        return Command(speed, rate), memory

@@ -23,16 +23,21 @@ class Tangent:
         bearing, reach = self.best(seen)
         if not following:
             if not seen.bump and reach <= shortest + 1e-9:
-                return Command(0.7 * seen.top_speed, bearing / seen.time_step), (0.0, max(reach, seen.target_distance), wall)
+                return Command(seen.top_speed, bearing / seen.time_step), (0.0, max(reach, seen.target_distance), wall)
             following = 1.0
             shortest = seen.target_distance
             wall = seen.heading + (seen.bump_bearing if seen.bump else bearing)
         shortest = min(shortest, seen.target_distance)
         if reach < shortest - seen.radius:
-            return Command(0.7 * seen.top_speed, bearing / seen.time_step), (0.0, math.inf, 0.0)
-        wall = seen.heading + seen.bump_bearing if seen.bump else wall - 0.5
+            return Command(seen.top_speed, bearing / seen.time_step), (0.0, math.inf, 0.0)
+        ahead = min(range(-1, 6), key=lambda k: seen.beams[k])
+        if seen.beams[ahead] < 1.15 * seen.radius:
+            # An inner corner: the wall ahead is the one to follow.
+            wall = seen.heading + ahead * STEP
+        else:
+            wall = seen.heading + seen.bump_bearing if seen.bump else wall - 0.5
         turn = math.remainder(wall + math.pi / 2 - 0.05 - seen.heading, math.tau)
-        return Command(0.5 * seen.top_speed, turn / seen.time_step), (following, shortest, wall)
+        return Command(seen.top_speed, turn / seen.time_step), (following, shortest, wall)
 
     def best(self, seen):
         """Return the bearing of the best visible place and its distance from the target."""

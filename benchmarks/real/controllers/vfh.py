@@ -16,7 +16,7 @@ class Vfh:
 
     needs = RobotOptions(beams=SECTORS, beam_range=2.0)
     senses = ("heading", "x", "y", "beams", "target_distance")
-    reach = 2.2  # radii within which an obstacle blocks sectors
+    reach = 1.6  # radii within which an obstacle blocks sectors
     w_goal, w_turn, w_last = 5.0, 1.0, 0.5
 
     def reset(self, world):
@@ -33,7 +33,7 @@ class Vfh:
         blocked = np.zeros(SECTORS, bool)
         for bearing, distance in zip(BEARINGS, seen.beams, strict=True):
             if distance < self.reach * seen.radius:
-                widening = math.asin(min(1.0, 0.9 * seen.radius / max(distance, seen.radius)))
+                widening = math.asin(min(1.0, 0.8 * seen.radius / max(distance, seen.radius)))
                 blocked |= np.abs(np.remainder(BEARINGS - bearing + math.pi, math.tau) - math.pi) < widening
         last = memory[1] - seen.heading
         off_goal = self.off(BEARINGS, wanted)
@@ -43,10 +43,10 @@ class Vfh:
             + self.w_last * self.off(BEARINGS, last)
         )
         # The way ahead is open if no beam ends before the goal.
-        if blocked.all() or not self.is_blocked(blocked, wanted):
+        if (blocked | (off_goal > 1.7)).all() or not self.is_blocked(blocked, wanted):
             turn = wrapped(wanted)
         else:
-            turn = wrapped(BEARINGS[int(np.argmin(np.where(blocked, np.inf, cost)))])
+            turn = wrapped(BEARINGS[int(np.argmin(np.where(blocked | (off_goal > 1.7), np.inf, cost)))])
         speed = min(seen.top_speed, 8.0 * seen.target_distance)
         memory = (float(k), seen.heading + turn, *memory[2:])
         return Command(0.6 * speed, turn / seen.time_step), memory

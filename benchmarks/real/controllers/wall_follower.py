@@ -29,14 +29,18 @@ class WallFollower:
             wall = seen.heading + seen.bump_bearing
         elif seen.target_distance < met - self.gain * seen.radius and self.is_free(seen, to_target):
             return Command(seen.top_speed, to_target / seen.time_step), (0.0, 0.0, 0.0)
-        if seen.bump:
+        ahead = min(range(-1, 6), key=lambda k: seen.beams[k])
+        if seen.beams[ahead] < 1.15 * seen.radius:
+            # An inner corner: the wall ahead is the one to follow.
+            wall = seen.heading + ahead * STEP
+        elif seen.bump:
             wall = seen.heading + seen.bump_bearing
         else:
             # Nothing touched: turn towards the wall, around its corner.
             wall -= 0.5
         heading = wall + math.pi / 2 - 0.05
         turn = math.remainder(heading - seen.heading, math.tau)
-        return Command(0.5 * seen.top_speed, turn / seen.time_step), (following, met, wall)
+        return Command(seen.top_speed, turn / seen.time_step), (following, met, wall)
 
     def is_free(self, seen, bearing):
         """Return True if there is room for a few radii in a direction."""

@@ -1,0 +1,227 @@
+"""The twelve controllers, the line that makes each faulty, and files to give to a command."""
+
+from __future__ import annotations
+
+import functools
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim import CONTROLLERS, Command, Observation, simulate
+from sim.controllers.base import Memory
+from worldgen import generate
+
+FOLDER = Path(__file__).parent / "controllers"
+# Length of the sum whose time is measured, about a millisecond.
+_NUMBERS = 50_000
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A controller, and the one line that makes it faulty.
+
+    Args:
+        file: Name of its file in ``controllers/``, without ``.py``.
+        kind: Name of its class.
+        line: A line of the file, without its indent.
+        planted: The same line, faulty.
+        fault: What is wrong, and why the robot then fails.
+        words: A screen that has one of these, or the planted line, names the cause.
+    """
+
+    file: str
+    kind: str
+    line: str
+    planted: str
+    fault: str
+    words: tuple[str, ...]
+
+    def text(self, faulty: bool) -> str:
+        """Return the source.
+
+        Raises:
+            ValueError: If the line is not there exactly once.
+        """
+        text = (FOLDER / f"{self.file}.py").read_text(encoding="utf-8")
+        if text.count(self.line) != 1:
+            raise ValueError(f"{self.file}.py has {self.line!r} {text.count(self.line)} times, not once")
+        return text.replace(self.line, self.planted) if faulty else text
+
+
+ROBOTS = {
+    robot.file: robot
+    for robot in (
+        Robot(
+            "dwa",
+            "Dwa",
+            "if abs(bearing) > 1.0 or not admissible.any():",
+            "if abs(bearing) > 1.0:",
+            "It has no fallback if no velocity is admissible, so it takes the first of the window: "
+            "slowly, turning hard to the right. In a tight place it circles on the spot.",
+            ("circle", "turns on the spot", "turns in place", "spins"),
+        ),
+        Robot(
+            "vfh",
+            "Vfh",
+            "return np.abs(np.remainder(angles - to + math.pi, math.tau) - math.pi)",
+            "return np.abs(angles - to)",
+            "Angles are compared without wrapping, so directions just to the right of the goal count as a "
+            "full turn away. It turns to the wrong side of an obstacle.",
+            ("circle", "back and forth", "to and fro", "turns away"),
+        ),
+        Robot(
+            "pursuit",
+            "Pursuit",
+            "speed = min(seen.top_speed, self.turn_rate / max(abs(curvature), 1e-6))",
+            "speed = seen.top_speed",
+            "It does not slow down on a tight arc, and its turn rate is limited, so it orbits a point that is "
+            "closer than its turning circle.",
+            ("orbit", "circle"),
+        ),
+        Robot(
+            "hybrid",
+            "Hybrid",
+            "walls = self.seen_at > 0",
+            "walls = self.seen_at > self.now - 60",
+            "It forgets walls that it has not seen for 60 steps, so it plans through a dead end that it has "
+            "already left, and goes back and forth.",
+            ("back and forth", "returns", "alternates", "between"),
+        ),
+        Robot(
+            "tree",
+            "Tree",
+            "self.tries += 1",
+            "self.tries = self.tries % 2 + 1",
+            "Two of the three recoveries alternate, and the one that lowers the distance from walls never runs. "
+            "Where only a tight gap leads on, it turns and backs up endlessly.",
+            ("alternat", "turns and backs", "backs up", "to and fro", "back and forth"),
+        ),
+        Robot(
+            "mppi",
+            "Mppi",
+            "noise = self.rng.normal(0.0, self.spread, (SAMPLES, HORIZON))",
+            "noise = np.random.default_rng(1).normal(0.0, self.spread, (SAMPLES, HORIZON))",
+            "Each step draws the same samples, so their bias adds up: it drives the same arc whatever is ahead.",
+            ("circle", "orbit", "same arc"),
+        ),
+        Robot(
+            "pid",
+            "Pid",
+            "limit = 0.1  # rad s, of the integral",
+            "limit = 10.0  # rad s, of the integral",
+            "The integral winds up while the robot turns, and keeps it turning after it faces the goal.",
+            ("circle", "orbit", "overshoot", "grows", "turns on the spot", "spins"),
+        ),
+        Robot(
+            "smoother",
+            "Smoother",
+            "return max(speed, self.dead_band)",
+            "return speed if speed >= self.dead_band else 0.0",
+            "Speeds in the dead band become zero. Where it is tight, it asks for less than the dead band and "
+            "stands still.",
+            ("stands still", "does not move", "stops", "motionless", "freezes"),
+        ),
+        Robot(
+            "wall_follower",
+            "WallFollower",
+            "wall -= 0.5",
+            "wall -= 0.03",
+            "It turns too little at an outer corner, so it loses the wall, and meets another one or the "
+            "same one again.",
+            ("loses the wall", "corner", "circle", "round the same", "around the same"),
+        ),
+        Robot(
+            "frontier",
+            "Frontier",
+            "self.given_up.append(self.goal)",
+            "self.given_up = [self.goal]",
+            "It remembers only the last frontier that it gave up, so two that cannot be resolved send it back and "
+            "forth between them.",
+            ("back and forth", "alternat", "between", "to and fro"),
+        ),
+        Robot(
+            "tangent",
+            "Tangent",
+            "shortest = min(shortest, seen.target_distance)",
+            "shortest = seen.target_distance",
+            "It forgets the shortest distance to the target on the wall that it follows, so it leaves the wall "
+            "too early and comes back to it.",
+            ("comes back", "leaves the wall", "back and forth", "same wall", "circle"),
+        ),
+        Robot(
+            "potential",
+            "Potential",
+            "noise = 1.2  # rad",
+            "noise = math.radians(1.2)",
+            "The noise is converted to radians twice, so it is too weak to leave a local minimum.",
+            ("local minimum", "stands still", "trembles", "stuck", "to and fro", "back and forth"),
+        ),
+    )
+}  # fmt: skip
+"""The robots by the names of their files."""
+
+_ACT = "    def act(self, seen, memory):\n"
+
+
+def write(
+    robot: Robot, folder: Path, *, faulty: bool, pace: float = 0.0, calls: Path | None = None
+) -> str:
+    """Write a robot's file, and the one that it imports, into a folder.
+
+    Args:
+        robot: The robot.
+        folder: Where to write.
+        faulty: True to plant its fault.
+        pace: CPU time of each ``act``, ms, if it takes less by itself. A sum of the right length
+            pads it: a controller that read a clock would be another controller.
+        calls: A file that gets a byte for each call of ``act``; state of the controller's own
+            would change its verdicts.
+
+    Returns:
+        The controller's name for ``--controller``.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(FOLDER / "routes.py", folder)
+    file = folder / f"{robot.file}.py"
+    text = robot.text(faulty)
+    begin, body = text.split(_ACT)
+    if pace:
+        missing = max(0.0, 1e-3 * pace - _seconds_of_act(robot))
+        body = f"        sum(range({round(missing / _seconds_of_a_number())}))\n{body}"
+    if calls is not None:
+        body = f"        os.write(CALLS, b'.')\n{body}"
+        body += f"\n\nimport os\nCALLS = os.open({str(calls)!r}, os.O_WRONLY | os.O_CREAT | os.O_APPEND)\n"
+    file.write_text(begin + _ACT + body, encoding="utf-8")
+    return f"{file}:{robot.kind}"
+
+
+@functools.cache
+def _seconds_of_a_number() -> float:
+    """Return the CPU time that a sum takes for each of its numbers, in the least of some tries."""
+    return min(_cpu_seconds(lambda: sum(range(_NUMBERS))) for _ in range(20)) / _NUMBERS
+
+
+@functools.cache
+def _seconds_of_act(robot: Robot) -> float:
+    """Return the mean CPU time of a call of ``act`` in a few rooms, without the fault."""
+    spent = []
+    controller = CONTROLLERS.get(f"{FOLDER / robot.file}.py:{robot.kind}")
+
+    class Timed(type(controller)):  # type: ignore[misc]
+        def act(self, seen: Observation, memory: Memory) -> tuple[Command, Memory]:
+            begin = time.process_time()
+            answer = super().act(seen, memory)
+            spent.append(time.process_time() - begin)
+            return answer
+
+    for seed in range(3):
+        simulate(generate("rooms", seed, size=16), Timed())
+    return sum(spent) / len(spent)
+
+
+def _cpu_seconds(work: Callable[[], object]) -> float:
+    begin = time.process_time()
+    work()
+    return time.process_time() - begin
