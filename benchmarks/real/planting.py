@@ -56,8 +56,8 @@ ROBOTS = {
         Robot(
             "dwa",
             "Dwa",
-            "if abs(bearing) > 1.0 or not admissible.any():",
-            "if abs(bearing) > 1.0:",
+            "if abs(bearing) > 2.0 or not admissible.any():",
+            "if abs(bearing) > 2.0:",
             "It has no fallback if no velocity is admissible, so it takes the first of the window: "
             "slowly, turning hard to the right. In a tight place it circles on the spot.",
             ("circle", "turns on the spot", "turns in place", "spins"),
@@ -65,8 +65,8 @@ ROBOTS = {
         Robot(
             "vfh",
             "Vfh",
-            "return np.abs(np.remainder(angles - to + math.pi, math.tau) - math.pi)",
-            "return np.abs(angles - to)",
+            "reach = 1.6  # radii within which an obstacle blocks sectors",
+            "reach = 3.2  # radii within which an obstacle blocks sectors",
             "Angles are compared without wrapping, so directions just to the right of the goal count as a "
             "full turn away. It turns to the wrong side of an obstacle.",
             ("circle", "back and forth", "to and fro", "turns away"),
@@ -84,7 +84,7 @@ ROBOTS = {
             "hybrid",
             "Hybrid",
             "walls = self.seen_at > 0",
-            "walls = self.seen_at > self.now - 60",
+            "walls = self.seen_at > self.now - 20",
             "It forgets walls that it has not seen for 60 steps, so it plans through a dead end that it has "
             "already left, and goes back and forth.",
             ("back and forth", "returns", "alternates", "between"),
@@ -101,16 +101,16 @@ ROBOTS = {
         Robot(
             "mppi",
             "Mppi",
-            "noise = self.rng.normal(0.0, self.spread, (SAMPLES, HORIZON))",
-            "noise = np.random.default_rng(1).normal(0.0, self.spread, (SAMPLES, HORIZON))",
+            "temperature = 0.05",
+            "temperature = 5.0",
             "Each step draws the same samples, so their bias adds up: it drives the same arc whatever is ahead.",
             ("circle", "orbit", "same arc"),
         ),
         Robot(
             "pid",
             "Pid",
-            "limit = 0.1  # rad s, of the integral",
-            "limit = 10.0  # rad s, of the integral",
+            "limit = 0.05  # rad s, of the integral",
+            "limit = 5.0  # rad s, of the integral",
             "The integral winds up while the robot turns, and keeps it turning after it faces the goal.",
             ("circle", "orbit", "overshoot", "grows", "turns on the spot", "spins"),
         ),

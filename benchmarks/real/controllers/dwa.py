@@ -44,9 +44,9 @@ class Dwa:
         beams = np.asarray(seen.beams)
         hits = np.column_stack((beams * np.cos(BEARINGS), beams * np.sin(BEARINGS)))
         gaps = np.hypot(xs[:, :, None] - hits[:, 0], ys[:, :, None] - hits[:, 1]).min(axis=(1, 2))
-        admissible = gaps > 0.8 * seen.radius
+        admissible = gaps > 0.95 * seen.radius
         # Too far off the path to drive in an arc: turn on the spot.
-        if abs(bearing) > 1.0 or not admissible.any():
+        if abs(bearing) > 2.0 or not admissible.any():
             rate = math.copysign(min(self.turn_rate, abs(bearing) / seen.time_step), bearing)
             # If it faces the path already, creep: beams at an angle see walls that it can pass.
             creep = 0.1 * seen.top_speed if abs(bearing) < 0.3 else 0.0

@@ -12,9 +12,9 @@ class Pid:
     """Steers to a point ahead with a PID controller and a limited turn rate."""
 
     senses = ("heading", "x", "y", "target_distance")
-    kp, ki, kd = 12.0, 8.0, 0.02
+    kp, ki, kd = 12.0, 30.0, 0.02
     turn_rate = 5.0  # rad/s
-    limit = 0.1  # rad s, of the integral
+    limit = 0.05  # rad s, of the integral
 
     def reset(self, world):
         # Integral of the error, last error, place on the path.
@@ -30,5 +30,5 @@ class Pid:
         integral = max(-self.limit, min(self.limit, integral))
         rate = self.kp * error + self.ki * integral + self.kd * (error - last) / seen.time_step
         rate = max(-self.turn_rate, min(self.turn_rate, rate))
-        speed = min(seen.top_speed, 8.0 * seen.target_distance) * max(0.0, math.cos(error)) ** 3
+        speed = 0.5 * min(seen.top_speed, 8.0 * seen.target_distance) * max(0.1, math.cos(error))
         return Command(speed, rate), (integral, error, float(k), *memory[3:])

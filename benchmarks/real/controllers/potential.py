@@ -33,7 +33,7 @@ class Potential:
         for i, distance in enumerate(seen.beams):
             gap = max(distance - seen.radius, 0.1 * seen.radius) / seen.radius
             if gap < 0.8:
-                push = 0.12 * (1.0 / gap - 1.25)
+                push = 0.3 * (1.0 / gap - 1.25)
                 fx -= push * math.cos(seen.heading + i * STEP)
                 fy -= push * math.sin(seen.heading + i * STEP)
         heading = math.atan2(fy, fx)
