@@ -15,29 +15,34 @@ class Tangent:
     senses = ("bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "beams")
 
     def reset(self):
-        # Mode; shortest distance to the target so far on this wall; the wall's bearing (world).
-        return (0.0, math.inf, 0.0)
+        # Mode; shortest distance to the target so far on this wall; the wall's bearing (world);
+        # the last place.
+        return (0.0, math.inf, 0.0, 0.0, 0.0)
 
     def act(self, seen, memory):
-        following, shortest, wall = memory
+        following, shortest, wall, x, y = memory
+        stuck = math.hypot(seen.x - x, seen.y - y) < 0.02 * seen.radius
+        here = (seen.x, seen.y)
         bearing, reach = self.best(seen)
         if not following:
-            if not seen.bump and reach <= shortest + 1e-9:
-                return Command(seen.top_speed, bearing / seen.time_step), (0.0, max(reach, seen.target_distance), wall)
+            if not seen.bump and reach <= seen.target_distance:
+                return Command(seen.top_speed, bearing / seen.time_step), (0.0, shortest, wall, *here)
             following = 1.0
-            shortest = seen.target_distance
             wall = seen.heading + (seen.bump_bearing if seen.bump else bearing)
         shortest = min(shortest, seen.target_distance)
-        if reach < shortest - seen.radius:
-            return Command(seen.top_speed, bearing / seen.time_step), (0.0, math.inf, 0.0)
-        ahead = min(range(-1, 6), key=lambda k: seen.beams[k])
+        if reach < shortest - seen.radius and not (seen.bump or stuck):
+            return Command(seen.top_speed, bearing / seen.time_step), (0.0, shortest, 0.0, *here)
+        ahead = min(range(-1, 4), key=lambda k: seen.beams[k])
         if seen.beams[ahead] < 1.15 * seen.radius:
             # An inner corner: the wall ahead is the one to follow.
             wall = seen.heading + ahead * STEP
+        elif stuck:
+            # Something that no beam hits holds it: turn away from the wall.
+            wall += 0.5
         else:
             wall = seen.heading + seen.bump_bearing if seen.bump else wall - 0.5
         turn = math.remainder(wall + math.pi / 2 - 0.05 - seen.heading, math.tau)
-        return Command(seen.top_speed, turn / seen.time_step), (following, shortest, wall)
+        return Command(seen.top_speed, turn / seen.time_step), (following, shortest, wall, *here)
 
     def best(self, seen):
         """Return the bearing of the best visible place and its distance from the target."""

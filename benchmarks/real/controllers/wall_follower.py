@@ -16,23 +16,29 @@ class WallFollower:
     gain = 0.5  # radii closer to the target than where it met the wall
 
     def reset(self):
-        # Following or not; distance to the target where it met the wall; wall's bearing (world).
-        return (0.0, 0.0, 0.0)
+        # Following or not; distance to the target where it met the wall; wall's bearing (world);
+        # the last place.
+        return (0.0, 0.0, 0.0, 0.0, 0.0)
 
     def act(self, seen, memory):
-        following, met, wall = memory
+        following, met, wall, x, y = memory
+        stuck = math.hypot(seen.x - x, seen.y - y) < 0.02 * seen.radius
+        here = (seen.x, seen.y)
         to_target = math.remainder(seen.target_heading - seen.heading, math.tau)
         if not following:
             if not seen.bump:
-                return Command(seen.top_speed, to_target / seen.time_step), memory
+                return Command(seen.top_speed, to_target / seen.time_step), (*memory[:3], *here)
             following, met = 1.0, seen.target_distance
             wall = seen.heading + seen.bump_bearing
         elif seen.target_distance < met - self.gain * seen.radius and self.is_free(seen, to_target):
-            return Command(seen.top_speed, to_target / seen.time_step), (0.0, 0.0, 0.0)
-        ahead = min(range(-1, 6), key=lambda k: seen.beams[k])
+            return Command(seen.top_speed, to_target / seen.time_step), (0.0, 0.0, 0.0, *here)
+        ahead = min(range(-1, 4), key=lambda k: seen.beams[k])
         if seen.beams[ahead] < 1.15 * seen.radius:
             # An inner corner: the wall ahead is the one to follow.
             wall = seen.heading + ahead * STEP
+        elif stuck:
+            # Something that no beam hits holds it: turn away from the wall.
+            wall += 0.5
         elif seen.bump:
             wall = seen.heading + seen.bump_bearing
         else:
@@ -40,7 +46,7 @@ class WallFollower:
             wall -= 0.5
         heading = wall + math.pi / 2 - 0.05
         turn = math.remainder(heading - seen.heading, math.tau)
-        return Command(seen.top_speed, turn / seen.time_step), (following, met, wall)
+        return Command(seen.top_speed, turn / seen.time_step), (following, met, wall, *here)
 
     def is_free(self, seen, bearing):
         """Return True if there is room for a few radii in a direction."""
