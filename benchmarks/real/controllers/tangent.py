@@ -30,7 +30,7 @@ class Tangent:
             following = 1.0
             wall = seen.heading + (seen.bump_bearing if seen.bump else bearing)
         shortest = min(shortest, seen.target_distance)
-        if reach < shortest - seen.radius and not (seen.bump or stuck):
+        if reach < shortest - seen.radius and not stuck:
             return Command(seen.top_speed, bearing / seen.time_step), (0.0, shortest, 0.0, *here)
         ahead = min(range(-1, 4), key=lambda k: seen.beams[k])
         if seen.beams[ahead] < 1.15 * seen.radius:
