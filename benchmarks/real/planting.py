@@ -67,8 +67,8 @@ ROBOTS = {
             "Vfh",
             "reach = 1.6  # radii within which an obstacle blocks sectors",
             "reach = 3.2  # radii within which an obstacle blocks sectors",
-            "Angles are compared without wrapping, so directions just to the right of the goal count as a "
-            "full turn away. It turns to the wrong side of an obstacle.",
+            "Obstacles twice as far away block sectors, so in a narrow place most directions are closed, and it "
+            "turns back from a gap that it could pass.",
             ("circle", "back and forth", "to and fro", "turns away"),
         ),
         Robot(
@@ -101,15 +101,15 @@ ROBOTS = {
         Robot(
             "mppi",
             "Mppi",
-            "temperature = 0.05",
-            "temperature = 5.0",
-            "Each step draws the same samples, so their bias adds up: it drives the same arc whatever is ahead.",
-            ("circle", "orbit", "same arc"),
+            "self.rates = weights @ rates / weights.sum()",
+            "self.rates = weights @ rates",
+            "The weights are not divided by their sum, so the turn rate is many times too large, and it turns on the spot or in small circles.",
+            ("circle", "orbit", "turns on the spot", "turns in place", "spins"),
         ),
         Robot(
             "pid",
             "Pid",
-            "limit = 0.05  # rad s, of the integral",
+            "limit = 0.005  # rad s, of the integral",
             "limit = 5.0  # rad s, of the integral",
             "The integral winds up while the robot turns, and keeps it turning after it faces the goal.",
             ("circle", "orbit", "overshoot", "grows", "turns on the spot", "spins"),
@@ -135,10 +135,10 @@ ROBOTS = {
         Robot(
             "frontier",
             "Frontier",
-            "self.given_up.append(self.goal)",
-            "self.given_up = [self.goal]",
-            "It remembers only the last frontier that it gave up, so two that cannot be resolved send it back and "
-            "forth between them.",
+            "return math.dist(here, place) + math.dist(place, self.target)",
+            "return math.dist(place, self.target) - math.dist(here, place)",
+            "The way to a frontier counts as a gain, not as a cost, so it turns to another one, farther away, before "
+            "it has reached any: it goes back and forth between them.",
             ("back and forth", "alternat", "between", "to and fro"),
         ),
         Robot(

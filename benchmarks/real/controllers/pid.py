@@ -12,9 +12,9 @@ class Pid:
     """Steers to a point ahead with a PID controller and a limited turn rate."""
 
     senses = ("heading", "x", "y", "target_distance")
-    kp, ki, kd = 12.0, 30.0, 0.02
-    turn_rate = 5.0  # rad/s
-    limit = 0.05  # rad s, of the integral
+    kp, ki, kd = 8.0, 200.0, 0.0
+    turn_rate = 7.0  # rad/s
+    limit = 0.005  # rad s, of the integral
 
     def reset(self, world):
         # Integral of the error, last error, place on the path.
@@ -30,5 +30,5 @@ class Pid:
         integral = max(-self.limit, min(self.limit, integral))
         rate = self.kp * error + self.ki * integral + self.kd * (error - last) / seen.time_step
         rate = max(-self.turn_rate, min(self.turn_rate, rate))
-        speed = 0.5 * min(seen.top_speed, 8.0 * seen.target_distance) * max(0.1, math.cos(error))
+        speed = 0.25 * min(seen.top_speed, 20.0 * seen.target_distance)
         return Command(speed, rate), (integral, error, float(k), *memory[3:])
