@@ -101,10 +101,11 @@ ROBOTS = {
         Robot(
             "mppi",
             "Mppi",
-            "self.rates = weights @ rates / weights.sum()",
-            "self.rates = weights @ rates",
-            "The weights are not divided by their sum, so the turn rate is many times too large, and it turns on the spot or in small circles.",
-            ("circle", "orbit", "turns on the spot", "turns in place", "spins"),
+            "goal = self.path[min(self.k + 4, len(self.path) - 1)]",
+            "goal = self.path[min(self.k + 12, len(self.path) - 1)]",
+            "It aims at a place too far along the path, which may be behind a wall, and its few samples do not lead "
+            "around that wall: it pushes against it.",
+            ("against a wall", "against the wall", "pushes", "stuck", "behind a wall"),
         ),
         Robot(
             "pid",

@@ -27,7 +27,7 @@ class Potential:
         path = np.reshape(memory[2:], (-1, 2))
         k = progress(path, int(memory[0]), seen.x, seen.y)
         stuck = 0.0 if k > memory[0] else min(memory[1] + 1.0, 2.0 * self.patience)
-        goal = path[min(k + 5, len(path) - 1)]
+        goal = path[min(k + 6, len(path) - 1)]
         to_goal = math.atan2(goal[1] - seen.y, goal[0] - seen.x)
         fx, fy = math.cos(to_goal), math.sin(to_goal)
         for i, distance in enumerate(seen.beams):
