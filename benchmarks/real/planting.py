@@ -163,6 +163,41 @@ ROBOTS = {
 }  # fmt: skip
 """The robots by the names of their files."""
 
+PURPOSES = {
+    "n": "natural worlds",
+    "e": "explaining",
+    "k": "shrinking",
+    "s": "screening",
+    "p": "proving",
+    "t": "trying out",
+}
+"""Why a campaign calls ``act``, by the letter that each call writes."""
+
+# Finds the purpose of a call in the modules that led to it, so the controller keeps no state for it.
+_COUNTING = '''
+import os
+import sys
+
+CALLS = os.open({calls!r}, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+
+
+def purpose():
+    names = set()
+    frame = sys._getframe(2)
+    while frame is not None:
+        names.add(frame.f_globals.get("__name__", ""))
+        frame = frame.f_back
+    path = " ".join(names)
+    if "fuzz.overview.natural" in path:
+        return b"n"
+    if "fuzz.overview" in path:
+        return b"e"
+    if "fuzz.shrink" in path:
+        return b"k"
+    if "fuzz.campaign.unit" not in path:
+        return b"t"
+    return b"p" if "fuzz.triage" in path or "fuzz.oracles" in path else b"s"
+'''
 _ACT = "    def act(self, seen, memory):\n"
 
 
@@ -177,8 +212,8 @@ def write(
         faulty: True to plant its fault.
         pace: CPU time of each ``act``, ms, if it takes less by itself. A sum of the right length
             pads it: a controller that read a clock would be another controller.
-        calls: A file that gets a byte for each call of ``act``; state of the controller's own
-            would change its verdicts.
+        calls: A file that gets a letter of ``PURPOSES`` for each call of ``act``; state of the
+            controller's own would change its verdicts.
 
     Returns:
         The controller's name for ``--controller``.
@@ -192,8 +227,7 @@ def write(
         missing = max(0.0, 1e-3 * pace - _seconds_of_act(robot))
         body = f"        sum(range({round(missing / _seconds_of_a_number())}))\n{body}"
     if calls is not None:
-        body = f"        os.write(CALLS, b'.')\n{body}"
-        body += f"\n\nimport os\nCALLS = os.open({str(calls)!r}, os.O_WRONLY | os.O_CREAT | os.O_APPEND)\n"
+        body = f"        os.write(CALLS, purpose())\n{body}\n{_COUNTING.format(calls=str(calls))}"
     file.write_text(begin + _ACT + body, encoding="utf-8")
     return f"{file}:{robot.kind}"
 
