@@ -88,7 +88,9 @@ def main() -> None:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--pace", type=float, default=0.0, help="CPU time of a call of act, ms")
-    parser.add_argument("--budget", type=float, default=60.0, help="of each campaign, s (default 60)")
+    parser.add_argument(
+        "--budget", type=float, default=60.0, help="of each campaign, s (default 60)"
+    )
     parser.add_argument("--peer-budget", type=float, help="of each peer, CPU s (default: --budget)")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
     parser.add_argument("--seed", type=int, default=1)

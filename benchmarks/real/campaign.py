@@ -60,14 +60,25 @@ class Row:
     screen: str = ""
 
 
-def campaign(robot: Robot, folder: Path, *, faulty: bool, pace: float, budget: float, workers: int, seed: int) -> Row:
+def campaign(
+    robot: Robot, folder: Path, *, faulty: bool, pace: float, budget: float, workers: int, seed: int
+) -> Row:
     """Run one campaign in an empty folder."""
     calls = folder / "calls"
     out = folder / "failures"
     controller = write(robot, folder, faulty=faulty, pace=pace, calls=calls)
     command = [
         *(sys.executable, "-m", "worldgen", "fuzz", "--controller", controller),
-        *("--budget", f"{budget:g}s", "--workers", str(workers), "--seed", str(seed), "--out", str(out)),
+        *(
+            "--budget",
+            f"{budget:g}s",
+            "--workers",
+            str(workers),
+            "--seed",
+            str(seed),
+            "--out",
+            str(out),
+        ),
     ]
     row = Row()
     before = _cpu_of_children()

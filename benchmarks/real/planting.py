@@ -29,6 +29,8 @@ class Robot:
         planted: The same line, faulty.
         fault: What is wrong, and why the robot then fails.
         words: A screen that has one of these, or the planted line, names the cause.
+        arrives: Share of small worlds in which it arrives without the fault, within 8 times the
+            witness's time. A bug algorithm may turn the wrong way at first.
     """
 
     file: str
@@ -37,6 +39,7 @@ class Robot:
     planted: str
     fault: str
     words: tuple[str, ...]
+    arrives: float = 1.0
 
     def text(self, faulty: bool) -> str:
         """Return the source.
@@ -46,7 +49,9 @@ class Robot:
         """
         text = (FOLDER / f"{self.file}.py").read_text(encoding="utf-8")
         if text.count(self.line) != 1:
-            raise ValueError(f"{self.file}.py has {self.line!r} {text.count(self.line)} times, not once")
+            raise ValueError(
+                f"{self.file}.py has {self.line!r} {text.count(self.line)} times, not once"
+            )
         return text.replace(self.line, self.planted) if faulty else text
 
 
@@ -87,7 +92,7 @@ ROBOTS = {
             "walls = self.seen_at > self.now - 20",
             "It forgets walls that it has not seen for 60 steps, so it plans through a dead end that it has "
             "already left, and goes back and forth.",
-            ("back and forth", "returns", "alternates", "between"),
+            ("back and forth", "alternates between", "turns back"),
         ),
         Robot(
             "tree",
@@ -131,7 +136,8 @@ ROBOTS = {
             "wall -= 0.03",
             "It turns too little at an outer corner, so it loses the wall, and meets another one or the "
             "same one again.",
-            ("loses the wall", "corner", "circle", "round the same", "around the same"),
+            ("loses the wall", "outer corner", "circle", "around the same"),
+            arrives=0.85,
         ),
         Robot(
             "frontier",
@@ -140,7 +146,7 @@ ROBOTS = {
             "return math.dist(place, self.target) - math.dist(here, place)",
             "The way to a frontier counts as a gain, not as a cost, so it turns to another one, farther away, before "
             "it has reached any: it goes back and forth between them.",
-            ("back and forth", "alternat", "between", "to and fro"),
+            ("back and forth", "alternates between", "to and fro"),
         ),
         Robot(
             "tangent",
@@ -149,7 +155,8 @@ ROBOTS = {
             "shortest = seen.target_distance",
             "It forgets the shortest distance to the target on the wall that it follows, so it leaves the wall "
             "too early and comes back to it.",
-            ("comes back", "leaves the wall", "back and forth", "same wall", "circle"),
+            ("comes back", "leaves the wall", "back and forth", "same wall"),
+            arrives=0.95,
         ),
         Robot(
             "potential",
@@ -174,7 +181,7 @@ PURPOSES = {
 """Why a campaign calls ``act``, by the letter that each call writes."""
 
 # Finds the purpose of a call in the modules that led to it, so the controller keeps no state for it.
-_COUNTING = '''
+_COUNTING = """
 import os
 import sys
 
@@ -197,7 +204,7 @@ def purpose():
     if "fuzz.campaign.unit" not in path:
         return b"t"
     return b"p" if "fuzz.triage" in path or "fuzz.oracles" in path else b"s"
-'''
+"""
 _ACT = "    def act(self, seen, memory):\n"
 
 

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from routes import clear_points, plan, progress, wrapped
+from routes import plan, progress, wrapped
 
 from sim import Command, RobotOptions
 
@@ -90,7 +90,10 @@ class Frontier:
         unknown = np.pad(self.grid == UNKNOWN, 1)
         near = unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | unknown[1:-1, 2:]
         iy, ix = np.nonzero(near & (self.grid == FREE))
-        places = [((x + 0.5) * self.cell, (y + 0.5) * self.cell) for x, y in zip(ix.tolist(), iy.tolist(), strict=True)]
+        places = [
+            ((x + 0.5) * self.cell, (y + 0.5) * self.cell)
+            for x, y in zip(ix.tolist(), iy.tolist(), strict=True)
+        ]
         return [place for place in places if place not in self.given_up]
 
     def cost(self, here, place):

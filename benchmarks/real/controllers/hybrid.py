@@ -15,7 +15,16 @@ class Hybrid:
     """Marks walls in a grid, plans again when they block its path, and follows the path."""
 
     needs = RobotOptions(beams=BEAMS, beam_range=1.0)
-    senses = ("heading", "x", "y", "beams", "target_heading", "target_distance", "bump", "bump_bearing")
+    senses = (
+        "heading",
+        "x",
+        "y",
+        "beams",
+        "target_heading",
+        "target_distance",
+        "bump",
+        "bump_bearing",
+    )
     look_again = 40  # steps between two plans without a reason
 
     def reset(self, world):

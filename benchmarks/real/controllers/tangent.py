@@ -12,7 +12,16 @@ class Tangent:
     """Heads for the end of the obstacle with the shortest detour; follows it in a local minimum."""
 
     needs = RobotOptions(beams=BEAMS, beam_range=1.0)
-    senses = ("bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "beams")
+    senses = (
+        "bump",
+        "bump_bearing",
+        "heading",
+        "x",
+        "y",
+        "target_heading",
+        "target_distance",
+        "beams",
+    )
 
     def reset(self):
         # Mode; shortest distance to the target so far on this wall; the wall's bearing (world);
@@ -26,7 +35,12 @@ class Tangent:
         bearing, reach = self.best(seen)
         if not following:
             if not seen.bump and reach <= seen.target_distance:
-                return Command(seen.top_speed, bearing / seen.time_step), (0.0, shortest, wall, *here)
+                return Command(seen.top_speed, bearing / seen.time_step), (
+                    0.0,
+                    shortest,
+                    wall,
+                    *here,
+                )
             following = 1.0
             wall = seen.heading + (seen.bump_bearing if seen.bump else bearing)
         shortest = min(shortest, seen.target_distance)

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 from routes import plan, progress, wrapped
 
 from sim import Command

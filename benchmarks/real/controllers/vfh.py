@@ -34,7 +34,10 @@ class Vfh:
         for bearing, distance in zip(BEARINGS, seen.beams, strict=True):
             if distance < self.reach * seen.radius:
                 widening = math.asin(min(1.0, 0.8 * seen.radius / max(distance, seen.radius)))
-                blocked |= np.abs(np.remainder(BEARINGS - bearing + math.pi, math.tau) - math.pi) < widening
+                blocked |= (
+                    np.abs(np.remainder(BEARINGS - bearing + math.pi, math.tau) - math.pi)
+                    < widening
+                )
         last = memory[1] - seen.heading
         off_goal = self.off(BEARINGS, wanted)
         cost = (
@@ -46,7 +49,9 @@ class Vfh:
         if (blocked | (off_goal > 1.7)).all() or not self.is_blocked(blocked, wanted):
             turn = wrapped(wanted)
         else:
-            turn = wrapped(BEARINGS[int(np.argmin(np.where(blocked | (off_goal > 1.7), np.inf, cost)))])
+            turn = wrapped(
+                BEARINGS[int(np.argmin(np.where(blocked | (off_goal > 1.7), np.inf, cost)))]
+            )
         speed = min(seen.top_speed, 8.0 * seen.target_distance)
         memory = (float(k), seen.heading + turn, *memory[2:])
         return Command(0.6 * speed, turn / seen.time_step), memory

@@ -12,7 +12,16 @@ class WallFollower:
     """Heads for the target; at a wall it keeps the wall on its right until it has gained."""
 
     needs = RobotOptions(beams=BEAMS, beam_range=1.0)
-    senses = ("bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "beams")
+    senses = (
+        "bump",
+        "bump_bearing",
+        "heading",
+        "x",
+        "y",
+        "target_heading",
+        "target_distance",
+        "beams",
+    )
     gain = 0.5  # radii closer to the target than where it met the wall
 
     def reset(self):
