@@ -59,115 +59,151 @@ ROBOTS = {
     robot.file: robot
     for robot in (
         Robot(
-            "dwa",
-            "Dwa",
-            "if abs(bearing) > 2.0 or not admissible.any():",
-            "if abs(bearing) > 2.0:",
-            "It has no fallback if no velocity is admissible, so it takes the first of the window: "
-            "slowly, turning hard to the right. In a tight place it circles on the spot.",
-            ("circle", "turns on the spot", "turns in place", "spins"),
+            file="dwa",
+            kind="Dwa",
+            line="if abs(bearing) > 2.0 or not admissible.any():",
+            planted="if abs(bearing) > 2.0:",
+            fault=(
+                "It has no fallback if no velocity is admissible, so it takes the first of the "
+                "window: slowly, turning hard to the right. In a tight place it circles on the "
+                "spot."
+            ),
+            words=("circle", "turns on the spot", "turns in place", "spins"),
         ),
         Robot(
-            "vfh",
-            "Vfh",
-            "reach = 1.6  # radii within which an obstacle blocks sectors",
-            "reach = 3.2  # radii within which an obstacle blocks sectors",
-            "Obstacles twice as far away block sectors, so in a narrow place most directions are closed, and it "
-            "turns back from a gap that it could pass.",
-            ("circle", "back and forth", "to and fro", "turns away"),
+            file="vfh",
+            kind="Vfh",
+            line="reach = 1.6  # radii within which an obstacle blocks sectors",
+            planted="reach = 3.2  # radii within which an obstacle blocks sectors",
+            fault=(
+                "Obstacles twice as far away block sectors, so in a narrow place most "
+                "directions are closed, and it turns back from a gap that it could pass."
+            ),
+            words=("circle", "back and forth", "to and fro", "turns away"),
         ),
         Robot(
-            "pursuit",
-            "Pursuit",
-            "speed = min(seen.top_speed, self.turn_rate / max(abs(curvature), 1e-6))",
-            "speed = seen.top_speed",
-            "It does not slow down on a tight arc, and its turn rate is limited, so it orbits a point that is "
-            "closer than its turning circle.",
-            ("orbit", "circle"),
+            file="pursuit",
+            kind="Pursuit",
+            line="speed = min(seen.top_speed, self.turn_rate / max(abs(curvature), 1e-6))",
+            planted="speed = seen.top_speed",
+            fault=(
+                "It does not slow down on a tight arc, and its turn rate is limited, so it "
+                "orbits a point that is closer than its turning circle."
+            ),
+            words=("orbit", "circle"),
         ),
         Robot(
-            "hybrid",
-            "Hybrid",
-            "walls = self.seen_at > 0",
-            "walls = self.seen_at > self.now - 20",
-            "It forgets walls that it has not seen for 60 steps, so it plans through a dead end that it has "
-            "already left, and goes back and forth.",
-            ("back and forth", "alternates between", "turns back"),
+            file="hybrid",
+            kind="Hybrid",
+            line="walls = self.seen_at > 0",
+            planted="walls = self.seen_at > self.now - 20",
+            fault=(
+                "It forgets walls that it has not seen for 20 steps, so it plans through a dead "
+                "end that it has already left, and goes back and forth."
+            ),
+            words=("back and forth", "alternates between", "turns back"),
         ),
         Robot(
-            "tree",
-            "Tree",
-            "self.tries += 1",
-            "self.tries = self.tries % 2 + 1",
-            "Two of the three recoveries alternate, and the one that lowers the distance from walls never runs. "
-            "Where only a tight gap leads on, it turns and backs up endlessly.",
-            ("alternat", "turns and backs", "backs up", "to and fro", "back and forth"),
+            file="tree",
+            kind="Tree",
+            line="self.tries += 1",
+            planted="self.tries = self.tries % 2 + 1",
+            fault=(
+                "Two of the three recoveries alternate, and the one that lowers the distance "
+                "from walls never runs. Where only a tight gap leads on, it turns and backs up "
+                "endlessly."
+            ),
+            words=("alternat", "turns and backs", "backs up", "to and fro", "back and forth"),
         ),
         Robot(
-            "mppi",
-            "Mppi",
-            "goal = self.path[min(self.k + 4, len(self.path) - 1)]",
-            "goal = self.path[min(self.k + 12, len(self.path) - 1)]",
-            "It aims at a place too far along the path, which may be behind a wall, and its few samples do not lead "
-            "around that wall: it pushes against it.",
-            ("against a wall", "against the wall", "pushes", "stuck", "behind a wall"),
+            file="mppi",
+            kind="Mppi",
+            line="goal = self.path[min(self.k + 4, len(self.path) - 1)]",
+            planted="goal = self.path[min(self.k + 12, len(self.path) - 1)]",
+            fault=(
+                "It aims at a place too far along the path, which may be behind a wall, and its "
+                "few samples do not lead around that wall: it pushes against it."
+            ),
+            words=("against a wall", "against the wall", "pushes", "stuck", "behind a wall"),
         ),
         Robot(
-            "pid",
-            "Pid",
-            "limit = 0.005  # rad s, of the integral",
-            "limit = 5.0  # rad s, of the integral",
-            "The integral winds up while the robot turns, and keeps it turning after it faces the goal.",
-            ("circle", "orbit", "overshoot", "grows", "turns on the spot", "spins"),
+            file="pid",
+            kind="Pid",
+            line="limit = 0.005  # rad s, of the integral",
+            planted="limit = 5.0  # rad s, of the integral",
+            fault=(
+                "The integral winds up while the robot turns, and keeps it turning after it "
+                "faces the goal."
+            ),
+            words=("circle", "orbit", "overshoot", "grows", "turns on the spot", "spins"),
         ),
         Robot(
-            "smoother",
-            "Smoother",
-            "return max(speed, self.dead_band)",
-            "return speed if speed >= self.dead_band else 0.0",
-            "Speeds in the dead band become zero. Where it is tight, it asks for less than the dead band and "
-            "stands still.",
-            ("stands still", "does not move", "stops", "motionless", "freezes"),
+            file="smoother",
+            kind="Smoother",
+            line="return max(speed, self.dead_band)",
+            planted="return speed if speed >= self.dead_band else 0.0",
+            fault=(
+                "Speeds in the dead band become zero. Where it is tight, it asks for less than "
+                "the dead band and stands still."
+            ),
+            words=("stands still", "does not move", "stops", "motionless", "freezes"),
         ),
         Robot(
-            "wall_follower",
-            "WallFollower",
-            "wall -= 0.5",
-            "wall -= 0.03",
-            "It turns too little at an outer corner, so it loses the wall, and meets another one or the "
-            "same one again.",
-            ("loses the wall", "outer corner", "circle", "around the same"),
+            file="wall_follower",
+            kind="WallFollower",
+            line="wall -= 0.5",
+            planted="wall -= 0.03",
+            fault=(
+                "It turns too little at an outer corner, so it loses the wall, and meets "
+                "another one or the same one again."
+            ),
+            words=("loses the wall", "outer corner", "circle", "around the same"),
             arrives=0.85,
         ),
         Robot(
-            "frontier",
-            "Frontier",
-            "return math.dist(here, place) + math.dist(place, self.target)",
-            "return math.dist(place, self.target) - math.dist(here, place)",
-            "The way to a frontier counts as a gain, not as a cost, so it turns to another one, farther away, before "
-            "it has reached any: it goes back and forth between them.",
-            ("back and forth", "alternates between", "to and fro"),
+            file="frontier",
+            kind="Frontier",
+            line="return math.dist(here, place) + math.dist(place, self.target)",
+            planted="return math.dist(place, self.target) - math.dist(here, place)",
+            fault=(
+                "The way to a frontier counts as a gain, not as a cost, so it turns to another "
+                "one, farther away, before it has reached any: it goes back and forth between "
+                "them."
+            ),
+            words=("back and forth", "alternates between", "to and fro"),
         ),
         Robot(
-            "tangent",
-            "Tangent",
-            "shortest = min(shortest, seen.target_distance)",
-            "shortest = seen.target_distance",
-            "It forgets the shortest distance to the target on the wall that it follows, so it leaves the wall "
-            "too early and comes back to it.",
-            ("comes back", "leaves the wall", "back and forth", "same wall"),
+            file="tangent",
+            kind="Tangent",
+            line="shortest = min(shortest, seen.target_distance)",
+            planted="shortest = seen.target_distance",
+            fault=(
+                "It forgets the shortest distance to the target on the wall that it follows, so "
+                "it leaves the wall too early and comes back to it."
+            ),
+            words=("comes back", "leaves the wall", "back and forth", "same wall"),
             arrives=0.95,
         ),
         Robot(
-            "potential",
-            "Potential",
-            "noise = 1.2  # rad",
-            "noise = math.radians(1.2)",
-            "The noise is converted to radians twice, so it is too weak to leave a local minimum.",
-            ("local minimum", "stands still", "trembles", "stuck", "to and fro", "back and forth"),
+            file="potential",
+            kind="Potential",
+            line="noise = 1.2  # rad",
+            planted="noise = math.radians(1.2)",
+            fault=(
+                "The noise is converted to radians twice, so it is too weak to leave a local "
+                "minimum."
+            ),
+            words=(
+                "local minimum",
+                "stands still",
+                "trembles",
+                "stuck",
+                "to and fro",
+                "back and forth",
+            ),
         ),
     )
-}  # fmt: skip
+}
 """The robots by the names of their files."""
 
 PURPOSES = {
