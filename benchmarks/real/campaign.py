@@ -92,7 +92,7 @@ def campaign(
     row.exit_code = running.returncode
     _keep_new(out, folder / "kept", stored, None, row.seconds)
 
-    # What it said, and how much of the work counted.
+    # What it printed, and how much of the work counted.
     row.screen = (folder / "screen").read_text()
     row.names = names(robot, row.screen) if faulty else ""
     summary_file = out / ".campaign" / "summary.json"
@@ -123,7 +123,9 @@ def names(robot: Robot, screen: str) -> str:
     first = "\n".join(lines[: ends[0]] if ends else lines)
     if robot.planted.split("  #")[0] in first:
         return "line"
-    return "motion" if any(word in first.lower() for word in robot.words) else ""
+    # A cause's name has dashes: turns-on-the-spot.
+    plain = first.lower().replace("-", " ")
+    return "motion" if any(word in plain for word in robot.words) else ""
 
 
 def _keep_new(
