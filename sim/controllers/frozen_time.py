@@ -83,9 +83,11 @@ class FrozenTime:
         originals = {id(getattr(place, name)): new for place, name, new in replaced}
         self._places = [(vars(place), name, new) for place, name, new in replaced]
         # ``from time import monotonic`` has made a name of its own.
+        parts = (controller, *getattr(controller, "made_of", ()))
+        modules = [one for part in parts for one in modules_of_user(type(part))]
         self._places += [
             (vars(module), name, originals[id(value)])
-            for module in modules_of_user(type(controller))
+            for module in dict.fromkeys(modules)
             for name, value in vars(module).items()
             if id(value) in originals
         ]

@@ -21,13 +21,24 @@ from sim.clock.controller_time import Effort
 from sim.controllers.contract import UNKNOWN_SOURCE
 from sim.episode.differences import _examined, count_sources, note_difference
 from tests.helpers.command_line import worldgen
-from tests.helpers.halls import hall
+from tests.helpers.halls import cup, hall
 from tests.helpers.raising import raises
 from worldgen import write_world
 from worldgen.errors import InvalidParameter
 
 HERE = "tests.sim.test_frozen_time"
 SEEN = []
+MINE = """import random
+from time import monotonic
+
+class Dice:
+    def __init__(self):
+        self.dice = random.Random()
+    def reset(self): return ()
+    def act(self, observation, memory):
+        turn = self.dice.random() + monotonic()
+        return (0.5, turn % 1.0), memory
+"""
 
 
 class Controller:
@@ -247,3 +258,13 @@ class Many:
 
     def act_many(self, observation, memory):
         return Command(1.0, 0.0), memory
+
+
+@pytest.mark.gate
+def test_explain_shows_the_lines_of_a_run_with_frozen_time(tmp_path):
+    (tmp_path / "mine.py").write_text(MINE)
+    name = f"{tmp_path}/mine.py:Dice+frozen_time"
+    failure = failure_of(certified(cup()), Scenario.parse(name))
+    failure.write(tmp_path / "f.grid")
+    shown = worldgen("explain", "--trust", tmp_path / "f.grid").out
+    assert "x     9 |" in shown and "turn = self.dice.random() + monotonic()" in shown
