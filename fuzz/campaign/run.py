@@ -18,7 +18,14 @@ from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
+from fuzz.shrink.queue import (
+    MOST_SHRUNK,
+    SHRINKING_SECONDS,
+    Shrinking,
+    ShrinkJob,
+    ShrinkQueue,
+    shrunk_or_same,
+)
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.unit.result import FailureKey, SearchState, UnitResult
@@ -83,6 +90,9 @@ class Campaign(Goal[Progress]):
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
+        self._steps_to_shrink = (
+            config.pace.steps_in(SHRINKING_SECONDS) if schedule.is_unlimited else math.inf
+        )
         self._handed_in = LiveCounts()
         # Units that this run has done.
         self._units_now = 0
@@ -188,7 +198,9 @@ class Campaign(Goal[Progress]):
             self._queue.as_urgent_as(job) + in_progress + 1,
             max(self._scheduler.executor.room - 1, 1),
         )
-        call = partial(shrunk_or_same, job.failure, seconds=seconds, end=end)
+        call = partial(
+            shrunk_or_same, job.failure, seconds=seconds, end=end, most_steps=self._steps_to_shrink
+        )
         return Work(call, partial(self._take_shrunk, job), is_unit=False)
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:

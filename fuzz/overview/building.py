@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,7 +29,7 @@ from fuzz.overview.natural import (
 )
 from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
 from fuzz.search.plan import prices_of
-from fuzz.shrink.queue import shrunk_or_same
+from fuzz.shrink.queue import SHRINKING_SECONDS, shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.judging import failure_of
@@ -38,6 +39,7 @@ from fuzz.unit.config import CampaignConfig
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.deadline import now
 from fuzz.unit.live import not_arrived
+from fuzz.unit.pace import Pace
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError
@@ -58,6 +60,9 @@ _EFFORT = 0.15
 # Limit on the cells that the proofs of one explanation examine: about a second. A map of 200,000
 # cells gets ten changes, a shrunk world all of them.
 _MOST_CELLS = 2_000_000
+
+# Seconds of a slow controller's steps for one explanation without a time limit.
+_SECONDS_TO_EXPLAIN = 20.0
 
 # Shares of the time after which no more natural worlds are run, and after which failures that only
 # they show are no longer shrunk; the rest is for explanations.
@@ -141,7 +146,7 @@ def build_overview(
         if not config.shrink:
             return failure
         as_found[failure.id] = failure
-        return _shrunk(failure, until)
+        return _shrunk(failure, until, config.pace)
 
     until = None if seconds is None else began + _SHRINKING_TIME * seconds
     causes, examples = with_worlds(
@@ -152,6 +157,7 @@ def build_overview(
         ),
         None if seconds is None else began + seconds,
         with_code=conclusion.with_code,
+        most_steps=config.pace.steps_in(_SECONDS_TO_EXPLAIN),
     )
 
     files = files_of(
@@ -241,6 +247,7 @@ def with_worlds(
     end: float | None = None,
     *,
     with_code: bool = True,
+    most_steps: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
 ) -> tuple[list[CauseResult], dict[Cause, Failure]]:
     """Choose a failure to look at for each cause, and explain the first few.
@@ -250,6 +257,7 @@ def with_worlds(
         failures_of: Returns the failures that have a cause.
         end: When there is no more time, by ``clock``; if omitted, the amount of work is fixed.
         with_code: False to leave out what runs inside the controller.
+        most_steps: Limit on the steps of one explanation without a time limit.
         clock: Returns seconds.
 
     Returns:
@@ -281,7 +289,7 @@ def with_worlds(
         }
         if number < most:
             known |= vars(_shown(example, is_over, with_code=with_code))
-            why = explained(example, is_over)
+            why = explained(example, is_over, most_steps)
             if why is not None:
                 known |= {"why": why.describe(), "changes": list(why.changes)}
         results.append(structs.replace(cause, **known))
@@ -343,10 +351,10 @@ def _in_natural_world(
     return [smaller, failure] if cause_of(smaller) == cause else [failure]
 
 
-def _shrunk(failure: Failure, until: float | None) -> Failure:
+def _shrunk(failure: Failure, until: float | None, pace: Pace) -> Failure:
     """Return a failure shrunk as far as the time allows, by ``time.monotonic``."""
     if until is None:
-        return shrunk_or_same(failure).failure
+        return shrunk_or_same(failure, most_steps=pace.steps_in(SHRINKING_SECONDS)).failure
     left = until - time.monotonic()
     if left <= 0.0:
         return failure
@@ -415,13 +423,14 @@ def _shown(failure: Failure, is_over: Callable[[], bool] | None, *, with_code: b
 
 
 def explained(
-    failure: Failure, is_over: Callable[[], bool] | None = None
+    failure: Failure, is_over: Callable[[], bool] | None = None, most_steps: float = math.inf
 ) -> Counterfactuals | None:
     """Return the single changes after which a failure's robot arrives, at little cost.
 
     Args:
         failure: The failure.
         is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
+        most_steps: Limit on the steps if the amount of work is fixed.
 
     Returns:
         The changes; ``None`` if nothing could be learned because there is no time, or no change can
@@ -437,6 +446,7 @@ def explained(
             found = counterfactuals(
                 failure,
                 effort=1.0 if is_bounded else _EFFORT,
+                most_steps=math.inf if is_bounded else most_steps,
                 most_runs=_MOST_CELLS / failure.world.walls.size,
             )
     except (WorldgenError, OutOfTime):

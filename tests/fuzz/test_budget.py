@@ -307,7 +307,6 @@ def test_shrinking_that_runs_out_of_time_keeps_the_failure_as_it_was_found():
 
 def test_shrinking_that_is_cut_short_gives_its_best_so_far(monkeypatch):
     monkeypatch.setattr("fuzz.shrink.run.time", SimpleNamespace(monotonic=count().__next__))
-    monkeypatch.setattr("fuzz.shrink.trying.time", SimpleNamespace(monotonic=count().__next__))
     made = shrink(failure_of(generate("trap", 7), Scenario("turn-right")), seconds=4.0)
     assert not made.complete and made.failure.record.details["one_minimal"] is False
 
