@@ -22,6 +22,7 @@ from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.result import CampaignResult, write_overview
+from fuzz.shrink.queue import SHRINKING_SECONDS
 from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
@@ -354,7 +355,19 @@ class CampaignSession:
             f"{'is' if late == 1 else 'are'} not fully shrunk"
         )
         if self._campaign.units is not None:
-            note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
+            # Without a time limit, only the limit on a slow controller's steps cuts shrinking short.
+            cut = [
+                stem
+                for stem, one in self._files().items()
+                if one.shrinking == ShrinkState.CUT_SHORT
+            ]
+            if cut:
+                note(
+                    f"{are}, because a failure gets {SHRINKING_SECONDS:.0f} s of the controller's "
+                    f"steps: worldgen shrink {shlex.quote(str(self._path(cut[0])))} continues"
+                )
+            else:
+                note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
             return
         folder = shlex.quote(str(self._out))
         note(
