@@ -14,7 +14,7 @@ from functools import partial
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.scheduler import Goal, Scheduler, Work
-from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
+from fuzz.campaign.state import CampaignState, Discovery, Progress, SearchEnded, UnitDone
 from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
@@ -94,6 +94,7 @@ class Campaign(Goal[Progress]):
             config.pace.steps_in(SHRINKING_SECONDS) if schedule.is_unlimited else math.inf
         )
         self._handed_in = LiveCounts()
+        self._has_ended = False
         # Units that this run has done.
         self._units_now = 0
         # Seconds of earlier runs.
@@ -157,16 +158,24 @@ class Campaign(Goal[Progress]):
         """
         try:
             yield from self._scheduler.run(self)
-            if self.units is None and self._store is not None:
-                self._take_from_earlier(self._store)
         finally:
             self._count_time()
+
+    def conclude(self) -> Iterator[Progress]:
+        """Yield the search's end, with all of its findings."""
+        if self.units is None and self._store is not None:
+            self._take_from_earlier(self._store)
+        self._count_time()
+        self._has_ended = True
+        yield SearchEnded(self._scheduler.executor)
 
     def _count_time(self) -> None:
         """Update the times in the state.
 
         Restored work adds the time of earlier runs, including shrinking.
         """
+        if self._has_ended:
+            return
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 

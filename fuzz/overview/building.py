@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from msgspec import structs
 
+from fuzz.campaign.executors import Executor
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.cause import Cause, Severity
@@ -22,6 +23,7 @@ from fuzz.overview.comparison import compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import (
     NATURAL,
+    NaturalTime,
     describe_fall,
     natural_families,
     natural_result,
@@ -108,7 +110,13 @@ class Overview(NamedTuple):
 
 
 def build_overview(
-    config: CampaignConfig, state: CampaignState, conclusion: Conclusion, *, natural: bool = True
+    config: CampaignConfig,
+    state: CampaignState,
+    conclusion: Conclusion,
+    *,
+    natural: bool = True,
+    executor: Executor | None = None,
+    release: Callable[[], None] = lambda: None,
 ) -> Overview:
     """Return the overview of a campaign.
 
@@ -117,8 +125,11 @@ def build_overview(
         state: Its results.
         conclusion: Known failures, and the time limit.
         natural: True to run natural worlds. An interrupted campaign does not.
+        executor: Whose workers run them; this process if omitted.
+        release: Called when the workers are no longer needed.
     """
     began = time.monotonic()
+    at = now()
     seconds = conclusion.seconds
 
     # Group first, because that needs no runs.
@@ -134,10 +145,12 @@ def build_overview(
             families,
             _natural_count(config, state, seconds),
             config.seed,
-            _enough_natural(began, seconds, has_failures=bool(causes)),
+            _time_for_natural(at, seconds, has_failures=bool(causes)),
             config.vary,
+            executor,
         )
         causes = with_natural(causes, runs.causes)
+    release()
 
     # Find the clearest world of each cause, and its dependencies.
     as_found: dict[str, Failure] = {}
@@ -221,24 +234,15 @@ def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float 
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 
-def _enough_natural(
-    began: float, seconds: float | None, *, has_failures: bool
-) -> Callable[[int], bool]:
-    """Return a function that decides, by how many are finished, whether to stop natural worlds.
+def _time_for_natural(at: float, seconds: float | None, *, has_failures: bool) -> NaturalTime:
+    """Return the time for natural worlds.
 
     Without failures there is nothing else to do, so the first few get all of the time: an answer
     needs them.
     """
     if seconds is None:
-        return lambda _: False
-    end = began + seconds
-    early = began + _NATURAL_TIME * seconds
-
-    def is_enough(finished: int) -> bool:
-        needs_more = finished < FEWEST and not has_failures
-        return time.monotonic() >= (end if needs_more else early)
-
-    return is_enough
+        return NaturalTime()
+    return NaturalTime(at + _NATURAL_TIME * seconds, at + seconds, 0 if has_failures else FEWEST)
 
 
 def with_worlds(
