@@ -235,7 +235,9 @@ class Campaign(Goal[Progress]):
         self._scheduler.get_ready()
         if not self._schedule.may_search:
             return None
-        call = partial(run_unit, self.config, unit, self._known[epoch], self._schedule.deadline())
+        # Nothing is to be shrunk until the first failure comes.
+        deadline = self._schedule.deadline(shrinks=bool(self.state.finds))
+        call = partial(run_unit, self.config, unit, self._known[epoch], deadline)
         return Work(call, partial(self._merge, unit))
 
     def _merge(self, unit: int, result: UnitResult) -> Iterator[Progress]:
