@@ -224,7 +224,7 @@ class Campaign(Goal[Progress]):
     def _next_unit(self) -> Work[Progress] | None:
         """Return the next unit, or the stored one; ``None`` if none may begin now."""
         unit = self._scheduler.next_unit
-        epoch = unit // self.config.epoch
+        epoch = unit // self.config.units_of_a_round
         # What the unit is to know depends on units that may not be merged yet.
         if not self._scheduler.has_more_units or epoch >= len(self._known):
             return None
@@ -265,7 +265,7 @@ class Campaign(Goal[Progress]):
             if result.cut:
                 result = self._more_of(unit, result)
             # A unit with too little knowledge counts as cut, because it must be done again.
-            if unit // self.config.epoch >= self._knows_too_little:
+            if unit // self.config.units_of_a_round >= self._knows_too_little:
                 state.too_early += not result.cut
                 result = replace(result, cut=True)
         else:
@@ -296,10 +296,12 @@ class Campaign(Goal[Progress]):
         # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
-            self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
+            self._knows_too_little = min(
+                self._knows_too_little, unit // self.config.units_of_a_round + 2
+            )
         else:
             self._memory = self._memory.after(result)
-        if (unit + 1) % self.config.epoch == 0:
+        if (unit + 1) % self.config.units_of_a_round == 0:
             self._known.append(self._memory)
         return jobs
 

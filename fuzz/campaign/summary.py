@@ -57,6 +57,7 @@ def summary_of(
         times={name: round(seconds, 3) for name, seconds in state.times.items()},
         controller_share=UNSET if share is None else round(share, 3),
         survives_reset=sorted(state.effort.survivors) or UNSET,
+        differs_by=sorted(state.effort.differences) or UNSET,
     )
 
 

@@ -26,6 +26,7 @@ from fuzz.shrink.queue import SHRINKING_SECONDS
 from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
+from sim.clock.controller_time import Effort
 from sim.clock.stopping import stopping_when
 from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -265,6 +266,7 @@ class CampaignSession:
             executor: Its workers; ``None`` after Ctrl-C.
         """
         self._has_searched = True
+        began = Effort.so_far()
         stopped = executor is None
         if executor is not None:
             try:
@@ -275,6 +277,10 @@ class CampaignSession:
         events.close()
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        # Natural worlds may show what the search did not.
+        state = self._campaign.state
+        more = began.since().differences
+        state.effort = replace(state.effort, differences=state.effort.differences | more)
         # Earlier results are not all processed, so the folder's files know more.
         if self._goes_on:
             return stopped

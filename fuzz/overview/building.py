@@ -43,6 +43,7 @@ from fuzz.unit.deadline import now
 from fuzz.unit.live import not_arrived
 from fuzz.unit.pace import Pace
 from sim.clock.stopping import OutOfTime, stopping_when
+from sim.episode.differences import note_difference
 from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError
 
@@ -342,6 +343,9 @@ def _in_natural_world(
     world, scenario = examples[cause]
     try:
         failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
+        if failure is None:
+            # It did not arrive before, so its runs may differ.
+            note_difference(world, scenario.controller, scenario.options(world))
     except (WorldgenError, OutOfTime):
         return []
     if failure is None or cause_of(failure) != cause:

@@ -30,6 +30,7 @@ from fuzz.overview.result import NaturalResult, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.unit.deadline import Deadline
+from sim.clock.controller_time import Effort, count_differences, count_survivors
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, simulate
@@ -215,7 +216,7 @@ class NaturalTime:
 
 def _shared_out(
     executor: Executor,
-    call: Callable[[range, int], tuple[dict[int, _Finished], float]],
+    call: Callable[[range, int], tuple[dict[int, _Finished], Effort]],
     everything: range,
     is_over: Callable[[int], bool],
 ) -> dict[int, _Finished]:
@@ -226,7 +227,7 @@ def _shared_out(
     """
     executor.go_on()
     finished: dict[int, _Finished] = {}
-    waiting: set[Future[tuple[dict[int, _Finished], float]]] = set()
+    waiting: set[Future[tuple[dict[int, _Finished], Effort]]] = set()
     first = 0
     size = 1
     over_since = math.inf
@@ -249,10 +250,13 @@ def _shared_out(
                 return finished
         for future in wait(waiting, LISTEN, FIRST_COMPLETED).done:
             waiting.remove(future)
-            more, seconds = future.result()
+            more, effort = future.result()
             finished |= more
+            # What was noticed there counts here.
+            count_survivors(effort.survivors)
+            count_differences(effort.differences)
             # Quick worlds are handed out by the dozen.
-            if seconds < _BRIEF:
+            if effort.seconds < _BRIEF:
                 size = min(2 * size, _MOST_AT_ONCE)
 
 
@@ -264,7 +268,7 @@ def _run_worlds(
     vary: Sequence[Variation],
     numbers: range,
     finished: int,
-) -> tuple[dict[int, _Finished], float]:
+) -> tuple[dict[int, _Finished], Effort]:
     """Run some of the natural worlds, until the time is over.
 
     Args:
@@ -277,9 +281,9 @@ def _run_worlds(
         finished: Number of worlds that are finished elsewhere.
 
     Returns:
-        The finished worlds by number, and the seconds that they took.
+        The finished worlds by number, and what they took.
     """
-    began = time.monotonic()
+    began = Effort.so_far()
     as_loaded(scenario.controller)
     done: dict[int, _Finished] = {}
     stream = RandomStream(seed).child(NATURAL)
@@ -303,7 +307,7 @@ def _run_worlds(
         except WorldgenError:
             # A world that cannot be made reveals nothing about the controller.
             done[number] = _Finished()
-    return done, time.monotonic() - began
+    return done, began.since()
 
 
 def _finished(family: str, case: Case) -> _Finished:

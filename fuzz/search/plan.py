@@ -16,6 +16,8 @@ from fuzz.search.archive import ARCHIVE
 from fuzz.search.boundary import BOUNDARY
 from fuzz.search.native import NATIVE
 from fuzz.search.native import fits as fits_native
+from fuzz.search.small import SMALL
+from fuzz.search.small import fits as fits_small
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.names import DATABASE, SEALED, can_breach
 from fuzz.unit.result import SearchState, StrategyYield
@@ -34,7 +36,7 @@ _DRAWN = (
 )
 # Strategies with several robots: any layout, and the families that are made for them.
 _FLEETS = ("features", "doorway", "alley", "junction", "crossing", "warehouse")
-_PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
+_PRIOR = {SMALL: 1000.0, NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
 """First estimate of the new signatures that a strategy finds per unit of cost; 1 if not listed."""
 
 _FLOOR = 0.3  # share of the budget that is split evenly
@@ -42,6 +44,7 @@ _FAILURE = 0.01  # weight of a failure, relative to a new signature
 _WORLD_COST = {
     NATIVE: 0.02,
     ARCHIVE: 0.03,
+    SMALL: 3.0,
     "features": 1.0,
     SEALED: 1.0,
     BOUNDARY: 0.5,
@@ -99,7 +102,9 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    return (*native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
+    # Where a step is expensive, the worlds that need fewest come first, and mostly.
+    small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
+    return (*small, *native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
 def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from fuzz.layouts.variation import Variation
@@ -10,10 +10,12 @@ from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
 from fuzz.unit.pace import Pace, usual_pace
 from sim.controllers import CONTROLLERS
-from sim.options.run import RunOptions
+from sim.options.run import FEWEST_COSTLY_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Value, World
 
+# Units of a round in a campaign for a slow controller.
+_COSTLY_EPOCH = 2
 # Shares of the radius of a map's robot: that of the robots that a campaign puts on the map.
 _SHARES_ON_A_MAP = (1.0, 0.75, 0.5)
 
@@ -50,6 +52,20 @@ class CampaignConfig(SearchOptions):
     robots: int = 1
     fixes_time_step: bool = False
     measured: Pace | None = None
+
+    def __post_init__(self) -> None:
+        if self.measured is not None and self.measured.is_slow:
+            scenario = replace(self.scenario, fewest_steps=FEWEST_COSTLY_STEPS)
+            object.__setattr__(self, "scenario", scenario)
+
+    @property
+    def units_of_a_round(self) -> int:
+        """Number of units that know the same earlier ones; few if each of them proves failures.
+
+        A unit of a slow controller spends most of its time on proofs, which the next units should
+        not repeat.
+        """
+        return min(self.epoch, _COSTLY_EPOCH) if self.pace.is_slow else self.epoch
 
     @cached_property
     def pace(self) -> Pace:
