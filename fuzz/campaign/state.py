@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
+from fuzz.campaign.executors import Executor
 from fuzz.campaign.store import Find
 from fuzz.failure import Failure
 from fuzz.unit.result import FailureKey, SearchState
@@ -39,7 +40,18 @@ class Discovery:
     replaces: bool
 
 
-Progress = UnitDone | Discovery
+@dataclass(frozen=True)
+class SearchEnded:
+    """The search has ended, other than by Ctrl-C; nothing follows.
+
+    Args:
+        executor: Whose workers are free until the campaign is asked for another event.
+    """
+
+    executor: Executor
+
+
+Progress = UnitDone | Discovery | SearchEnded
 
 
 @dataclass
