@@ -84,6 +84,8 @@ class Campaign(Goal[Progress]):
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
         self._handed_in = LiveCounts()
+        # Units that this run has done.
+        self._units_now = 0
         # Seconds of earlier runs.
         self._before = 0.0
         self._earlier = 0.0 if store is None else store.seconds()
@@ -114,14 +116,27 @@ class Campaign(Goal[Progress]):
             phase = Phase.PREPARING
         else:
             phase = Phase.SEARCHING if self._scheduler.units else Phase.SHRINKING
+        elapsed = self._schedule.elapsed()
+        effort = state.effort
+        handed_in = self._handed_in.worlds
         return LiveState(
             phase,
             tried,
             state.steps + more.steps,
             failed + more.failed,
             len(self._scheduler.others) + len(self._queue),
-            self._schedule.elapsed(),
+            elapsed,
+            rate=60.0 * (handed_in + more.worlds) / elapsed if elapsed else 0.0,
+            cost=effort.seconds / handed_in if handed_in else 0.0,
+            own=effort.share,
+            left=self._seconds_left(elapsed),
         )
+
+    def _seconds_left(self, elapsed: float) -> float:
+        """Return the seconds until the units are done, at the speed of this run's units so far."""
+        if self.units is None or not self._units_now:
+            return 0.0
+        return elapsed * max(self.units - self._scheduler.next_merged, 0) / self._units_now
 
     def run(self) -> Generator[Progress, None, None]:
         """Run the campaign, or the rest of it.
@@ -222,6 +237,7 @@ class Campaign(Goal[Progress]):
         stored_at = result.stored_at
         if stored_at is None:
             state.effort += result.effort
+            self._units_now += 1
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
             if result.cut:
                 result = self._more_of(unit, result)

@@ -20,7 +20,7 @@ from fuzz.overview.describe import describe
 from fuzz.overview.terminal import describe_coverage, overview_lines
 from fuzz.unit.answer import Answer
 from fuzz.unit.config import CampaignConfig
-from sim.controllers.contract import state_survives_reset
+from sim.controllers.contract import runs_differ, state_survives_reset
 from worldgen.cli.output import emit_json, note, say
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
@@ -96,6 +96,8 @@ class Ending:
             note(share)
         if summary.survives_reset is not UNSET:
             note(str(state_survives_reset(controller, summary.survives_reset)))
+        if summary.differs_by is not UNSET:
+            note(str(runs_differ(controller, summary.differs_by)))
         if self.interrupted_steps:
             note(
                 f"{counted(self.interrupted_steps, 'step')} of {controller} were still running when "

@@ -15,16 +15,17 @@ from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, CampaignRun, Status, Summary, record_error
-from fuzz.campaign.summary import summary_of
+from fuzz.campaign.summary import describe_speed, summary_of
 from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.commands._ending import Ending
 from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.result import CampaignResult, write_overview
-from fuzz.unit.answer import Answer, AnswerNumbers
+from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
+from sim.clock.controller_time import Effort
 from sim.clock.stopping import stopping_when
 from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -44,6 +45,8 @@ _TO_CONCLUDE_AT_ONCE = 1.0
 # Times the budget, and minutes, that a campaign without an answer is offered.
 _MORE = 4
 _FEWEST_MINUTES = 5
+# Times the seconds that the proofs need: the search comes before them, and shrinking after.
+_TIMES_THE_PROOFS = 2
 
 NO_ANSWER = 4
 """Exit code of a campaign that tried too little to say whether the controller fails."""
@@ -189,7 +192,8 @@ class CampaignSession:
         command = f"worldgen fuzz --resume {shlex.quote(str(self._out))}"
         if self._budget.seconds is None:
             return f"{command} --units {_MORE * max(self._campaign.state.until, 1)}"
-        minutes = math.ceil(_MORE * self._budget.seconds / 60.0)
+        needed = _TIMES_THE_PROOFS * seconds_to_prove(self._numbers())
+        minutes = math.ceil(max(_MORE * self._budget.seconds, needed) / 60.0)
         return f"{command} --budget {max(minutes, _FEWEST_MINUTES)}m"
 
     def _files(self) -> Mapping[str, Failure]:
@@ -253,6 +257,7 @@ class CampaignSession:
     def _conclude(self, *, stopped: bool) -> bool:
         """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
         self._has_searched = True
+        began = Effort.so_far()
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
@@ -261,6 +266,10 @@ class CampaignSession:
                 stopped = True
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        # Natural worlds may show what the search did not.
+        state = self._campaign.state
+        more = began.since().differences
+        state.effort = replace(state.effort, differences=state.effort.differences | more)
         # Earlier results are not all processed, so the folder's files know more.
         if self._goes_on:
             return stopped
@@ -378,7 +387,10 @@ class CampaignSession:
         if live.phase == Phase.SHRINKING:
             return f"shrinking {counted(live.shrinking, 'failure')}, {causes}{to_shrink}"
         # A run that does not arrive is a failure only once it and a path to the target are proved.
-        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {causes}{to_shrink}"
+        return (
+            f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {causes}{to_shrink}"
+            f"{describe_speed(live)}"
+        )
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, UnitDone):

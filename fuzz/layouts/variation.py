@@ -25,8 +25,8 @@ class Variation:
     """One quantity and its values.
 
     Args:
-        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the
-            motion model.
+        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), an option of the
+            motion model, or a field of the controller's class.
         values: Values, the simplest first.
     """
 
@@ -39,7 +39,7 @@ class Variation:
 
         Args:
             text: Text from the command line.
-            scenario: Scenario whose motion model decides which options exist.
+            scenario: Scenario whose motion model and controller decide which options exist.
 
         Raises:
             InvalidParameter: If the name is unknown, or a value is invalid or out of range.
@@ -55,7 +55,7 @@ class Variation:
                 option=_OPTION,
                 text=text,
             )
-        _check_name(name, scenario.run.motion)
+        _check_name(name, scenario)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
         for value in found.values:
             found._check(value, scenario)
@@ -137,6 +137,10 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
     if name == "time_step":
         seconds: float = TIME_STEP.parse(word, "run")
         return seconds
+    field = next((one for one in scenario.fields if one.name == name), None)
+    if field is not None:
+        value: Value = field.parse(word, scenario.controller)
+        return value
     if name not in _OF_THE_ROBOT:
         return switch_class(scenario.run.motion).parse(name, word)[name]
     try:
@@ -152,8 +156,10 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
         ) from None
 
 
-def _check_name(name: str, motion: str) -> None:
-    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names())
+def _check_name(name: str, scenario: Scenario) -> None:
+    motion = scenario.run.motion
+    fields = (one.name for one in scenario.fields)
+    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names(), *fields)
     if name not in known:
         problem = "{option} {name}: nothing with that name can be varied under {motion}"
         raise InvalidParameter.of(unknown_name(problem, name, known, option=_OPTION, motion=motion))

@@ -27,6 +27,7 @@ from fuzz.overview.natural import (
     natural_runs,
 )
 from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
+from fuzz.search.plan import prices_of
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
@@ -38,6 +39,7 @@ from fuzz.unit.constraint import Constraint
 from fuzz.unit.deadline import now
 from fuzz.unit.live import not_arrived
 from sim.clock.stopping import OutOfTime, stopping_when
+from sim.episode.differences import note_difference
 from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError
 
@@ -203,6 +205,7 @@ def answer_numbers(
         natural_unjudged=sum(one.natural or 0 for one in own if not one.groups),
         searched=state.worlds,
         searched_unjudged=max(not_arrived(state.verdicts) - state.judged, 0),
+        proof_seconds=prices_of(config).proof / 1e3,
     )
 
 
@@ -328,6 +331,9 @@ def _in_natural_world(
     world, scenario = examples[cause]
     try:
         failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
+        if failure is None:
+            # It did not arrive before, so its runs may differ.
+            note_difference(world, scenario.controller, scenario.options(world))
     except (WorldgenError, OutOfTime):
         return []
     if failure is None or cause_of(failure) != cause:

@@ -179,6 +179,8 @@ def _of_the_search(seen: ReplayedFailure) -> list[Row]:
             rows.append(("cause first met", until))
         if campaign.survives_reset:
             rows.append(("state that survives reset()", ", ".join(campaign.survives_reset)))
+        if campaign.differs_by:
+            rows.append(("makes equal runs differ", ", ".join(campaign.differs_by)))
     if "shrunk_from" in details:
         # Versions before causes kept only the verdict.
         kept = ", kept the verdict and the cause" if details.get("kept") == CAUSE else ""

@@ -121,10 +121,10 @@ def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
             budget = scenario.options(world).steps
         options = scenario.options(world, budget)
         if world.is_fleet:
-            verdict, steps = _ending_of_fleet(task, world, options)
+            verdict, steps = _ending_of_fleet(scenario, world, options)
             outcome = None
         else:
-            run = prepare(world, task.controller, options)
+            run = prepare(world, scenario.controller, options)
             outcome = run.run(budget, find_loop=True, record=False, digest=False)
     except InvalidWorld:
         # The drawn start is in a wall.
@@ -134,9 +134,9 @@ def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
     return task.triage.look_at(world, scenario, verdict, steps)
 
 
-def _ending_of_fleet(task: SearchTask, world: World, options: RunOptions) -> tuple[str, int]:
+def _ending_of_fleet(scenario: Scenario, world: World, options: RunOptions) -> tuple[str, int]:
     """Run several robots, all with the campaign's controller; return verdict and steps."""
-    episode = simulate(world, task.controller, options)
+    episode = simulate(world, scenario.controller, options)
     verdict = "undecided" if episode.verdict in OUT_OF_BUDGET else episode.verdict
     return verdict, episode.steps
 
@@ -145,10 +145,10 @@ def _visit_sealed(task: SearchTask, world: World, scenario: Scenario) -> str:
     """Run a world whose target is walled off; only a robot that arrives is a failure."""
     verdict = "sealed"
     options = scenario.options(world)
-    run = prepare(world, task.controller, options)
+    run = prepare(world, scenario.controller, options)
     outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
     if outcome.ending == Verdict.TUNNEL:
-        run = prepare(world, task.controller, regardless_of_walls(options))
+        run = prepare(world, scenario.controller, regardless_of_walls(options))
         whole = run.run(options.steps, find_loop=True, record=False, digest=False)
         verdict = "breach" if whole.ending == Verdict.REACHED else "sealed"
     task.triage.count(verdict, outcome.steps)

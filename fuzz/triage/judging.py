@@ -15,11 +15,11 @@ from typing import NamedTuple
 from fuzz.facts.crash_bucket import FACTS, NAMED
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from sim.clock.controller_time import count_survivors
 from sim.controllers import CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
+from sim.episode.differences import count_sources
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
 from sim.options.run import FEWEST_STEPS, RunOptions
@@ -217,7 +217,7 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
         if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
-            count_survivors(["something that makes equal runs differ, such as a random generator"])
+            count_sources(trial.world, trial.controller, trial.options)
         return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
     other = violation_in(second, oracle)
@@ -234,7 +234,9 @@ def repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
 
     A program's stderr, and how much of its answer had arrived, depend on the clock. The line in
     which a class raised changes when its file is edited. Files written by older versions have no
-    facts for buckets, nor the names in ``NAMED``, which the error implies.
+    facts for buckets, nor the names in ``NAMED``, which the error implies, nor a drift of the memory,
+    which only recorded runs show.
     """
-    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED)
+    drift = ("memory_drift", "entry", "period") if "memory_drift" in evidence else ()
+    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED, *drift)
     return {name: value for name, value in evidence.items() if name not in unstable}

@@ -55,8 +55,8 @@ class CampaignOptions(SearchOptions):
         strategies: Search with this strategy only: native, archive, small, boundary, features,
             sealed, or a family; may be repeated. docs/explanation/search.md describes them.
         world: Search on this map; only its robots' starts, targets and radii vary.
-        vary: Choose robot_radius, robot_speed, time_step or an option of the motion model at random
-            from these values; list the simplest first. May be repeated.
+        vary: Choose robot_radius, robot_speed, time_step, an option of the motion model or a field
+            of your class at random from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
         detour: Count a path longer than RATIO times the witness path as a failure; the same as
             --oracle detour=RATIO.

@@ -179,6 +179,9 @@ def _another(controller: Any, module: ModuleType) -> Any | None:
     # The file may name an instance instead of a class.
     if any(value is controller for value in vars(module).values()):
         return controller
+    origin = origin_of(controller)
+    if origin is not None:
+        return origin.another()
     kind = type(controller)
     if getattr(module, kind.__qualname__, None) is not kind:
         return None

@@ -38,6 +38,7 @@ from sim.runners.core_calls import (
     memory_for,
     near_masks,
 )
+from sim.runners.drifting import with_memory_drift
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import run_in_python
@@ -91,6 +92,7 @@ class LatticeRun:
                 robots=len(world.robots),
             )
         self.host = host_of(controller)
+        self.host.check(options)
         self.controller: Any = self.host.controller
         robot = robot_for(self.controller, options.robot)
         self.world = world
@@ -215,7 +217,9 @@ class LatticeRun:
         self.settings.find_loop = self.search if find_loop else lib.WG_NO_LOOP
         if self.host.in_core:
             return self._run_compiled(record)
-        ended = run_in_python(self.host, self.arena(), self.settings, self.world, record=record)
+        ended = run_in_python(
+            self.host, self.arena(), self.settings, self.world, self.options, record=record
+        )
         return self.outcome_of(*ended), ended.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
@@ -273,9 +277,12 @@ class LatticeRun:
             return None
         return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
 
-    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
-        """Return the evidence unchanged: a robot on the lattice does not drift."""
-        return evidence
+    def with_confinement(self, evidence: BudgetEvidence, outcome: Outcome) -> BudgetEvidence:
+        """Add to a recorded run's evidence that its poses repeat and its memory nearly does.
+
+        Poses on the lattice do not drift, but a memory may.
+        """
+        return evidence if outcome.trace is None else with_memory_drift(evidence, outcome.trace)
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -10,8 +10,12 @@ import pytest
 from tests.helpers.browser import missing_browser
 
 ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "benchmarks"
 PROGRAMS = sorted(
-    file.stem for file in (ROOT / "benchmarks").glob("*.py") if "__main__" in file.read_text()
+    [
+        *(file.stem for file in FOLDER.glob("*.py") if "__main__" in file.read_text()),
+        *(file.parent.name for file in FOLDER.glob("*/__main__.py")),
+    ]
 )
 
 
