@@ -19,8 +19,10 @@ from worldgen.reach.still.grid_search import components, squared_distances
 from worldgen.reach.still.lattice_graph import clear_from
 from worldgen.support.arrays import Bools, Ints
 
-# Radii of the wider discs, in radii of the robot: tight gaps come first, then doors, then wide ones.
-_WIDER = (1.5, 2.0, 3.0)
+# Radii of the wider discs, in radii of the robot. From both sides of a thin wall, a disc of w radii
+# covers the middle of gaps of more than 2 * sqrt(2 * w - 1) radii, so these show gaps of up to 2.8,
+# 3.5, 4.5 and 6 radii. A room must have space for the disc, so the smaller ones are needed, too.
+_WIDER = (1.5, 2.0, 3.0, 5.0)
 # Limit on the narrow nodes that are examined one by one for a wider disc; this many take about a
 # second. Beyond it, the largest narrow parts, which are long corridors, are left out.
 _MOST_NODES = 250_000
