@@ -1,5 +1,6 @@
 """A campaign on a user's own map draws windows around narrow places, and variations of the map."""
 
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 
@@ -209,10 +210,13 @@ def test_a_unit_counts_every_world_that_it_tried():
     assert result == run_unit(config(), 1)
 
 
-def test_a_slow_controller_gets_mostly_windows():
-    fast, slow = (run_unit(config(measured=Pace(step)), 1).tried for step in (1e-7, 1e-3))
-    assert slow["window"] / slow.total() > fast["window"] / fast.total()
-    assert slow["pose"] / slow.total() < fast["pose"] / fast.total()
+def test_a_slow_controller_begins_with_windows_and_every_kind_of_variation():
+    slow = config(measured=Pace(1e-3))
+    first = run_unit(slow, 0)
+    assert first.strategy == "small" and first == run_unit(slow, 0)
+    tried = sum((run_unit(slow, unit).tried for unit in range(8)), Counter())
+    assert set(tried) == set(Kind)
+    assert tried["window"] > tried["pose"]
 
 
 def test_several_robots_only_get_other_poses():
