@@ -180,10 +180,9 @@ class Windows:
 
     def open_place(self, box: Box, ground: Ground, rng: RandomStream) -> NarrowPlace | None:
         """Return a node in a box where the robot fits, as a place without a gap."""
-        floor = np.flatnonzero(ground.clear)
-        if not len(floor):
+        if not len(ground.floor):
             return None
-        node = divmod(int(floor[rng.below(len(floor))]), ground.clear.shape[1])
+        node = divmod(_any_of(ground.floor, rng), ground.clear.shape[1])
         row, column = (box.corner + node).tolist()
         return NarrowPlace(row, column, 0.0)
 

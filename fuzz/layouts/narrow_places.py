@@ -7,6 +7,7 @@ room for the wider disc, its narrowest point on the widest path between them is 
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterable
@@ -62,6 +63,11 @@ class Ground:
 
     squared: Ints
     clear: Bools
+
+    @functools.cached_property
+    def floor(self) -> Ints:
+        """The flat indices of the nodes where the disc fits."""
+        return np.flatnonzero(self.clear)
 
     @classmethod
     def of(cls, walls: Bools, radius: Fraction) -> Ground:
