@@ -50,6 +50,7 @@ class Axis:
             such number.
         at: Returns the subject with another value, or raises if it cannot be made.
         quantity: Name by which a campaign's constraint may fix the number; empty if none can.
+        is_whole: Whether its values are whole numbers.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Axis:
     index: Callable[[Subject], int | None]
     at: Callable[[Subject, float], Subject]
     quantity: str = ""
+    is_whole: bool = False
 
 
 def three_digits(index: int) -> float:
@@ -163,7 +165,8 @@ def axis_of_field(scenario: Scenario, name: str) -> Axis:
         return Axis(name, "", low, high, value, lambda _: index_of_own, with_field, name)
 
     if field.kind is int:
-        return with_index(int(own), -_MOST_WHOLE, _MOST_WHOLE, float)
+        whole = with_index(int(own), -_MOST_WHOLE, _MOST_WHOLE, float)
+        return replace(whole, is_whole=True)
     if own == 0.0:
         return with_index(0, -_MOST_WHOLE, _MOST_WHOLE, lambda index: index / 100)
     low, high = index_of(1e-9), index_of(1e9)
