@@ -9,6 +9,7 @@ import pytest
 from msgspec import structs
 
 from fuzz.campaign.configure import configure
+from fuzz.campaign.executors import InlineExecutor, ProcessExecutor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Find, resume
@@ -92,6 +93,28 @@ def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
 def test_natural_worlds_end_with_the_time_and_say_so():
     runs, _ = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
     assert runs.worlds == 0 and not runs.complete
+
+
+@pytest.mark.gate
+def test_natural_worlds_are_the_same_whoever_runs_them():
+    with ProcessExecutor(2) as executor:
+        shared = natural_runs(Scenario("bug2"), ["trap", "maze"], 30, seed=3, executor=executor)
+    assert shared == natural_runs(Scenario("bug2"), ["trap", "maze"], 30, seed=3)
+
+
+class LosesTheThird(InlineExecutor):
+    """Returns the third world unfinished."""
+
+    def submit(self, work, /, *args, **kwargs):
+        future = super().submit(work, *args, **kwargs)
+        future.result()[0].pop(2, None)
+        return future
+
+
+def test_worlds_after_one_that_was_not_finished_do_not_count():
+    with LosesTheThird() as executor:
+        runs, _ = natural_runs(Scenario("bug2"), ["trap"], 6, seed=3, executor=executor)
+    assert runs.worlds == 2 and not runs.complete
 
 
 def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
