@@ -249,7 +249,6 @@ def _shared_out(
         if is_over(len(finished)):
             over_since = min(over_since, time.monotonic())
             if time.monotonic() - over_since > _GRACE:
-                executor.stop()
                 return finished
         for future in wait(waiting, LISTEN, FIRST_COMPLETED).done:
             waiting.remove(future)

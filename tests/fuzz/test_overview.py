@@ -102,6 +102,20 @@ def test_natural_worlds_are_the_same_whoever_runs_them():
     assert shared == natural_runs(Scenario("bug2"), ["trap", "maze"], 30, seed=3)
 
 
+@pytest.mark.gate
+def test_a_campaign_concludes_the_same_with_workers():
+    options = CampaignOptions(controller="turn-right", motion="endpoint", examples=8)
+    config = configure(options, seed=1)
+    campaign = Campaign(config, units=2)
+    for _ in campaign.run():
+        pass
+    alone = build_overview(config, campaign.state, Conclusion())
+    with ProcessExecutor(2) as executor:
+        shared = build_overview(config, campaign.state, Conclusion(), executor=executor)
+    assert plain(shared.result) == plain(alone.result)
+    assert shared.result.causes and shared.files.keys() == alone.files.keys()
+
+
 class LosesTheThird(InlineExecutor):
     """Returns the third world unfinished."""
 
@@ -232,7 +246,7 @@ def test_a_world_whose_cause_changes_while_it_is_shrunk_is_shown_as_found(monkey
 
     def files(smaller):
         return building._in_natural_world(
-            Cause.STANDS_STILL, {Cause.STANDS_STILL: case}, Baseline(), smaller, Constraint()
+            Cause.STANDS_STILL, case, Baseline(), smaller, Constraint()
         )
 
     (as_found,) = files(lambda _: other)
