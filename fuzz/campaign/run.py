@@ -282,6 +282,7 @@ class Campaign(Goal[Progress]):
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
+        state.tried += result.tried
         state.judged += result.judged
         state.met += result.met
         # Select the results worth storing, and store them.

@@ -71,6 +71,7 @@ class CampaignState:
         times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
         effort: For this run, how units and shrinking spent their time, over all workers.
         verdicts: Counts of the verdicts in screening.
+        tried: Worlds drawn on the user's map, by kind.
         judged: Runs that did not arrive in screening and were judged.
         met: Number of examined failures, by group and verdict.
         known: The same by group, for groups in the baseline.
@@ -90,6 +91,7 @@ class CampaignState:
     times: dict[str, float] = field(default_factory=dict)
     effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
+    tried: Counter[str] = field(default_factory=Counter)
     judged: int = 0
     met: Counter[tuple[str, str]] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)

@@ -74,8 +74,10 @@ _RUNS_OF_AN_AXIS = 10
 # have dozens, and the robot's own numbers come after them.
 _SHARE_OF_FIELDS = 1 / 3
 
-# First distance from a field's own value, in three-digit numbers: 4 to 28 percent.
+# First and largest distance from a field's own value, in three-digit numbers: 4 to 28 percent, and a
+# factor of ten or more, because a value that somebody guessed may be far off.
 _FIRST_STEP_OF_FIELDS = 32
+_REACH_OF_FIELDS = 1024
 
 # Largest distance from a whole number's own value, at least.
 _REACH_OF_WHOLE = 64
@@ -337,7 +339,7 @@ class _ChangedRuns:
         if isinstance(own, int):
             found = self._nearest(axis, index, max(2 * abs(own), _REACH_OF_WHOLE))
         else:
-            found = self._nearest(axis, index, _REACH_OF_NUMBERS, _FIRST_STEP_OF_FIELDS)
+            found = self._nearest(axis, index, _REACH_OF_FIELDS, _FIRST_STEP_OF_FIELDS)
         return None if found is None else Change("field", [field.name, field.kind(found)], own)
 
     def _nearest(self, axis: Axis, index: int, reach: int, step: int = 1) -> float | None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP, Diagnosis
 from fuzz.failure import Failure
+from fuzz.layouts.variation import changes_on_map
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.describe import run_to_draw
 from fuzz.triage.diagnosis import diagnosis_of
@@ -73,6 +74,8 @@ class Explanation:
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
         if self.diagnosis is not None:
             lines.append(f"{self.diagnosis.cause}: {self.goes_wrong}")
+        if changes := changes_on_map(failure.world):
+            lines.append(shown(changes))
         if self.why is not None:
             lines.append(shown(f"{who} {self.why.describe()}."))
         return lines + self.facts.text()
