@@ -134,12 +134,35 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
     return [name for name in chosen if name in names or ":" in name]
 
 
+@dataclass(frozen=True)
+class NaturalTime:
+    """The time for natural worlds, by :func:`fuzz.unit.deadline.now`.
+
+    Args:
+        early: When no more are run.
+        end: When even the first few are not.
+        needed: Number of these.
+    """
+
+    early: float = math.inf
+    end: float = math.inf
+    needed: int = 0
+
+    def __call__(self, finished: int) -> bool:
+        """Return True if no more should be run, given the number of those that are finished."""
+        end = self.end if finished < self.needed else self.early
+        return Deadline(end, end).to_begin_is_over()
+
+
+_NO_LIMIT = NaturalTime()
+
+
 def natural_runs(
     scenario: Scenario,
     families: Sequence[str],
     count: int,
     seed: int,
-    is_over: Callable[[int], bool] = lambda _: False,
+    is_over: Callable[[int], bool] = _NO_LIMIT,
     vary: Sequence[Variation] = (),
     executor: Executor | None = None,
 ) -> tuple[NaturalResult, dict[Cause, Case]]:
@@ -194,26 +217,6 @@ class _Finished(NamedTuple):
     case: Case | None = None
 
 
-@dataclass(frozen=True)
-class NaturalTime:
-    """The time for natural worlds, by :func:`fuzz.unit.deadline.now`.
-
-    Args:
-        early: When no more are run.
-        end: When even the first few are not.
-        needed: Number of these.
-    """
-
-    early: float = math.inf
-    end: float = math.inf
-    needed: int = 0
-
-    def __call__(self, finished: int) -> bool:
-        """Return True if no more should be run, given the number of those that are finished."""
-        end = self.end if finished < self.needed else self.early
-        return Deadline(end, end).to_begin_is_over()
-
-
 def _shared_out(
     executor: Executor,
     call: Callable[[range, int], tuple[dict[int, _Finished], Effort]],
@@ -246,7 +249,6 @@ def _shared_out(
         if is_over(len(finished)):
             over_since = min(over_since, time.monotonic())
             if time.monotonic() - over_since > _GRACE:
-                executor.stop()
                 return finished
         for future in wait(waiting, LISTEN, FIRST_COMPLETED).done:
             waiting.remove(future)

@@ -72,10 +72,13 @@ class Prices:
     run: float = 0.0
 
 
-# Milliseconds of a step with a Python class, and of a proof, which runs it about four times, for up
-# to 7,500 steps.
-_PYTHON_STEP = 3e-3
-_PYTHON_PROOF = 80.0
+# A proof runs a controller about four times, for a multiple of the witness's steps: as many as a
+# Python class gets to close its loop, fewer for a slow one, but no fewer than a run's budget.
+_PROOF_RUNS = 4
+_PROOF_STEPS = 60_000
+_FEWEST_STEPS = 4_000
+# Milliseconds of a proof, in addition to its steps.
+_PROOF_COST = 8.0
 # Fraction of a step's time that the search adds to it.
 _ADDED = 0.25
 
@@ -84,11 +87,12 @@ def prices_of(config: CampaignConfig) -> Prices:
     """Return the prices of a campaign's work."""
     if config.pace.slower == 1:
         return Prices()
-    step = 1e3 * (1.0 + _ADDED) * config.pace.step
+    pace = config.pace
+    steps = _PROOF_RUNS * max(_PROOF_STEPS // pace.slower, _FEWEST_STEPS)
     return Prices(
-        step=step,
-        proof=max(Prices.proof, _PYTHON_PROOF * (step / _PYTHON_STEP)),
-        run=1e3 * config.pace.reset,
+        step=1e3 * (1.0 + _ADDED) * pace.step,
+        proof=_PROOF_COST + 1e3 * steps * pace.step,
+        run=1e3 * pace.reset,
     )
 
 
