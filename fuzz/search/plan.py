@@ -102,9 +102,11 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    # Where a step is expensive, the worlds that need fewest come first, and mostly.
+    # Where a step is expensive, the worlds that need fewest come first, and mostly. In worlds of
+    # fire the robot waits, and burns in ways that it cannot sense; natural worlds have some, too.
     small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
-    return (*small, *native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
+    drawn = tuple(name for name in _DRAWN if not small or name != "fire")
+    return (*small, *native, *drawn, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
 def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> str:
