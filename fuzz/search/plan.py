@@ -98,13 +98,15 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return config.families
     if config.robots > 1:
         return ("map",) if config.fixed_map is not None else _FLEETS
+    # Where a step is expensive, the worlds that need fewest come first, and mostly.
+    small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
     if config.fixed_map is not None:
-        return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
+        has_subject = any(map(subject_of, memory.failures.values()))
+        return (*small, "map", *((BOUNDARY,) if has_subject else ()))
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    # Where a step is expensive, the worlds that need fewest come first, and mostly. In worlds of
-    # fire the robot waits, and burns in ways that it cannot sense; natural worlds have some, too.
-    small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
+    # In worlds of fire a robot mostly waits, and burns in ways that it may not sense. Natural worlds
+    # have some, too.
     drawn = tuple(name for name in _DRAWN if not small or name != "fire")
     return (*small, *native, *drawn, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 

@@ -54,7 +54,8 @@ class CampaignOptions(SearchOptions):
         families: Generate worlds with this family only; may be repeated.
         strategies: Search with this strategy only: native, archive, small, boundary, features,
             sealed, or a family; may be repeated. docs/explanation/search.md describes them.
-        world: Search on this map; only its robots' starts, targets and radii vary.
+        world: Search on this map: with other starts, targets and radii, in windows around its narrow
+            places, and with doors closed, boxes, people and moved pieces of the walls.
         vary: Choose robot_radius, robot_speed, time_step, an option of the motion model or a field
             of your class at random from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]

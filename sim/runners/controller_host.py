@@ -10,7 +10,7 @@ import copy
 import re
 from bdb import BdbQuit
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace, TracebackType
 from typing import Any
 
@@ -57,7 +57,9 @@ class ControllerHost:
         shows_memory: Whether its memory can be seen, so that its loops can be found.
         start_speed: Speed during the first step, m/s.
         thesis_rule: See :class:`~sim.controllers.base.CompiledController`.
-        sources: What it read in its last run with frozen time that otherwise differs from run to run.
+        sources: What it read in its last run with frozen time, or in the last that was watched, that
+            differs from run to run.
+        has_read_clock: Whether a step of that run read a clock, or made a generator without a seed.
     """
 
     in_core = False
@@ -71,6 +73,7 @@ class ControllerHost:
         self.controller = controller
         self._frozen: FrozenTime | None = None
         self.sources: tuple[str, ...] = ()
+        self.has_read_clock = False
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
@@ -93,22 +96,31 @@ class ControllerHost:
             )
 
     @contextmanager
-    def freezing(self, options: RunOptions, seed: int | None = None) -> Iterator[None]:
+    def freezing(
+        self, options: RunOptions, seed: int | None = None, *, watches: bool = False
+    ) -> Iterator[None]:
         """Let it see simulated time and seeded chance in this block, if the run's options say so.
 
         Args:
             options: Options of the run.
             seed: The run's seed, if it isn't the options'.
+            watches: Whether to note in any case whether a step reads the clock.
         """
-        if not options.frozen_time:
+        is_watched = watches and self.in_python and not self.acts_for_many
+        if not (options.frozen_time or is_watched):
             yield
             return
-        self._frozen = FrozenTime(options.seed if seed is None else seed, options.time_step)
+        self._frozen = FrozenTime(
+            options.seed if seed is None else seed,
+            options.time_step,
+            only_watches=not options.frozen_time,
+        )
         try:
             with self._frozen.run(self.controller):
                 yield
         finally:
             self.sources = self._frozen.sources
+            self.has_read_clock = self._frozen.was_read
             self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:
@@ -119,7 +131,7 @@ class ControllerHost:
             renew: Whether to use a new instance if earlier runs have left something in this one.
         """
         shown = world if self.plans else None
-        if self._frozen is not None:
+        if self._frozen is not None and not self._frozen.only_watches:
             # Generators that ``__init__`` makes begin again with each run.
             origin = origin_of(self.controller)
             if origin is not None:
@@ -138,15 +150,11 @@ class ControllerHost:
 
         ``None`` if not all of it can be seen, or earlier runs have changed it.
         """
-        if self.has_read_clock:
+        # A clock is a state, too. Its runs with one robot are compared by another clock instead.
+        if self._frozen is not None and self._frozen.was_read:
             return None
         state = hidden_state(self.controller)
         return None if has_shared_state_changed(self.controller, state) else state
-
-    @property
-    def has_read_clock(self) -> bool:
-        """Whether a step of the run has read simulated time, which never recurs."""
-        return self._frozen is not None and self._frozen.was_read
 
     def driver(self, memory: Memory, settings: Any) -> Driver:
         """Return it in the form in which the core calls it.
@@ -159,7 +167,8 @@ class ControllerHost:
 
     def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act wherever a run stops, and return its memory after the last step."""
-        return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+        with nullcontext() if self._frozen is None else self._frozen.watching():
+            return act_in_core(self.act, stops, memory, is_measured=self.in_python)
 
     @property
     def act(self) -> Callable[..., Any]:

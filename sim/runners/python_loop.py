@@ -47,6 +47,7 @@ def run_in_python(
     options: RunOptions,
     *,
     record: bool,
+    watches: bool = False,
 ) -> PythonRun:
     """Run an episode; whatever the controller raises ends it as a crash.
 
@@ -59,13 +60,14 @@ def run_in_python(
         world: The world, for a controller that plans first.
         options: Options of the run.
         record: Whether to keep every state.
+        watches: Whether to note whether a step reads the clock.
     """
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)
     begun: HiddenState | None = None
     fault: ControllerError | None = None
     host.start()
-    with only_results_on_stdout(), host.freezing(options):
+    with only_results_on_stdout(), host.freezing(options, watches=watches):
         try:
             with Faults(host), working("running the controller", often=True) as work:
                 memory = host.begin(world)
@@ -82,8 +84,7 @@ def run_in_python(
                 host.drive(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
         except ControllerError as error:
             fault = error
-        is_known = begun is not None and not host.has_read_clock
-        complete = is_known and hidden_state(host.controller) == begun
+        complete = begun is not None and hidden_state(host.controller) == begun
     if episode is None or not len(rows):
         return PythonRun(episode, None, complete, fault)
 
