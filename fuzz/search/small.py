@@ -40,9 +40,10 @@ _SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
 _OWN = 3e-3  # s of ours for each world
 _USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
 _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
-# Times the witness's steps after which a run that has not arrived is examined; then after twice as
-# many.
+# Times the witness's steps after which a run that has not arrived is examined, and the fewest
+# steps; then after twice as many. Robots turn, or swing in, before they drive the shortest ways.
 _FIRST_LOOK = 6
+_FIRST_STEPS = 64
 # Kinds of worlds on a user's map.
 _KINDS_IN_TURN = (
     Kind.WINDOW,
@@ -193,7 +194,7 @@ class _Unit:
         """Run until the robot arrives or fails, or will hardly arrive."""
         options = scenario.options(world)
         trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
-        steps = _FIRST_LOOK * trial.witness_steps
+        steps = max(_FIRST_LOOK * trial.witness_steps, _FIRST_STEPS)
         while True:
             steps = min(steps, options.steps)
             outcome = self._run(trial, steps)
