@@ -76,6 +76,8 @@ class Prices:
 # to 7,500 steps.
 _PYTHON_STEP = 3e-3
 _PYTHON_PROOF = 80.0
+# Steps of a proof where each is expensive: the witness's budget twice, or a loop several times.
+_COSTLY_PROOF = 3_000
 # Fraction of a step's time that the search adds to it.
 _ADDED = 0.25
 
@@ -85,11 +87,8 @@ def prices_of(config: CampaignConfig) -> Prices:
     if config.pace.slower == 1:
         return Prices()
     step = 1e3 * (1.0 + _ADDED) * config.pace.step
-    return Prices(
-        step=step,
-        proof=max(Prices.proof, _PYTHON_PROOF * (step / _PYTHON_STEP)),
-        run=1e3 * config.pace.reset,
-    )
+    proof = _COSTLY_PROOF * step if config.pace.is_slow else _PYTHON_PROOF * (step / _PYTHON_STEP)
+    return Prices(step=step, proof=max(Prices.proof, proof), run=1e3 * config.pace.reset)
 
 
 def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:

@@ -66,8 +66,11 @@ def fits(config: CampaignConfig) -> bool:
 def search(task: SearchTask) -> None:
     """Run small worlds one after another, and prove the first failure of each cause."""
     unit = _Unit(task)
-    unit.screen()
-    unit.prove_suspects()
+    try:
+        unit.screen()
+        unit.prove_suspects()
+    finally:
+        unit.count_rest()
 
 
 @dataclass(frozen=True)
@@ -180,13 +183,20 @@ class _Unit:
 
         Once a failure of a new cause is proved, the unit ends, so that the failure is stored.
         """
-        for cause, suspect in sorted(self._suspects.items(), key=lambda one: one[1][:-1]):
+        in_order = sorted(self._suspects, key=lambda cause: self._suspects[cause][:-1])
+        for cause in in_order:
             if {group for group, _ in self._triage.result.failures} - self._known.keys():
-                self._leave(suspect.steps, cause)
-                continue
+                return
             check_time()
-            trial = suspect.trial
-            self._take(trial, self._run(trial, trial.options.steps))
+            trial = self._suspects[cause].trial
+            outcome = self._run(trial, trial.options.steps)
+            del self._suspects[cause]
+            self._take(trial, outcome)
+
+    def count_rest(self) -> None:
+        """Count the runs that were not examined, also if the unit's time ran out."""
+        for cause, suspect in self._suspects.items():
+            self._leave(suspect.steps, cause)
         for kind, count in self._alike.items():
             self._triage.count_alike(*kind, count)
 
