@@ -1,7 +1,7 @@
 """Small worlds in which a run is short: for controllers whose steps take long.
 
-A world comes from a family at a small size, or is one of a few scenes: a door, a cup, a corner, a
-gap, a slot, an island, walls to go around, posts. The first worlds can be crossed in about 20 steps
+A world comes from a family at a small size, or is one of a few scenes: a target nearby, a door, a
+cup, a corner, a gap, an island, a slot, walls to go around, posts. The first worlds can be crossed in about 20 steps
 of their robot; later ones grow.
 """
 
@@ -211,6 +211,18 @@ def _opening(stream: RandomStream, rows: int, width: int) -> slice:
     return slice(first, first + width)
 
 
+def _near(stream: RandomStream, cells: int) -> Scene:
+    """Return a target close to the start, and perhaps close to a wall."""
+    rows = stream.between(5, 8)
+    walls = np.zeros((rows, stream.between(6, 8 + cells // 8)), bool)
+    start, target = (
+        (stream.between(1, rows - 2), stream.between(1, walls.shape[1] - 2)) for _ in range(2)
+    )
+    if start == target:
+        target = (start[0], start[1] % (walls.shape[1] - 2) + 1)
+    return Scene(walls, start, target)
+
+
 def _door(stream: RandomStream, cells: int) -> Scene:
     """Return a room with a wall across, and a door in it."""
     walls, start, target = _arena(stream, cells)
@@ -305,4 +317,4 @@ def _posts(stream: RandomStream, cells: int) -> Scene:
     return Scene(walls, start, target)
 
 
-_SCENES: tuple[Build, ...] = (_door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)
+_SCENES: tuple[Build, ...] = (_near, _door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)

@@ -40,9 +40,10 @@ _SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
 _OWN = 3e-3  # s of ours for each world
 _USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
 _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
-# Times the witness's steps after which a run that has not arrived is examined; then after twice as
-# many.
+# Times the witness's steps after which a run that has not arrived is examined, and the fewest
+# steps; then after twice as many. Robots turn, or swing in, before they drive the shortest ways.
 _FIRST_LOOK = 6
+_FIRST_STEPS = 64
 # Kinds of worlds on a user's map.
 _KINDS_IN_TURN = (
     Kind.WINDOW,
@@ -65,8 +66,11 @@ def fits(config: CampaignConfig) -> bool:
 def search(task: SearchTask) -> None:
     """Run small worlds one after another, and prove the first failure of each cause."""
     unit = _Unit(task)
-    unit.screen()
-    unit.prove_suspects()
+    try:
+        unit.screen()
+        unit.prove_suspects()
+    finally:
+        unit.count_rest()
 
 
 @dataclass(frozen=True)
@@ -179,13 +183,20 @@ class _Unit:
 
         Once a failure of a new cause is proved, the unit ends, so that the failure is stored.
         """
-        for cause, suspect in sorted(self._suspects.items(), key=lambda one: one[1][:-1]):
+        in_order = sorted(self._suspects, key=lambda cause: self._suspects[cause][:-1])
+        for cause in in_order:
             if {group for group, _ in self._triage.result.failures} - self._known.keys():
-                self._leave(suspect.steps, cause)
-                continue
+                return
             check_time()
-            trial = suspect.trial
-            self._take(trial, self._run(trial, trial.options.steps))
+            trial = self._suspects[cause].trial
+            outcome = self._run(trial, trial.options.steps)
+            del self._suspects[cause]
+            self._take(trial, outcome)
+
+    def count_rest(self) -> None:
+        """Count the runs that were not examined, also if the unit's time ran out."""
+        for cause, suspect in self._suspects.items():
+            self._leave(suspect.steps, cause)
         for kind, count in self._alike.items():
             self._triage.count_alike(*kind, count)
 
@@ -193,7 +204,7 @@ class _Unit:
         """Run until the robot arrives or fails, or will hardly arrive."""
         options = scenario.options(world)
         trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
-        steps = _FIRST_LOOK * trial.witness_steps
+        steps = max(_FIRST_LOOK * trial.witness_steps, _FIRST_STEPS)
         while True:
             steps = min(steps, options.steps)
             outcome = self._run(trial, steps)

@@ -12,6 +12,7 @@ from fuzz.search.registry import check_strategy
 from fuzz.search.suspects import Symptom, symptom_of
 from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import Deadline
 from fuzz.unit.pace import Pace
 from fuzz.unit.result import SearchState
 from sim import Command, simulate
@@ -159,9 +160,23 @@ def test_what_is_known_well_is_not_proved_again():
     assert not again.failures and again.verdicts["undecided"] == again.worlds > 0
 
 
-def run(controller, steps, walls=None):
-    empty = World(np.zeros((8, 30), bool), Pose(0.35, 0.35, 0.0), Target(2.6, 0.35, 0.05))
-    world = empty if walls is None else walls
+class SoonOver(Deadline):
+    """Is over in the second run."""
+
+    looks = 0
+
+    def to_begin_is_over(self):
+        SoonOver.looks += 1
+        return SoonOver.looks > 10
+
+
+def test_a_unit_that_is_cut_counts_its_suspects():
+    result = run_unit(config(f"{HERE}:Counting"), 0, deadline=SoonOver())
+    assert result.cut and result.verdicts["undecided"] == result.worlds == 1
+
+
+def run(controller, steps):
+    world = World(np.zeros((8, 30), bool), Pose(0.35, 0.35, 0.0), Target(2.6, 0.35, 0.05))
     return world, simulate(world, controller, steps=steps, record=True)
 
 
