@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
+from fuzz.layouts.variation import map_provenance
 from sim.scenario import Scenario
 from worldgen.generation import generate
 from worldgen.parameters import find_parameter
@@ -82,9 +83,10 @@ def _with_radius(subject: Subject, value: float) -> Subject:
 
     It keeps the witness if that has enough clearance.
     """
-    return replace(
-        subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None)
-    )
+    world = subject.world
+    made = map_provenance(world)
+    changed = replace(world, robot_radius=value, provenance=made, failure=None)
+    return replace(subject, world=changed)
 
 
 def _with_speed(subject: Subject, value: float) -> Subject:
@@ -97,7 +99,8 @@ def _with_speed(subject: Subject, value: float) -> Subject:
     if isinstance(witness, Witness):
         times = witness.times * (world.robot_speed / value)
         witness = None if world.is_dynamic else replace(witness, times=times)
-    changed = replace(world, robot_speed=value, certificate=witness, provenance=None, failure=None)
+    made = map_provenance(world)
+    changed = replace(world, robot_speed=value, certificate=witness, provenance=made, failure=None)
     return replace(subject, world=changed)
 
 
@@ -108,7 +111,8 @@ def _with_time_step(subject: Subject, value: float) -> Subject:
 def _with_heading(subject: Subject, value: float) -> Subject:
     world = subject.world
     start = replace(world.start, heading=math.radians(value))
-    return replace(subject, world=replace(world, start=start, provenance=None, failure=None))
+    changed = replace(world, start=start, provenance=map_provenance(world), failure=None)
+    return replace(subject, world=changed)
 
 
 def _depth(subject: Subject) -> int | None:
