@@ -121,6 +121,9 @@ class BudgetEvidence:
             rounding, or ``confined``.
         entry: Step from which the poses of a drifting run recur.
         period: Steps after which they recur.
+        memory_drift: If poses recur on the lattice and the memory does, too, except for rounding:
+            the index of the number that changes most, and its change per step. Only known for a
+            recorded run.
         box: Columns and rows of cells that the centre visited in the second half of the run.
     """
 
@@ -130,6 +133,7 @@ class BudgetEvidence:
     entry: int | None = None
     period: int | None = None
     box: tuple[int, int] | None = None
+    memory_drift: tuple[int, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

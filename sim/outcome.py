@@ -148,8 +148,8 @@ class Runnable(Protocol):
         """
         ...
 
-    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
-        """Add to the evidence of a run that stalled after ``steps`` what confines the robot."""
+    def with_confinement(self, evidence: BudgetEvidence, outcome: Outcome) -> BudgetEvidence:
+        """Add to the evidence of a run that stalled what confines the robot."""
         ...
 
 

@@ -1,7 +1,7 @@
 """Boundaries: the value of one number of a scenario at which a controller begins to fail.
 
 Contents:
-    AXES, Axis, Subject: what can be varied.
+    AXES, axis_of_field, Axis, Subject: what can be varied.
     index_of: the index of a number of three digits.
     Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at
         which it fails.
@@ -10,7 +10,7 @@ Contents:
     with_boundaries, describe_boundaries: the boundaries in a failure's record.
 """
 
-from fuzz.boundary.axes import AXES, Axis, Subject, index_of
+from fuzz.boundary.axes import AXES, Axis, Subject, axis_of_field, index_of
 from fuzz.boundary.measured import describe_boundaries, is_bounded, subject_of, with_boundaries
 from fuzz.boundary.search import Boundary, BoundaryRun, BoundaryRuns, nearest_boundary, run_subject
 
@@ -21,6 +21,7 @@ __all__ = [
     "BoundaryRun",
     "BoundaryRuns",
     "Subject",
+    "axis_of_field",
     "describe_boundaries",
     "index_of",
     "is_bounded",

@@ -1,4 +1,4 @@
-"""Axes of a boundary search: radius, speed, time step, start heading, and depth of a trap.
+"""Axes of a boundary search: radius, speed, time step, start heading, depth of a trap, and fields.
 
 The values of an axis are numbered, so doubling steps and bisection are integer arithmetic. They end
 at neighbouring values that a person would write, with three significant digits or whole numbers.
@@ -13,11 +13,14 @@ from decimal import Decimal
 
 from sim.scenario import Scenario
 from worldgen.generation import generate
+from worldgen.parameters import find_parameter
 from worldgen.world import Witness, World
 
 # Three-digit numbers from 100 to 999.
 _DECADE = 900
 _TRAP = "trap"
+# The largest whole number that a float64 holds exactly.
+_MOST_WHOLE = 2**53
 
 
 @dataclass(frozen=True)
@@ -137,3 +140,34 @@ AXES = {
     )
 }  # fmt: skip
 """The axes, by their names on the command line."""
+
+
+def axis_of_field(scenario: Scenario, name: str) -> Axis:
+    """Return the axis of a number among the fields of a scenario's controller.
+
+    Values keep the sign of the scenario's own one; around zero, they are hundredths.
+
+    Raises:
+        InvalidParameter: If its controller has no such field, or the field is not a number.
+    """
+    numbers = [one for one in scenario.fields if one.kind in (int, float)]
+    field = find_parameter(name, numbers, scenario.controller, also=AXES)
+    own = scenario.value_of(field)
+    assert isinstance(own, int | float)
+
+    def with_field(subject: Subject, value: float) -> Subject:
+        changed = subject.scenario.with_option(name, field.kind(value))
+        return replace(subject, scenario=changed)
+
+    def with_index(index_of_own: int, low: int, high: int, value: Callable[[int], float]) -> Axis:
+        return Axis(name, "", low, high, value, lambda _: index_of_own, with_field, name)
+
+    if field.kind is int:
+        return with_index(int(own), -_MOST_WHOLE, _MOST_WHOLE, float)
+    if own == 0.0:
+        return with_index(0, -_MOST_WHOLE, _MOST_WHOLE, lambda index: index / 100)
+    low, high = index_of(1e-9), index_of(1e9)
+    if own > 0.0:
+        return with_index(index_of(own), low, high, three_digits)
+    # Indices ascend with the values.
+    return with_index(-index_of(-own), -high, -low, lambda index: -three_digits(-index))

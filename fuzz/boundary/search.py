@@ -163,7 +163,9 @@ class Boundary:
         return plain(RecordedBoundary(self.axis.name, self.fails.value, self.passes.value))
 
 
-def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:
+def nearest_boundary(
+    looks: BoundaryRuns, start: int, *, reach: int = _REACH, step: int = 1
+) -> Boundary | None:
     """Return the first boundary that doubling steps from a value find, narrowed down by bisection.
 
     Outcomes need not be monotone, so other boundaries may exist, even nearer ones.
@@ -172,6 +174,7 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
         looks: The runs.
         start: Index of the value to start from.
         reach: Largest distance in values; 900 values are a factor of ten.
+        step: First distance in values; with a larger one, fewer values are run.
     """
     here = looks(start)
     if here is None:
@@ -179,7 +182,6 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
     # Go both ways with doubling steps.
     last = {-1: here, 1: here}
     open_ends = [-1, 1]
-    step = 1
     while step <= reach and open_ends:
         for way in tuple(open_ends):
             look = looks(start + way * step)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import fields
+from dataclasses import fields, replace
 
 from fuzz.facts.proofs import certified
 from fuzz.layouts.variation import Variation
@@ -12,7 +12,9 @@ from fuzz.search.registry import check_strategy
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.names import TIME_STEPS
 from fuzz.unit.options import MOST_ROBOTS, CampaignOptions, SearchOptions
-from sim.episode.try_out import EMPTY_ARENA, try_out
+from fuzz.unit.pace import Pace, measured_pace
+from sim.controllers import CONTROLLERS
+from sim.episode.try_out import EMPTY_ARENA, step_times, try_out
 from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
@@ -25,6 +27,8 @@ from worldgen.support.progress import working
 from worldgen.world import World
 
 _VARY = "--vary"
+# Share of the budget in which the controller's pace is measured.
+_TO_MEASURE = 0.03
 
 
 def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
@@ -33,7 +37,8 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     Args:
         options: Options as given.
         seed: Seed of the whole campaign.
-        seconds: Limit in seconds for trying out the controller; None for no limit.
+        seconds: Limit in seconds for trying out the controller, whose pace is measured then; None
+            for no limit, and for a configuration that no clock decides.
 
     Raises:
         InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
@@ -92,11 +97,16 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         shrink=fixed_map is None if options.shrink is None else options.shrink,
         robots=robots,
         fixes_time_step=fixes_time_step,
+        measured=None if options.pace is None else Pace(options.pace / 1e3),
         **(kept | {"oracles": options.asked_oracles}),
     )
     with working("loading the simulator and the controller"):
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
-    return config
+        if seconds is None or config.measured is not None:
+            return config
+        spent = step_times(scenario, at_most=_TO_MEASURE * seconds)
+    pace = spent and measured_pace(CONTROLLERS.get(scenario.controller), *spent)
+    return replace(config, measured=pace)
 
 
 def _refuse_both(varied: Iterable[Variation], given: Collection[str]) -> None:

@@ -14,11 +14,18 @@ from functools import partial
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.scheduler import Goal, Scheduler, Work
-from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
+from fuzz.campaign.state import CampaignState, Discovery, Progress, SearchEnded, UnitDone
 from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
+from fuzz.shrink.queue import (
+    MOST_SHRUNK,
+    SHRINKING_SECONDS,
+    Shrinking,
+    ShrinkJob,
+    ShrinkQueue,
+    shrunk_or_same,
+)
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.unit.result import FailureKey, SearchState, UnitResult
@@ -83,7 +90,13 @@ class Campaign(Goal[Progress]):
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
+        self._steps_to_shrink = (
+            config.pace.steps_in(SHRINKING_SECONDS) if schedule.is_unlimited else math.inf
+        )
         self._handed_in = LiveCounts()
+        self._has_ended = False
+        # Units that this run has done.
+        self._units_now = 0
         # Seconds of earlier runs.
         self._before = 0.0
         self._earlier = 0.0 if store is None else store.seconds()
@@ -114,14 +127,27 @@ class Campaign(Goal[Progress]):
             phase = Phase.PREPARING
         else:
             phase = Phase.SEARCHING if self._scheduler.units else Phase.SHRINKING
+        elapsed = self._schedule.elapsed()
+        effort = state.effort
+        handed_in = self._handed_in.worlds
         return LiveState(
             phase,
             tried,
             state.steps + more.steps,
             failed + more.failed,
             len(self._scheduler.others) + len(self._queue),
-            self._schedule.elapsed(),
+            elapsed,
+            rate=60.0 * (handed_in + more.worlds) / elapsed if elapsed else 0.0,
+            cost=effort.seconds / handed_in if handed_in else 0.0,
+            own=effort.share,
+            left=self._seconds_left(elapsed),
         )
+
+    def _seconds_left(self, elapsed: float) -> float:
+        """Return the seconds until the units are done, at the speed of this run's units so far."""
+        if self.units is None or not self._units_now:
+            return 0.0
+        return elapsed * max(self.units - self._scheduler.next_merged, 0) / self._units_now
 
     def run(self) -> Generator[Progress, None, None]:
         """Run the campaign, or the rest of it.
@@ -132,16 +158,24 @@ class Campaign(Goal[Progress]):
         """
         try:
             yield from self._scheduler.run(self)
-            if self.units is None and self._store is not None:
-                self._take_from_earlier(self._store)
         finally:
             self._count_time()
+
+    def conclude(self) -> Iterator[Progress]:
+        """Yield the search's end, with all of its findings."""
+        if self.units is None and self._store is not None:
+            self._take_from_earlier(self._store)
+        self._count_time()
+        self._has_ended = True
+        yield SearchEnded(self._scheduler.executor)
 
     def _count_time(self) -> None:
         """Update the times in the state.
 
         Restored work adds the time of earlier runs, including shrinking.
         """
+        if self._has_ended:
+            return
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
@@ -173,7 +207,9 @@ class Campaign(Goal[Progress]):
             self._queue.as_urgent_as(job) + in_progress + 1,
             max(self._scheduler.executor.room - 1, 1),
         )
-        call = partial(shrunk_or_same, job.failure, seconds=seconds, end=end)
+        call = partial(
+            shrunk_or_same, job.failure, seconds=seconds, end=end, most_steps=self._steps_to_shrink
+        )
         return Work(call, partial(self._take_shrunk, job), is_unit=False)
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
@@ -188,7 +224,7 @@ class Campaign(Goal[Progress]):
     def _next_unit(self) -> Work[Progress] | None:
         """Return the next unit, or the stored one; ``None`` if none may begin now."""
         unit = self._scheduler.next_unit
-        epoch = unit // self.config.epoch
+        epoch = unit // self.config.units_of_a_round
         # What the unit is to know depends on units that may not be merged yet.
         if not self._scheduler.has_more_units or epoch >= len(self._known):
             return None
@@ -199,7 +235,9 @@ class Campaign(Goal[Progress]):
         self._scheduler.get_ready()
         if not self._schedule.may_search:
             return None
-        call = partial(run_unit, self.config, unit, self._known[epoch], self._schedule.deadline())
+        # Nothing is to be shrunk until the first failure comes.
+        deadline = self._schedule.deadline(shrinks=bool(self.state.finds))
+        call = partial(run_unit, self.config, unit, self._known[epoch], deadline)
         return Work(call, partial(self._merge, unit))
 
     def _merge(self, unit: int, result: UnitResult) -> Iterator[Progress]:
@@ -222,11 +260,12 @@ class Campaign(Goal[Progress]):
         stored_at = result.stored_at
         if stored_at is None:
             state.effort += result.effort
+            self._units_now += 1
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
             if result.cut:
                 result = self._more_of(unit, result)
             # A unit with too little knowledge counts as cut, because it must be done again.
-            if unit // self.config.epoch >= self._knows_too_little:
+            if unit // self.config.units_of_a_round >= self._knows_too_little:
                 state.too_early += not result.cut
                 result = replace(result, cut=True)
         else:
@@ -241,6 +280,7 @@ class Campaign(Goal[Progress]):
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
+        state.tried += result.tried
         state.judged += result.judged
         state.met += result.met
         # Select the results worth storing, and store them.
@@ -257,10 +297,12 @@ class Campaign(Goal[Progress]):
         # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
-            self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
+            self._knows_too_little = min(
+                self._knows_too_little, unit // self.config.units_of_a_round + 2
+            )
         else:
             self._memory = self._memory.after(result)
-        if (unit + 1) % self.config.epoch == 0:
+        if (unit + 1) % self.config.units_of_a_round == 0:
             self._known.append(self._memory)
         return jobs
 

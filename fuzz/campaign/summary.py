@@ -9,9 +9,13 @@ from fuzz.campaign.store import Archive, Status, Summary
 from fuzz.search.archive import archive_table
 from fuzz.unit.answer import AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.live import LiveState
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.files.json_file import converted
-from worldgen.support.plain_text import aligned, counted
+from worldgen.support.plain_text import aligned, counted, lasting
+
+# Seconds of a world from which its cost is shown.
+_WORTH_SAYING = 0.01
 
 
 def summary_of(
@@ -43,6 +47,7 @@ def summary_of(
         answer_reason=reason,
         answer_numbers=numbers or UNSET,
         verdicts=dict(state.verdicts),
+        tried=dict(state.tried),
         met=dict(state.met_by_group),
         known=dict(state.known),
         strategies=list(state.memory.strategies.values()),
@@ -53,6 +58,7 @@ def summary_of(
         times={name: round(seconds, 3) for name, seconds in state.times.items()},
         controller_share=UNSET if share is None else round(share, 3),
         survives_reset=sorted(state.effort.survivors) or UNSET,
+        differs_by=sorted(state.effort.differences) or UNSET,
     )
 
 
@@ -107,6 +113,24 @@ def describe_time(summary: Summary) -> str:
         return f"{summary.seconds:.1f} s"
     parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary.times.items())
     return f"{whole:.1f} s: {parts}"
+
+
+def describe_speed(live: LiveState) -> str:
+    """Describe a running search's speed, to follow its counts; empty until a unit is done.
+
+    For example ``; 190 worlds a minute, 0.31 s each (95 % your controller), about 40 s left``.
+    """
+    if not live.cost:
+        return ""
+    parts = [f"{live.rate:,.0f} worlds a minute"]
+    # A compiled controller's share is not measured, and its worlds cost no time worth mentioning.
+    if live.cost >= _WORTH_SAYING:
+        parts.append(f"{live.cost:.2g} s each")
+        if live.own:
+            parts[-1] += f" ({100 * live.own:.0f} % your controller)"
+    if live.left:
+        parts.append(f"about {lasting(live.left)} left")
+    return f"; {', '.join(parts)}"
 
 
 def describe_share(summary: Summary, controller: str) -> str | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from worldgen.errors import OutputError
 from worldgen.files.whole import check_output, refused_writes, write_bytes
+from worldgen.support.paths import real_path
 
 if TYPE_CHECKING:
     from fuzz.ci.finding import Report
@@ -53,9 +54,9 @@ class Outputs:
             if path is None:
                 continue
             # The campaign creates its own folder, so no reports in it can exist yet.
-            if made is None or made.exists() or path.resolve().parent != made.resolve():
+            if made is None or made.exists() or real_path(path).parent != real_path(made):
                 check_output(path, self.force or option == "--summary")
-            other = named.setdefault(path.resolve(), option)
+            other = named.setdefault(real_path(path), option)
             if other != option:
                 raise OutputError(
                     "same-output-twice",

@@ -15,6 +15,7 @@ from sim.controllers.programs.process import is_process_name
 from sim.controllers.shared.object_file import is_library_name, library_file
 from worldgen.files.whole import read_text
 from worldgen.plugins.trust import file_of_module
+from worldgen.support.paths import real_path
 
 
 @dataclass(frozen=True)
@@ -35,10 +36,10 @@ def repository(folder: Path | None = None) -> Path:
 
     That is GitHub's workspace, or else the nearest folder with ``.git``, or else the folder itself.
     """
-    here = (folder or Path.cwd()).resolve()
+    here = real_path(folder or Path.cwd())
     workspace = os.environ.get("GITHUB_WORKSPACE")
-    if workspace and here.is_relative_to(Path(workspace).resolve()):
-        return Path(workspace).resolve()
+    if workspace and here.is_relative_to(real_path(Path(workspace))):
+        return real_path(Path(workspace))
     return next((one for one in (here, *here.parents) if (one / ".git").exists()), here)
 
 
@@ -67,7 +68,7 @@ def place_of(controller: str, root: Path) -> Place | None:
 def uri_of(path: Path, root: Path) -> str | None:
     """Return a path relative to the repository's root as a URI; ``None`` if it is outside."""
     with suppress(ValueError):
-        return quote(path.resolve().relative_to(root).as_posix(), errors="replace")
+        return quote(real_path(path).relative_to(root).as_posix(), errors="replace")
     return None
 
 

@@ -14,13 +14,14 @@ from fuzz.campaign.store import SUMMARY, Summary
 from fuzz.campaign.summary import describe_share, describe_strategies, describe_time, describe_units
 from fuzz.facts.hazards import hazard_words
 from fuzz.failure import Failure
+from fuzz.layouts.map_windows import describe_tried
 from fuzz.overview import CauseResult, cause_of
 from fuzz.overview.building import Overview
 from fuzz.overview.describe import describe
 from fuzz.overview.terminal import describe_coverage, overview_lines
 from fuzz.unit.answer import Answer
 from fuzz.unit.config import CampaignConfig
-from sim.controllers.contract import state_survives_reset
+from sim.controllers.contract import runs_differ, state_survives_reset
 from worldgen.cli.output import emit_json, note, say
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
@@ -90,12 +91,16 @@ class Ending:
             f"seed {summary.seed}: {describe_units(summary)}, "
             f"{counted(summary.steps, 'step')} in {summary.seconds:.1f} s"
         )
+        if summary.tried:
+            say(f"tried on the map: {describe_tried(summary.tried)}")
         # Add notes about slow, stateful or hanging controllers.
         controller = self.config.scenario.controller
         if (share := describe_share(summary, controller)) is not None:
             note(share)
         if summary.survives_reset is not UNSET:
             note(str(state_survives_reset(controller, summary.survives_reset)))
+        if summary.differs_by is not UNSET:
+            note(str(runs_differ(controller, summary.differs_by)))
         if self.interrupted_steps:
             note(
                 f"{counted(self.interrupted_steps, 'step')} of {controller} were still running when "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 EXAMPLES = (
     "\b\n  worldgen boundary w.grid --controller turn-right --axis radius\n"
     "  worldgen boundary failures/loop.grid --axis speed --json\n"
-    "  worldgen boundary trap.grid --controller bug2 --axis depth"
+    "  worldgen boundary trap.grid --controller bug2 --axis depth\n"
+    "  worldgen boundary w.grid --controller ./mine.py:Robot --axis lookahead"
 )
 # Number of values in a scan.
 _POINTS = 65
@@ -38,10 +40,10 @@ _FACTOR = 2
 @click.option(
     "--axis",
     "name",
-    type=click.Choice(["radius", "speed", "time-step", "heading", "depth"]),
     required=True,
-    help="What to vary: the robot's radius or speed, the time step, the start heading, or a trap's "
-    "depth.",
+    metavar="radius|speed|time-step|heading|depth|FIELD",
+    help="What to vary: the robot's radius or speed, the time step, the start heading, a trap's "
+    "depth, or a field of your controller's class that is a number.",
 )
 @json_option
 def boundary(
@@ -53,7 +55,7 @@ def boundary(
     name: str,
     as_json: bool,
 ) -> None:
-    """Find the radius, speed or heading at which failures begin.
+    """Find the radius, speed, heading or field at which failures begin.
 
     Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
     1 to 65 cells), and narrows each change down to two neighbouring values. It misses an outcome
@@ -61,14 +63,19 @@ def boundary(
     at which the target can be reached, with 1 otherwise. Ctrl-C reports the values run so far and
     exits with 130.
     """
-    from fuzz.boundary import AXES
+    from fuzz.boundary import AXES, axis_of_field
     from fuzz.find import AxisScan
     from worldgen.errors import InvalidParameter
+    from worldgen.parameters.known_names import nearest, unknown_name
     from worldgen.support.progress import working
+
+    # A misspelt axis comes before a missing controller; its class may have a field of that name.
+    if controller is None and name not in AXES and nearest(name, AXES):
+        raise InvalidParameter.of(unknown_name("--axis {name!r} is not an axis", name, AXES))
 
     # Find the value to start from.
     subject = _subject(path, controller, motion, time_step, seed)
-    axis = AXES[name]
+    axis = AXES.get(name) or axis_of_field(subject.scenario, name.replace("-", "_"))
     start = axis.index(subject)
     if start is None:
         raise InvalidParameter(
@@ -82,7 +89,7 @@ def boundary(
     stopped = False
     with working(f"running it at values of {axis.name}") as work:
         work.say(
-            lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else ""
+            lambda: f"{len(seen)} runs, the last at {_amount(seen[-1].value, axis)}" if seen else ""
         )
         try:
             seen.extend(scan.run())
@@ -97,8 +104,9 @@ def boundary(
     else:
         for one in stretches:
             verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
-            values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
-            say(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
+            values = "" if one.first == one.last else f"{one.first:g} to "
+            values += _amount(one.last, axis)
+            say(f"{axis.name} {values}: {one.outcome}{verdicts}, {one.runs} runs")
     if stopped:
         note("interrupted; these are the values run so far")
         raise SystemExit(130)
@@ -134,13 +142,20 @@ def _scanned(axis: Axis, start: int) -> range:
         return range(axis.low, axis.low + _POINTS)
     if axis.name == "heading":
         return range(axis.low, axis.high + 1, 5)
-    from fuzz.boundary import index_of
-
-    low, high = (index_of(axis.value(start) * factor) for factor in (1 / _FACTOR, _FACTOR))
+    value = axis.value(start)
+    # Around zero, half and twice the value are the value itself.
+    least, most = sorted((value / _FACTOR, value * _FACTOR)) if value else (-1.0, 1.0)
+    indices = range(axis.low, axis.high + 1)
+    low = indices[bisect.bisect_left(indices, least, key=axis.value)]
+    high = indices[bisect.bisect_right(indices, most, key=axis.value) - 1]
     step = max((high - low) // (_POINTS - 1), 1)
     return range(
         max(start - (start - low) // step * step, axis.low), min(high, axis.high) + 1, step
     )
+
+
+def _amount(value: float, axis: Axis) -> str:
+    return f"{value:g} {axis.unit}".rstrip()
 
 
 def _plain(one: Stretch) -> dict[str, object]:

@@ -205,16 +205,18 @@ def _begin(
 ) -> CampaignRun:
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
-    from fuzz.campaign.store import begin, stored_seed
+    from fuzz.campaign.store import begin, stored_seed, with_stored_pace
     from sim.scenario.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "use --world, or --family and --strategy, not both: on a fixed map only the poses vary"
+            "use --world, or --family and --strategy, not both: all worlds come from the map"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)
+    if options.pace is None and not force:
+        config = with_stored_pace(config, out)
     for sentence in ineffective([config.scenario]):
         note(f"note: {sentence}")
     return begin(config, out, run_budget, force=force)

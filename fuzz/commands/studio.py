@@ -70,6 +70,14 @@ def studio(
         raise FormatError(
             "no-such-file", "there is no such file or folder", "check the name", source=str(path)
         )
+    # The studio shares the folder of a file, which for a device would be the machine's.
+    if not (path.is_file() or path.is_dir()):
+        raise FormatError(
+            "not-a-file",
+            "it is neither a file nor a folder",
+            "name a world's file, or a folder of worlds",
+            source=str(path),
+        )
     if path.suffix == ".py" and path.is_file():
         place = path if path.is_absolute() else f"./{path}"
         raise InvalidParameter(

@@ -17,6 +17,7 @@ from worldgen.world import World
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
 _ROUNDING = 1e-9  # relative difference between what was measured in pixels and in metres
+_SLIGHT = 1e-9  # relative change of a memory that is no more than rounding
 _PERIODS = 4  # periods that a drifting run must show
 
 
@@ -29,6 +30,7 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
     - ``drifting``: from ``entry`` to the end, poses recur after ``period`` steps at least four
       times, but not in every bit.
     - ``confined``: they do not.
+    - ``memory_drift``: poses recur in every bit, and the memory in all but the last bits.
     - ``box``: columns and rows of cells that the second half covers.
     """
     fresh = first_new_cell_of_second_half(world, trace)
@@ -37,7 +39,8 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
     # Files written by older versions do not state how the run stalls.
     kind = evidence.kind
     if kind is None:
-        return check_budget(world, trace, evidence)
+        wrong = "" if evidence.memory_drift is None else _check_memory(trace, evidence)
+        return wrong or check_budget(world, trace, evidence)
     half = trace.steps // 2
     if kind == "drifting":
         wrong = _check_drift(world, trace, evidence.entry or 0, evidence.period or 0)
@@ -63,6 +66,31 @@ def _check_drift(world: World, trace: Trace, entry: int, period: int) -> str:
     states = trace.states[entry:]
     if trace.complete and np.array_equal(states[period:], states[:-period]):
         return f"the complete state recurs every {period} steps, which is a loop"
+    return ""
+
+
+def _check_memory(trace: Trace, evidence: BudgetEvidence) -> str:
+    """Check that everything recurs from the entry on, but for a memory that changes slightly."""
+    entry = evidence.entry or 0
+    period = evidence.period or 0
+    number, drift = evidence.memory_drift or (0, 0.0)
+    if period < 1 or not trace.steps // 2 <= entry <= trace.steps - _PERIODS * period:
+        return f"a period of {period} steps is not shown {_PERIODS} times after step {entry}"
+    moves = trace.states[entry:, : trace.memory_at]
+    if not np.array_equal(moves[period:], moves[:-period]):
+        return f"after step {entry} poses do not recur every {period} steps"
+    memory = trace.states[entry:, trace.memory_at :].view(np.float64)
+    with np.errstate(invalid="ignore"):
+        change = memory[period:] - memory[:-period]
+    change = np.where(memory[period:] == memory[:-period], 0.0, change)
+    slight = _SLIGHT * np.maximum(1.0, np.abs(memory[:-period]))
+    if not (np.abs(change) <= slight).all():
+        return "the memory changes by more than rounding errors"
+    own = np.abs(change[:, number]) if 0 <= number < change.shape[1] else np.zeros(0)
+    if not own.any() or own.max() < np.abs(change).max():
+        return f"memory[{number}] is not the number that changes most"
+    if not np.isclose(own.max(), abs(drift) * period, rtol=_ROUNDING, atol=0.0):
+        return f"memory[{number}] does not change by {drift:g} a step"
     return ""
 
 

@@ -16,6 +16,9 @@ from worldgen.world import Provenance, Value, World
 
 # Fields of a world.
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
+MAP = "map"
+"""Family in the provenance of a world that was made from a map which is not a foreign program's."""
+
 _OPTION = "--vary"
 _EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
 
@@ -25,8 +28,8 @@ class Variation:
     """One quantity and its values.
 
     Args:
-        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the
-            motion model.
+        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), an option of the
+            motion model, or a field of the controller's class.
         values: Values, the simplest first.
     """
 
@@ -39,7 +42,7 @@ class Variation:
 
         Args:
             text: Text from the command line.
-            scenario: Scenario whose motion model decides which options exist.
+            scenario: Scenario whose motion model and controller decide which options exist.
 
         Raises:
             InvalidParameter: If the name is unknown, or a value is invalid or out of range.
@@ -55,7 +58,7 @@ class Variation:
                 option=_OPTION,
                 text=text,
             )
-        _check_name(name, scenario.run.motion)
+        _check_name(name, scenario)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
         for value in found.values:
             found._check(value, scenario)
@@ -124,19 +127,33 @@ def generated(family: str, seed: int, values: Mapping[str, Value]) -> World:
 
 
 def map_provenance(world: World) -> Provenance | None:
-    """Return the provenance of the cells if they are a foreign map's.
+    """Return the provenance of the cells if they are a foreign map's, or a map's with changes.
 
     It is true for any robot and any start. It includes the map's origin, so that a failure can be
-    located on the original map. A family's provenance describes the whole world.
+    located on the original map, and what was changed. A family's provenance describes the whole
+    world.
     """
     made = world.provenance
-    return made if made is not None and made.family == "import" else None
+    return made if made is not None and made.family in ("import", MAP) else None
+
+
+def changes_on_map(world: World) -> str:
+    """Describe what was changed on a map; empty if nothing was.
+
+    ``on the map: box of 0.5 x 0.3 m at (3.4, 2) m; window of 88 x 88 cells at (1.2, 0.4) m``
+    """
+    changed = () if world.provenance is None else world.provenance.changed
+    return f"on the map: {'; '.join(changed)}" if changed else ""
 
 
 def _value(name: str, word: str, scenario: Scenario) -> Value:
     if name == "time_step":
         seconds: float = TIME_STEP.parse(word, "run")
         return seconds
+    field = next((one for one in scenario.fields if one.name == name), None)
+    if field is not None:
+        value: Value = field.parse(word, scenario.controller)
+        return value
     if name not in _OF_THE_ROBOT:
         return switch_class(scenario.run.motion).parse(name, word)[name]
     try:
@@ -152,8 +169,10 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
         ) from None
 
 
-def _check_name(name: str, motion: str) -> None:
-    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names())
+def _check_name(name: str, scenario: Scenario) -> None:
+    motion = scenario.run.motion
+    fields = (one.name for one in scenario.fields)
+    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names(), *fields)
     if name not in known:
         problem = "{option} {name}: nothing with that name can be varied under {motion}"
         raise InvalidParameter.of(unknown_name(problem, name, known, option=_OPTION, motion=motion))

@@ -9,7 +9,8 @@ only if the target is still provably reachable, so no change makes the world eas
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,9 +18,11 @@ import numpy as np
 
 from fuzz.boundary import (
     AXES,
+    Axis,
     BoundaryRun,
     BoundaryRuns,
     Subject,
+    axis_of_field,
     nearest_boundary,
     run_subject,
     subject_of,
@@ -34,7 +37,7 @@ from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import with_options
+from worldgen.parameters import Parameter, with_options
 from worldgen.support.plain_text import alternatives
 from worldgen.world import Pose, Value, World
 
@@ -64,6 +67,21 @@ _SPEED_AND_DRAWS = slice(3, 5)
 _MOST_STEPS = 30_000_000
 _MOST_STEPS_IN_PYTHON = 300_000
 
+# Runs that the search for the nearest value of a number takes, about.
+_RUNS_OF_AN_AXIS = 10
+
+# Fields of the controller's class are tried with this share of the steps that are left: a class may
+# have dozens, and the robot's own numbers come after them.
+_SHARE_OF_FIELDS = 1 / 3
+
+# First and largest distance from a field's own value, in three-digit numbers: 4 to 28 percent, and a
+# factor of ten or more, because a value that somebody guessed may be far off.
+_FIRST_STEP_OF_FIELDS = 32
+_REACH_OF_FIELDS = 1024
+
+# Largest distance from a whole number's own value, at least.
+_REACH_OF_WHOLE = 64
+
 _MOST_NAMED = 3
 
 # Largest changes that are reported as slight: a fraction of the number, and degrees.
@@ -78,10 +96,10 @@ class Change:
     Args:
         what: ``cell`` (a solid cell is free), ``memory`` (it starts without memory in its loop),
             ``event`` (a cell does not change), ``option`` (an option of the run, or the
-            controller's own, is at its default),
-            or the name of one of :data:`fuzz.boundary.AXES`.
+            controller's own, is at its default), ``field`` (a field of the controller's class has
+            another value), or the name of one of :data:`fuzz.boundary.AXES`.
         value: The value with which the robot arrives: the cell ``[ix, iy]``, the pose
-            ``[x, y, heading]``, the option's name, or a number.
+            ``[x, y, heading]``, the option's name, the field's name and value, or a number.
         was: The value in the failure: the time of the event in s, the option's value, or the
             number.
         unit: Unit of a number, such as ``m``.
@@ -113,6 +131,9 @@ class Change:
                 return f"if cell {_cell(self.value)} does not change at {self.was:g} s"
             case "option":
                 return f"without +{self.value}{'' if self.was is True else f'={self.was}'}"
+            case "field":
+                field, value = self.value
+                return f"with {field} {_short(value)} instead of {_short(self.was)}"
         name = self.what.replace("-", " ")
         return f"with {name} {self.value:g} {self.unit} instead of {self.was:g} {self.unit}"
 
@@ -204,7 +225,12 @@ def named_cells(changes: Iterable[Change], world: World | None = None) -> list[t
 
 
 def counterfactuals(
-    failure: Failure, *, effort: float = 1.0, most_runs: float = math.inf
+    failure: Failure,
+    *,
+    effort: float = 1.0,
+    most_steps: float = math.inf,
+    most_runs: float = math.inf,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
 
@@ -214,7 +240,10 @@ def counterfactuals(
     Args:
         failure: A robot that does not arrive.
         effort: Fraction of the usual number of steps that it may take.
+        most_steps: Limit on these steps, for a slow controller.
         most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
+        progress: Called after each run with the number of runs so far, and about how many are made
+            in all.
 
     Raises:
         InvalidParameter: If no single change can explain the failure: its outcome depends on
@@ -230,14 +259,14 @@ def counterfactuals(
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )
-    search = _ChangedRuns(subject, effort, most_runs)
+    search = _ChangedRuns(subject, effort, most_steps, most_runs, progress)
     changes: list[Change] = []
     try:
         for change in _changes(search, failure.run()):
             changes.append(change)
     except (_OutOfStepsError, OutOfTime):
         return Counterfactuals(tuple(changes), search.runs, is_complete=False)
-    return Counterfactuals(tuple(changes), search.runs, is_complete=True)
+    return Counterfactuals(tuple(changes), search.runs, is_complete=not search.is_cut)
 
 
 class _OutOfStepsError(Exception):
@@ -247,13 +276,30 @@ class _OutOfStepsError(Exception):
 class _ChangedRuns:
     """Runs changed scenarios and counts their steps."""
 
-    def __init__(self, subject: Subject, effort: float, most_runs: float) -> None:
+    def __init__(
+        self,
+        subject: Subject,
+        effort: float,
+        most_steps: float,
+        most_runs: float,
+        progress: Callable[[int, int], None],
+    ) -> None:
         self.subject = subject
         self.runs = 0
+        self._progress = progress
+        world = subject.world
+        self._about = (
+            min(int(world.walls.sum()), _MOST_CELLS)
+            + min(len(world.timeline), _MOST_EVENTS)
+            + len(subject.scenario.run.changed())
+            + _RUNS_OF_AN_AXIS * len(_AXES)
+        )
+        self.is_cut = False
         self._most_runs = most_runs
         controller = CONTROLLERS.get(subject.scenario.controller)
         is_compiled = isinstance(controller, CompiledController)
-        self._left = effort * (_MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON)
+        usual = effort * (_MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON)
+        self._left = min(usual, most_steps)
 
     def arrives(self, subject: Subject) -> bool:
         """Return True if the robot arrives, and does nothing else that is wrong."""
@@ -269,11 +315,51 @@ class _ChangedRuns:
         index = axis.index(self.subject)
         if index is None:
             return None
-        runs = BoundaryRuns(self.subject, axis, seen=self._count_run)
-        found = nearest_boundary(runs, index, reach=_REACH.get(name, _REACH_OF_NUMBERS))
+        found = self._nearest(axis, index, _REACH.get(name, _REACH_OF_NUMBERS))
         if found is None:
             return None
-        return Change(name, found.passes.value, axis.value(index), axis.unit)
+        return Change(name, found, axis.value(index), axis.unit)
+
+    def field(self, field: Parameter) -> Change | None:
+        """Return the nearest value of a class's field at which the robot arrives, if there is one.
+
+        Words have no neighbours, so they are left alone.
+        """
+        scenario = self.subject.scenario
+        own = scenario.value_of(field)
+        if isinstance(own, bool):
+            other = replace(self.subject, scenario=scenario.with_option(field.name, not own))
+            return Change("field", [field.name, not own], own) if self.arrives(other) else None
+        if not isinstance(own, int | float):
+            return None
+        axis = axis_of_field(scenario, field.name)
+        index = axis.index(self.subject)
+        if index is None:
+            return None
+        if isinstance(own, int):
+            found = self._nearest(axis, index, max(2 * abs(own), _REACH_OF_WHOLE))
+        else:
+            found = self._nearest(axis, index, _REACH_OF_FIELDS, _FIRST_STEP_OF_FIELDS)
+        return None if found is None else Change("field", [field.name, field.kind(found)], own)
+
+    def _nearest(self, axis: Axis, index: int, reach: int, step: int = 1) -> float | None:
+        runs = BoundaryRuns(self.subject, axis, seen=self._count_run)
+        found = nearest_boundary(runs, index, reach=reach, step=step)
+        return None if found is None else found.passes.value
+
+    @contextmanager
+    def within(self, share: float) -> Iterator[None]:
+        """End the block once it has used up a share of the steps that are left."""
+        kept = self._left * (1.0 - share)
+        self._left -= kept
+        try:
+            yield
+        except _OutOfStepsError:
+            if self.runs > self._most_runs:
+                raise
+            self.is_cut = True
+        finally:
+            self._left += kept
 
     def _count_run(self, run: BoundaryRun) -> None:
         self._count(run.outcome.steps)
@@ -282,6 +368,7 @@ class _ChangedRuns:
         check_time()
         self.runs += 1
         self._left -= steps
+        self._progress(self.runs, max(self._about, self.runs))
         if self._left < 0 or self.runs > self._most_runs:
             raise _OutOfStepsError
 
@@ -297,6 +384,7 @@ def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     yield from _memory_changes(search, episode)
     yield from _event_changes(search)
     yield from _option_changes(search)
+    yield from _field_changes(search)
     for name in _AXES:
         change = search.boundary(name)
         if change is not None:
@@ -357,6 +445,14 @@ def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
             yield Change("option", name, text or True)
 
 
+def _field_changes(search: _ChangedRuns) -> Iterator[Change]:
+    with search.within(_SHARE_OF_FIELDS):
+        for field in search.subject.scenario.fields:
+            change = search.field(field)
+            if change is not None:
+                yield change
+
+
 def _with_world(subject: Subject, **changes: object) -> Subject:
     """Return the scenario in a changed world, without the witness of the old one."""
     return replace(subject, world=replace(subject.world.bare, **changes))  # type: ignore[arg-type]
@@ -383,6 +479,10 @@ def _solid_cells(subject: Subject, episode: Episode) -> list[tuple[int, int]]:
     # Rows and columns break ties, so that the order is the same everywhere.
     order = np.lexsort((columns, rows, np.round(nearest, 9)))[:_MOST_CELLS]
     return [(int(columns[k]), int(rows[k])) for k in order]
+
+
+def _short(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _cell(value: Value) -> str:

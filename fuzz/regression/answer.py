@@ -10,6 +10,7 @@ from fuzz.failure import Failure
 from fuzz.regression.fixed import is_fixed
 from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
+from sim.episode.differences import count_sources
 from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import WorldgenError
@@ -90,6 +91,8 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
     is_equal_run = now.seen.options == failure.options
     if is_equal_run and episode.trace_digest != outcome.episode.trace_digest:
         one, other = (_in_short(run.verdict, run.evidence) for run in (outcome.episode, episode))
+        driven = failure.driven_by(controller)
+        count_sources(driven.world, driven.record.controller, driven.options)
         words = f"its runs differ although the input is the same: {one}, then {other} (was: {was})"
         return ReplayAnswer(State.UNPROVED, words, outcome, episode)
     if not now.reason:

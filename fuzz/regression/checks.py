@@ -24,6 +24,7 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world, write_world
 from worldgen.parameters.bounds import check_choice
 from worldgen.render import draw_terminal
+from worldgen.support.paths import real_path
 from worldgen.support.plain_text import printed, shown, stacked
 from worldgen.world import World
 
@@ -174,6 +175,6 @@ def _keep(seen: RegressionRun, path: Path) -> str:
 def _near(path: Path) -> str:
     """Return the path relative to the current folder, if it is below it."""
     try:
-        return str(path.resolve().relative_to(Path.cwd()))
+        return str(real_path(path).relative_to(Path.cwd()))
     except ValueError:
         return str(path)

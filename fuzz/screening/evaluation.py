@@ -15,7 +15,7 @@ from fuzz.layouts.features import RADII, decode_scene, decode_world
 from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
 from fuzz.screening.in_core import screen_in_core
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
-from fuzz.screening.one_by_one import OneByOne
+from fuzz.screening.one_by_one import OneByOne, SeededOptions
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from sim.options.run import MAX_STEPS, TARGET
@@ -268,7 +268,11 @@ def evaluate(
     values, kinds = np.unique(steps, return_inverse=True)
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
-    packed.run(batch, lambda n: _world_of(layouts, n, robot))
+    packed.run(
+        batch,
+        lambda n: _world_of(layouts, n, robot),
+        lambda n: (packed.runs[kinds[n]].options, int(numbers[n])),
+    )
     return Screening(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
 
 
@@ -367,7 +371,9 @@ class _Packed:
         memory = self.runs[0].memory
         return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
 
-    def run(self, batch: Batch, world: Callable[[int], World]) -> None:
+    def run(
+        self, batch: Batch, world: Callable[[int], World], options: Callable[[int], SeededOptions]
+    ) -> None:
         """Fill in the results."""
         if len(batch) == 0:
             return
@@ -377,7 +383,7 @@ class _Packed:
             screen_in_core(driver, Seat(batch, self.host.begin(None), driver), batch)
             return
         # Programs and vector classes act for many robots at once, unless they break a rule.
-        alone = OneByOne(self.host, batch, world)
+        alone = OneByOne(self.host, batch, world, options)
         if not self.host.in_python:
             if self.host.controller.offer is None:
                 # Its first answer may offer to act for many robots.

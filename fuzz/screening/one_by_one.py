@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
+from typing import TypeAlias
 
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import REPORT_FIELDS, Batch, Seat
@@ -14,6 +15,7 @@ from fuzz.screening.in_core import MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes
+from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.python_act import Stops
 from sim.verdict import Verdict
@@ -25,6 +27,9 @@ from worldgen.world import World
 _LIGHT = 1 << 16
 
 
+SeededOptions: TypeAlias = tuple[RunOptions, int]
+
+
 class OneByOne:
     """Runs a controller in the worlds of a batch, one after another.
 
@@ -32,10 +37,18 @@ class OneByOne:
         host: The host of a Python class or a program; a vector class acts for a single robot.
         batch: The runs; their results are filled in.
         world: Returns the world of a run, for a controller that plans first.
+        options: Returns the options of a run, and its seed.
     """
 
-    def __init__(self, host: ControllerHost, batch: Batch, world: Callable[[int], World]) -> None:
+    def __init__(
+        self,
+        host: ControllerHost,
+        batch: Batch,
+        world: Callable[[int], World],
+        options: Callable[[int], SeededOptions],
+    ) -> None:
         self._host = host
+        self._options = options
         self._faults = Faults(host)
         self._batch = batch
         self._world = world if host.plans else None
@@ -71,7 +84,7 @@ class OneByOne:
         self._host.start()
         seat = None
         try:
-            with self._faults:
+            with self._host.freezing(*self._options(n)), self._faults:
                 world = self._world(n) if self._world else None
                 memory = self._host.begin(world, renew=self._is_light)
                 seat = self._seated(n, len(memory))

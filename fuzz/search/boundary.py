@@ -58,7 +58,7 @@ def search(task: SearchTask) -> None:
     constraint = task.config.constraint
     free = [name for name, axis in AXES.items() if not constraint.fixes(axis.quantity)]
     # A boundary takes many runs, so only a fraction of the examples is spent here.
-    for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
+    for _ in range(max(task.config.examples // (_DEARER * task.config.pace.slower), 1)):
         axis = AXES[stream.choice(free)]
         subject = _subject(task, stream, known, axis)
         start = None if subject is None else axis.index(subject)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,8 +35,12 @@ Seen = Callable[[Screening], None]
 """Called with the result of each screening run."""
 
 _SCENES = 80  # limit on a unit's scenes, per example
-_WORK = 20_000  # steps of a unit, per example: 0.8 s if a step takes 0.1 us
-_DEATH = 40_000  # steps that take as long as starting another process
+_TICK = 1e-7  # s, the cost of work is counted in these: about a compiled controller's step
+_SCENE_TICKS = 250  # handling a scene in the core
+_WORK = 20_000  # ticks of a unit, per example: 0.8 s in all
+_DEATH = 40_000  # ticks to start another process
+# Seconds of typical runs that are screened together.
+_AT_ONCE = 2.0
 # Number of runs of each key that are proved. Equal keys need not have the same signature, hence more
 # than one.
 _OF_EACH_KEY = 2
@@ -73,19 +77,36 @@ class UnitSize:
 
 
 _COMPILED = UnitSize()
-_VECTOR = UnitSize(at_once=16_000, generation=4_000, step=4, proved=8, undecided=2)
-_PYTHON = UnitSize(at_once=100, generation=100, scene=16, step=24, proved=8, undecided=2, asked=1)
-_PROCESS = UnitSize(at_once=100, generation=100, scene=160, step=400, proved=4, asked=1)
+_VECTOR = UnitSize(at_once=16_000, generation=4_000, proved=8, undecided=2)
+_PYTHON = UnitSize(at_once=100, generation=100, scene=16, proved=8, undecided=2, asked=1)
+_PROCESS = UnitSize(at_once=100, generation=100, scene=16, proved=4, asked=1)
+# A proof of a slow controller's failure takes longer than a unit, so few are in one.
+_SLOW_PROVED = 2
+_SLOW_UNDECIDED = 1
 
 
 def unit_size_of(config: CampaignConfig) -> UnitSize:
-    """Return the size of a campaign, which depends on the kind of controller."""
+    """Return the size of a campaign's units, which depends on the controller's kind and pace."""
     controller = CONTROLLERS.get(config.scenario.controller)
+    pace = config.pace
+    step = max(1, round(pace.step / _TICK))
     if isinstance(controller, CompiledController):
-        return UnitSize(one_in=config.slower, step=config.slower, beam=config.slower)
+        return replace(_COMPILED, one_in=pace.slower, step=step, beam=min(step, pace.slower))
+    size = _PYTHON
     if isinstance(controller, ProcessController):
-        return _PROCESS
-    return _VECTOR if isinstance(controller, VectorController) else _PYTHON
+        size = _PROCESS
+    elif isinstance(controller, VectorController):
+        size = _VECTOR
+    most = max(1, int(_AT_ONCE / pace.run))
+    return replace(
+        size,
+        at_once=min(size.at_once, most),
+        generation=min(size.generation, most),
+        scene=max(size.scene, round(pace.reset / _TICK / _SCENE_TICKS)),
+        step=step,
+        proved=_SLOW_PROVED if pace.is_slow else size.proved,
+        undecided=_SLOW_UNDECIDED if pace.is_slow else size.undecided,
+    )
 
 
 def fits(config: CampaignConfig) -> bool:
@@ -253,4 +274,4 @@ def _looks(task: SearchTask, draw: Draw, size: UnitSize) -> Iterator[Screening]:
 def scenes(stream: RandomStream, count: int) -> Bytes:
     """Return (count, SCENE_BYTES) uint8, random scenes."""
     words = stream.bits(count * _SCENE_WORDS).astype("<u8")
-    return words.view(np.uint8).reshape(count, -1)[:, :SCENE_BYTES].copy()
+    return words.view(np.uint8).reshape(count, 8 * _SCENE_WORDS)[:, :SCENE_BYTES].copy()

@@ -16,10 +16,11 @@ from fuzz.search.archive import ARCHIVE
 from fuzz.search.boundary import BOUNDARY
 from fuzz.search.native import NATIVE
 from fuzz.search.native import fits as fits_native
+from fuzz.search.small import SMALL
+from fuzz.search.small import fits as fits_small
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.names import DATABASE, SEALED, can_breach
 from fuzz.unit.result import SearchState, StrategyYield
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 
 _DRAWN = (
     "features",
@@ -35,7 +36,7 @@ _DRAWN = (
 )
 # Strategies with several robots: any layout, and the families that are made for them.
 _FLEETS = ("features", "doorway", "alley", "junction", "crossing", "warehouse")
-_PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
+_PRIOR = {SMALL: 1000.0, NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
 """First estimate of the new signatures that a strategy finds per unit of cost; 1 if not listed."""
 
 _FLOOR = 0.3  # share of the budget that is split evenly
@@ -43,6 +44,7 @@ _FAILURE = 0.01  # weight of a failure, relative to a new signature
 _WORLD_COST = {
     NATIVE: 0.02,
     ARCHIVE: 0.03,
+    SMALL: 3.0,
     "features": 1.0,
     SEALED: 1.0,
     BOUNDARY: 0.5,
@@ -57,30 +59,37 @@ _GOLDEN = 0x9E3779B97F4A7C15
 
 @dataclass(frozen=True)
 class Prices:
-    """Cost of a campaign's work in milliseconds, which depends on the kind of controller.
+    """Cost of a campaign's work in milliseconds, which depends on the controller's pace.
 
     Args:
         step: One step of a run.
         proof: One failure: certify, run again, record, judge and classify it.
+        run: Beginning a run.
     """
 
     step: float = 1e-4
     proof: float = 7.0
+    run: float = 0.0
 
 
-_SLOW = Prices(step=1e-2)
-# A proof runs a Python class about four times, for up to 7,500 steps.
-_PYTHON = Prices(step=3e-3, proof=80.0)
-# It also starts a program each time.
-_PROCESS = Prices(step=5e-2, proof=400.0)
+# Milliseconds of a step with a Python class, and of a proof, which runs it about four times, for up
+# to 7,500 steps.
+_PYTHON_STEP = 3e-3
+_PYTHON_PROOF = 80.0
+# Fraction of a step's time that the search adds to it.
+_ADDED = 0.25
 
 
 def prices_of(config: CampaignConfig) -> Prices:
     """Return the prices of a campaign's work."""
-    controller = CONTROLLERS.get(config.scenario.controller)
-    if isinstance(controller, CompiledController):
-        return _SLOW if controller.slow else Prices()
-    return _PROCESS if isinstance(controller, ProcessController) else _PYTHON
+    if config.pace.slower == 1:
+        return Prices()
+    step = 1e3 * (1.0 + _ADDED) * config.pace.step
+    return Prices(
+        step=step,
+        proof=max(Prices.proof, _PYTHON_PROOF * (step / _PYTHON_STEP)),
+        run=1e3 * config.pace.reset,
+    )
 
 
 def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:
@@ -89,11 +98,14 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return config.families
     if config.robots > 1:
         return ("map",) if config.fixed_map is not None else _FLEETS
+    # Where a step is expensive, the worlds that need fewest come first, and mostly.
+    small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
     if config.fixed_map is not None:
-        return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
+        has_subject = any(map(subject_of, memory.failures.values()))
+        return (*small, "map", *((BOUNDARY,) if has_subject else ()))
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    return (*native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
+    return (*small, *native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
 def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> str:
@@ -132,6 +144,6 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
 def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
     """Return new signatures and failures per unit of cost, starting from the first estimate."""
     found = brought.variants + _FAILURE * brought.failures
-    worlds = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST)
+    worlds = brought.worlds * (_WORLD_COST.get(name, _FAMILY_COST) + prices.run)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof
     return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)

@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
 from fuzz.screening import can_screen
-from fuzz.search import archive, boundary, native
+from fuzz.search import archive, boundary, native, small
 from fuzz.search.plan import strategies_for
 from fuzz.search.task import SearchTask
 from fuzz.unit.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
@@ -49,11 +49,18 @@ _OWN: dict[str, Strategy] = {
     boundary.BOUNDARY: boundary.search,
     native.NATIVE: native.search,
     archive.ARCHIVE: archive.search,
+    small.SMALL: small.search,
     DATABASE: _search_again,
 }
 
 
-OWN_STRATEGIES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *LAYOUT_STRATEGIES)
+OWN_STRATEGIES = (
+    native.NATIVE,
+    archive.ARCHIVE,
+    small.SMALL,
+    boundary.BOUNDARY,
+    *LAYOUT_STRATEGIES,
+)
 """Strategies that a user may ask for, in addition to families."""
 
 
@@ -90,7 +97,8 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
                 families=list(FAMILIES.names()),
             )
         )
-    if robots > 1 and name in (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, SEALED):
+    alone = (native.NATIVE, archive.ARCHIVE, small.SMALL, boundary.BOUNDARY, SEALED)
+    if robots > 1 and name in alone:
         raise InvalidParameter(
             "strategy-for-one-robot",
             "strategy {strategy!r} runs one robot, but the campaign has {robots}",
@@ -107,7 +115,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
             at_terminal=True,
             name=name,
         )
-    if name in (native.NATIVE, archive.ARCHIVE) and not can_screen(scenario):
+    if name in (native.NATIVE, archive.ARCHIVE, small.SMALL) and not can_screen(scenario):
         raise InvalidParameter(
             "strategy-needs-other-motion",
             "strategy {strategy!r} only runs under swept or endpoint",

@@ -16,7 +16,7 @@ from fuzz.triage.judging import oracle_of
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, JointLoopEvidence, WallEvidence
-from sim.options.run import FEWEST_STEPS, RunOptions
+from sim.options.run import RunOptions
 from sim.outcome import Outcome
 from sim.scenario import Scenario
 from sim.verdict import (
@@ -122,7 +122,7 @@ class StillFails:
     @property
     def least_budget(self) -> int:
         """Smallest budget of any candidate, in steps."""
-        return self.budget if self.is_proved_by_the_run else FEWEST_STEPS
+        return self.budget if self.is_proved_by_the_run else self.scenario.fewest_steps
 
     @functools.cached_property
     def controller(self) -> Controller:

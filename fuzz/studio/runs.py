@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -45,6 +44,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import read_world
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, decide
 from worldgen.render import draw_gif, draw_svg
+from worldgen.support.paths import real_path
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Value, World
 
@@ -155,7 +155,7 @@ def _original(shrunk: Failure | None, path: Path, root: Path) -> Failure | None:
     if shrunk is None or shrunk.original is None:
         return None
     for folder in path.parents:
-        file = Path(os.path.realpath(folder / MEMORY / "failures" / f"{shrunk.original}.grid"))
+        file = real_path(folder / MEMORY / "failures" / f"{shrunk.original}.grid")
         if folder.is_relative_to(root) and file.is_relative_to(root) and file.is_file():
             return Failure.found_in(read_world(file))
     return None

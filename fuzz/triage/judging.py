@@ -7,6 +7,7 @@ failure's evidence names the oracle and the facts that it found.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,16 +15,20 @@ from typing import NamedTuple
 from fuzz.facts.crash_bucket import FACTS, NAMED
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from sim.clock.controller_time import count_survivors
 from sim.controllers import CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
+from sim.episode.differences import count_sources
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
+from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.world import FailureRecord, Value, World
+
+# Times the witness that a run in another world may take if steps are expensive.
+_FEW_WITNESSES = 10
 
 
 class JudgedRun(NamedTuple):
@@ -90,7 +95,10 @@ def failure_of(
         steps: The exact budget for verdicts that the run itself proves.
         **details: Further details to record.
     """
-    return judge(world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, **details).failure
+    judged = judge(
+        world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, **details
+    )
+    return judged.failure
 
 
 def judge(
@@ -100,6 +108,7 @@ def judge(
     *,
     fewest_steps: int = 0,
     steps: int | None = None,
+    known: Episode | None = None,
     **details: Value,
 ) -> JudgedRun:
     """Judge a scenario: run it, and prove the failure that an oracle finds.
@@ -111,6 +120,7 @@ def judge(
         fewest_steps: Smallest budget for verdicts that the run itself proves. ``stalled`` and
             ``timeout`` always refer to the witness's budget, even if the robot arrives after it.
         steps: The exact budget for verdicts that the run itself proves.
+        known: The run with the witness's budget, recorded, if it has already been done.
         **details: Further details to record.
     """
     oracle = oracle or verdict_oracle(world)
@@ -120,7 +130,13 @@ def judge(
         if oracle.by_verdict
         else options
     )
-    trial = Trial.recorded(world, scenario.controller, longer)
+    if known is not None:
+        longer = options
+    trial = (
+        Trial.recorded(world, scenario.controller, longer)
+        if known is None
+        else Trial(world, scenario.controller, options, known)
+    )
     episode = trial.episode
 
     # A robot that needs more than the witness's budget is judged by that budget.
@@ -149,7 +165,7 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            **_diagnosis(trial, found, oracle, details),
+            **_diagnosis(trial, found, oracle, details, scenario),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -158,7 +174,7 @@ def judge(
 
 
 def _diagnosis(
-    trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]
+    trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value], scenario: Scenario
 ) -> dict[str, Value]:
     """Return the details that hold a new failure's cause; a replay finds them in the file."""
     from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
@@ -174,9 +190,19 @@ def _diagnosis(
     seen = diagnosis.diagnosis_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
-        OtherWorlds(trial.controller, trial.options),
+        OtherWorlds(trial.controller, _options_elsewhere(trial, scenario)),
     )
     return diagnosis.details_of(seen)
+
+
+def _options_elsewhere(trial: Trial, scenario: Scenario) -> RunOptions:
+    """Return the options of runs in other worlds, which only decide a failure's circumstance."""
+    options = trial.options
+    if scenario.fewest_steps >= FEWEST_STEPS or trial.witness is None:
+        return options
+    # Each step is expensive here. Robots that arrive at all mostly do so much earlier.
+    few = math.ceil(_FEW_WITNESSES * trial.witness.duration / options.time_step)
+    return replace(options, steps=min(options.steps, few))
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
@@ -191,7 +217,7 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
         if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
-            count_survivors(["something that makes equal runs differ, such as a random generator"])
+            count_sources(trial.world, trial.controller, trial.options)
         return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
     other = violation_in(second, oracle)
@@ -208,7 +234,9 @@ def repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
 
     A program's stderr, and how much of its answer had arrived, depend on the clock. The line in
     which a class raised changes when its file is edited. Files written by older versions have no
-    facts for buckets, nor the names in ``NAMED``, which the error implies.
+    facts for buckets, nor the names in ``NAMED``, which the error implies, nor a drift of the memory,
+    which only recorded runs show.
     """
-    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED)
+    drift = ("memory_drift", "entry", "period") if "memory_drift" in evidence else ()
+    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED, *drift)
     return {name: value for name, value in evidence.items() if name not in unstable}

@@ -17,6 +17,7 @@ import numpy as np
 from fuzz.facts.contacts import WallBearings
 from sim.clock.stopping import in_time
 from sim.episode import Episode
+from sim.episode.describe import describe_memory_drift
 from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
@@ -206,7 +207,10 @@ def describe_period(world: World, episode: Episode) -> str:
     # A touch is named where it begins, so one that never ends has no place.
     if trace.bump[first:last].all() and not any(move.begins_at for move in moves):
         begin += ", always touching a wall"
-    return f"{begin}: {_in_order([_describe(move, world.robot_radius) for move in moves])}"
+    drift = ""
+    if isinstance(episode.evidence, BudgetEvidence) and episode.evidence.memory_drift:
+        drift = f"; its pose repeats, and {describe_memory_drift(episode.evidence)}"
+    return f"{begin}: {_in_order([_describe(move, world.robot_radius) for move in moves])}{drift}"
 
 
 def _in_order(told: list[str]) -> str:

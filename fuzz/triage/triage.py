@@ -25,6 +25,9 @@ from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
+UNDECIDED = "undecided"
+"""What is counted as the verdict of a run that spent a short budget."""
+
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
 # Failing runs with the same verdict and cause that a unit proves and classifies; it only counts
 # the rest.
@@ -55,9 +58,10 @@ class Triage:
         # By key, the worlds and steps until the first failure, and the time.
         self._first_met: dict[FailureKey, tuple[int, int, float]] = {}
         controller = CONTROLLERS.get(config.scenario.controller)
-        self._proof_steps = _PROOF_STEPS // config.slower
+        self._proof_steps = _PROOF_STEPS // config.pace.slower
         # The memory of a program is unknown, so that its loops cannot be proved.
-        if isinstance(controller, ProcessController):
+        # At a slow controller's pace, a longer budget than the witness's would cost too much.
+        if isinstance(controller, ProcessController) or config.pace.is_slow:
             self._proof_steps = 0
 
     def end(self) -> None:
@@ -145,7 +149,7 @@ class Triage:
             return ""
         self._examined[verdict, cause] += 1
         # An undecided run may not be a failure at all, and is the most expensive to prove.
-        if verdict == "undecided":
+        if verdict == UNDECIDED:
             with contextlib.suppress(OutOfTime):
                 check_time()
                 return self._proved(world, scenario, verdict, cause, details)
@@ -255,6 +259,6 @@ def _with_witness(world: World) -> World | None:
 def first_look(outcome: Outcome) -> str:
     """Return the verdict of a run with a short budget; ``undecided`` if it used all of it."""
     if outcome.ending == LIMIT:
-        return Verdict.OVERLAP if outcome.overlap_step >= 0 else "undecided"
+        return Verdict.OVERLAP if outcome.overlap_step >= 0 else UNDECIDED
     overlaps = outcome.overlap_step >= 0 and outcome.ending in (*ARRIVALS, Verdict.LOOP)
     return Verdict.OVERLAP if overlaps else outcome.ending

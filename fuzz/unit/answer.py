@@ -10,6 +10,8 @@ from typing import Annotated
 
 import msgspec
 
+from worldgen.support.plain_text import counted, lasting
+
 _Count = Annotated[int, msgspec.Meta(ge=0)]
 
 FEWEST = 5
@@ -20,6 +22,9 @@ A controller that fails in every second world arrives in five of five with a pro
 
 MOST_UNJUDGED = 0.05
 """Largest share of the runs that may end without arrival and without a judgement."""
+
+# Seconds; below that, more time is not what the proofs lack.
+_WORTH_SAYING = 1.0
 
 
 class Answer(StrEnum):
@@ -46,6 +51,8 @@ class AnswerNumbers(msgspec.Struct, frozen=True, kw_only=True):
             judged, but not in the robot's favour.
         searched: Runs that the search finished.
         searched_unjudged: Those of them that are unjudged.
+        proof_seconds: Seconds that proving one unjudged run takes, estimated from the controller's
+            pace.
         needed: Fewest natural worlds for an answer without failures; fewest runs of the search if
             natural worlds are not defined.
     """
@@ -57,6 +64,7 @@ class AnswerNumbers(msgspec.Struct, frozen=True, kw_only=True):
     natural_hazards: _Count = 0
     searched: _Count = 0
     searched_unjudged: _Count = 0
+    proof_seconds: Annotated[float, msgspec.Meta(ge=0.0)] = 0.0
     needed: _Count = FEWEST
 
 
@@ -74,7 +82,7 @@ def answer_of(numbers: AnswerNumbers) -> tuple[Answer, str]:
     if finished < numbers.needed:
         return Answer.NONE, (
             f"{finished or 'none'} of the {numbers.needed} {what} that an answer needs "
-            f"{'was' if finished == 1 else 'were'} finished"
+            f"{'was' if finished == 1 else 'were'} finished{_pending(numbers)}"
         )
     # A search has thousands of small worlds, which must not hide what natural worlds show.
     for unjudged, runs, kind in (
@@ -84,9 +92,33 @@ def answer_of(numbers: AnswerNumbers) -> tuple[Answer, str]:
         if unjudged > MOST_UNJUDGED * runs:
             return Answer.NONE, (
                 f"it did not arrive in {unjudged} of {runs} {kind}, and none of these is proved to "
-                "be a failure"
+                f"be a failure{_proving(numbers)}"
             )
     reason = f"no failure in {finished} {what}"
     if numbers.natural_hazards:
         reason += f"; a hazard that it cannot sense ended {numbers.natural_hazards} of them"
     return Answer.CLEAN, reason
+
+
+def _pending(numbers: AnswerNumbers) -> str:
+    """Return how many runs wait for a proof, to follow a reason; empty if none does."""
+    runs = _unjudged(numbers)
+    return f"; {counted(runs, 'run')} did not arrive{_proving(numbers)}" if runs else ""
+
+
+def _proving(numbers: AnswerNumbers) -> str:
+    """Return how long the proofs take; empty if that is not what keeps them from an answer."""
+    seconds = seconds_to_prove(numbers)
+    if seconds < _WORTH_SAYING:
+        return ""
+    what = "it" if _unjudged(numbers) == 1 else "them"
+    return f", and proving {what} needs about {lasting(seconds)}"
+
+
+def seconds_to_prove(numbers: AnswerNumbers) -> float:
+    """Return the estimated seconds that proving the unjudged runs takes."""
+    return _unjudged(numbers) * numbers.proof_seconds
+
+
+def _unjudged(numbers: AnswerNumbers) -> int:
+    return numbers.natural_unjudged + numbers.searched_unjudged

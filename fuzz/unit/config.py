@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from fuzz.layouts.variation import Variation
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
 from fuzz.unit.pace import Pace, usual_pace
-from sim.controllers import CONTROLLERS, CompiledController
-from sim.options.run import RunOptions
+from sim.controllers import CONTROLLERS
+from sim.options.run import FEWEST_COSTLY_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Value, World
 
-# A step in Python takes microseconds.
-_SLOWER = 8
+# Units of a round in a campaign for a slow controller.
+_COSTLY_EPOCH = 2
 # Shares of the radius of a map's robot: that of the robots that a campaign puts on the map.
 _SHARES_ON_A_MAP = (1.0, 0.75, 0.5)
 
@@ -35,7 +35,7 @@ class CampaignConfig(SearchOptions):
         families: Families and other strategies to search with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
-        fixed_map: A map on which only its robots' starts, headings, targets and radii vary.
+        fixed_map: A map to search on: poses on it, windows of it, and variations of them.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
         robots: Number of robots in each world.
         fixes_time_step: Whether the user gave the time step, so that every failure must have it.
@@ -52,6 +52,20 @@ class CampaignConfig(SearchOptions):
     robots: int = 1
     fixes_time_step: bool = False
     measured: Pace | None = None
+
+    def __post_init__(self) -> None:
+        if self.measured is not None and self.measured.is_slow:
+            scenario = replace(self.scenario, fewest_steps=FEWEST_COSTLY_STEPS)
+            object.__setattr__(self, "scenario", scenario)
+
+    @property
+    def units_of_a_round(self) -> int:
+        """Number of units that know the same earlier ones; few if each of them proves failures.
+
+        A unit of a slow controller spends most of its time on proofs, which the next units should
+        not repeat.
+        """
+        return min(self.epoch, _COSTLY_EPOCH) if self.pace.is_slow else self.epoch
 
     @cached_property
     def pace(self) -> Pace:
@@ -79,12 +93,6 @@ class CampaignConfig(SearchOptions):
         for one in self.vary:
             allowed[one.name] = one.values
         return Constraint.of(allowed)
-
-    @property
-    def slower(self) -> int:
-        """Factor by which a unit does less work than with a fast compiled controller."""
-        controller = CONTROLLERS.get(self.scenario.controller)
-        return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER
 
 
 def radii_on(world: World) -> tuple[float, ...]:

@@ -30,8 +30,9 @@ class Constraint:
 
     Args:
         allowed: The quantities in order of their names, each with its values. A quantity is
-            ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), ``target_radius`` (m) or
-            an option of the motion model. Those of robots hold for each robot of a world.
+            ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), ``target_radius`` (m),
+            an option of the motion model or a field of the controller's class. Those of robots hold
+            for each robot of a world.
     """
 
     allowed: tuple[tuple[str, tuple[Value, ...]], ...] = ()
@@ -94,6 +95,7 @@ def _values(case: Case, name: str) -> list[Any]:
         return [run.time_step]
     options = getattr(run, switch_class(run.motion).OWNER)
     if name not in options.names():
-        return []
+        own = [one for one in case.scenario.fields if one.name == name]
+        return [case.scenario.value_of(one) for one in own]
     value = getattr(options, name)
     return [[*value] if isinstance(value, tuple) else value]

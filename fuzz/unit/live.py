@@ -86,6 +86,10 @@ class LiveState:
         failed: Runs that did not arrive in screening.
         shrinking: Failures that are being shrunk, or waiting for it.
         elapsed: Seconds of the budget that are used.
+        rate: Worlds a minute, of this run and all of its workers.
+        cost: Seconds of one worker for a world, with all work on it; 0 until a unit is done.
+        own: Share of that in the controller's own code, where it can be measured.
+        left: Seconds until the units are done, estimated; 0 if not known.
     """
 
     phase: Phase = Phase.PREPARING
@@ -94,6 +98,10 @@ class LiveState:
     failed: int = 0
     shrinking: int = 0
     elapsed: float = 0.0
+    rate: float = 0.0
+    cost: float = 0.0
+    own: float = 0.0
+    left: float = 0.0
 
 
 def has_not_arrived(verdict: str) -> bool:

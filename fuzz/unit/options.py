@@ -52,15 +52,19 @@ class CampaignOptions(SearchOptions):
         motion: Motion model: swept, endpoint or stepped.
         task: Reach the target, or cover every cell whose centre the robot can reach.
         families: Generate worlds with this family only; may be repeated.
-        strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
-            a family; may be repeated. docs/explanation/search.md describes them.
-        world: Search on this map; only its robots' starts, targets and radii vary.
-        vary: Choose robot_radius, robot_speed, time_step or an option of the motion model at random
-            from these values; list the simplest first. May be repeated.
+        strategies: Search with this strategy only: native, archive, small, boundary, features,
+            sealed, or a family; may be repeated. docs/explanation/search.md describes them.
+        world: Search on this map: with other starts, targets and radii, in windows around its narrow
+            places, and with doors closed, boxes, people and moved pieces of the walls.
+        vary: Choose robot_radius, robot_speed, time_step, an option of the motion model or a field
+            of your class at random from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
         detour: Count a path longer than RATIO times the witness path as a failure; the same as
             --oracle detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
+        pace: Milliseconds that a step of the controller takes, which sizes the units of work. With
+            --budget it is measured, with --units it is the usual one of a controller's kind, so
+            that the result depends only on the seed.
         robots: Number of robots in each world. Several robots are all driven by the same
             controller; the search then looks for deadlocks, livelocks and collisions.  [default: 1,
             or as many as --world has]
@@ -79,6 +83,7 @@ class CampaignOptions(SearchOptions):
     time_step: float | None = None
     detour: Annotated[float | None, Bounds(1.0), Written(metavar="RATIO")] = None
     shrink: bool | None = None
+    pace: Annotated[float | None, Bounds(1e-4, 100_000.0), Written(metavar="MS")] = None
     robots: Annotated[int | None, Bounds(1, MOST_ROBOTS)] = None
 
     def __post_init__(self) -> None:

@@ -30,6 +30,9 @@ _spent = [0.0]
 # What controllers have kept from one run to the next in this process, and when that was last seen.
 _survivors: dict[str, float] = {}
 
+# The same about what makes their equal runs differ.
+_differences: dict[str, float] = {}
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -41,12 +44,14 @@ class Effort:
         broken: Steps that were interrupted because they did not end in time.
         survivors: What was found to survive the controllers' ``reset``, such as ``self.hits``. A
             reading has none; other controllers may have run before it.
+        differences: What makes equal runs differ, such as ``time.time() (mine.py:12)``.
     """
 
     seconds: float = 0.0
     own: float = 0.0
     broken: int = 0
     survivors: frozenset[str] = frozenset()
+    differences: frozenset[str] = frozenset()
 
     @classmethod
     def so_far(cls) -> Self:
@@ -56,9 +61,14 @@ class Effort:
     def since(self) -> Effort:
         """Return the effort since a reading."""
         now = Effort.so_far()
-        survivors = frozenset(name for name, seen in _survivors.items() if seen >= self.seconds)
         return Effort(
-            now.seconds - self.seconds, now.own - self.own, now.broken - self.broken, survivors
+            now.seconds - self.seconds,
+            now.own - self.own,
+            now.broken - self.broken,
+            *(
+                frozenset(name for name, seen in names.items() if seen >= self.seconds)
+                for names in (_survivors, _differences)
+            ),
         )
 
     def __add__(self, other: Effort) -> Effort:
@@ -68,6 +78,7 @@ class Effort:
             self.own + other.own,
             self.broken + other.broken,
             self.survivors | other.survivors,
+            self.differences | other.differences,
         )
 
     @property
@@ -79,6 +90,11 @@ class Effort:
 def count_survivors(names: Iterable[str]) -> None:
     """Note that runs changed these parts of a controller and ``reset`` did not clear them."""
     _survivors.update(dict.fromkeys(names, time.perf_counter()))
+
+
+def count_differences(names: Iterable[str]) -> None:
+    """Note that these parts of a controller's surroundings make equal runs differ."""
+    _differences.update(dict.fromkeys(names, time.perf_counter()))
 
 
 def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:

@@ -98,7 +98,9 @@ def compare(
     # Refuse bad output before the work.
     check_out("--picture", picture, ".png", force=force)
     check_out("--csv", table, force=force)
-    if table is not None and picture is not None and table.resolve() == picture.resolve():
+    from worldgen.support.paths import real_path
+
+    if table is not None and picture is not None and real_path(table) == real_path(picture):
         raise click.UsageError(f"--csv and --picture both name {table}; use two names")
     # Read the controllers and the worlds.
     scenarios = _scenarios(controllers, motion, time_step, seed)
@@ -176,13 +178,14 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     """Return the worlds of all files, with unique names."""
     from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
+    from worldgen.support.paths import real_path
 
     found = [named for path in paths for named in _read(path)]
     stems = Counter(_stem(file) for file, _ in found)
-    resolved = Counter(file.resolve() for file, _ in found)
+    resolved = Counter(real_path(file) for file, _ in found)
     worlds = []
     for file, world in found:
-        if resolved[file.resolve()] > 1:
+        if resolved[real_path(file)] > 1:
             raise InvalidParameter(
                 "twice", "{file} is given twice", "give each world once", file=file
             )

@@ -211,12 +211,17 @@ def _simulated(
 ) -> Episode:
     """Run one robot, or all robots of a world with several."""
     from sim.clock.controller_time import Effort
+    from sim.controllers.catalogue import CONTROLLERS
     from sim.controllers.catalogue.renewal import survivors_found
-    from sim.episode import simulate
+    from sim.episode.run import RECORDED_AT_ONCE, simulate
     from sim.fleet.episode import simulate_fleet
+    from sim.runners.controller_host import host_of
 
     began = Effort.so_far()
     options = [one.options(world, steps) for one in scenarios]
+    # Only a recording shows that the memory of a class drifts. Its own code takes far longer.
+    in_python = host_of(CONTROLLERS.get(scenarios[0].controller)).in_python
+    record = record or (in_python and options[0].steps <= RECORDED_AT_ONCE)
     if world.is_fleet:
         names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
         episode: Episode = simulate_fleet(world, names, options, record=record)

@@ -21,6 +21,7 @@ from worldgen.support.plain_text import shown
 
 # Characters of an answer that are quoted.
 _LONGEST_ANSWER = 200
+UNKNOWN_SOURCE = "something that changes between runs, such as a file or another process"
 _RETURN = "end {} with: return Command(speed, turn_rate), memory"
 _MEMORY = "return a tuple of numbers whose length never changes, such as () or (0.0, 1.0)"
 
@@ -79,6 +80,29 @@ def state_survives_reset(controller: str, places: Iterable[str]) -> Message:
         "failures that do not repeat are dropped",
         controller=controller,
         places=sorted(places),
+    )
+
+
+def runs_differ(controller: str, sources: Iterable[str]) -> Message:
+    """Return the message about a controller that depends on more than a run begins with.
+
+    Args:
+        controller: The controller's name.
+        sources: What makes them differ, such as ``time.time() (mine.py:12)``.
+    """
+    remedy = (
+        "add +frozen_time to its name: it then sees simulated time, and chance that begins with "
+        "the run's seed"
+    )
+    if set(sources) == {UNKNOWN_SOURCE}:
+        remedy = "let nothing but its observation and its memory decide what it does"
+    return Message(
+        "runs-differ",
+        "{controller} uses {sources!l}, so equal runs of it may differ: its loops cannot be proved, "
+        "and failures that do not repeat are dropped",
+        remedy,
+        controller=controller,
+        sources=sorted(sources),
     )
 
 

@@ -74,9 +74,7 @@ class SharedVariables:
     @classmethod
     def of(cls, kind: type) -> SharedVariables | None:
         """Return a copy of the current values; ``None`` if one of them cannot be copied."""
-        modules = dict.fromkeys(
-            module for base in kind.__mro__ if _is_of_a_user(base) for module in _modules_of(base)
-        )
+        modules = modules_of_user(kind)
         places = [place for module in modules for place in _places_in(module)]
         try:
             return cls(places, pickle.dumps([_values_in(place) for place in places]))
@@ -161,6 +159,12 @@ def _is_of_a_user(kind: type) -> bool:
         package not in {"builtins", "typing", "sim", "fuzz", "worldgen"}
         and kind.__module__ in sys.modules
     )
+
+
+def modules_of_user(kind: type) -> list[types.ModuleType]:
+    """Return the modules of a class and its bases that are a user's, and the files next to them."""
+    bases = [base for base in kind.__mro__ if _is_of_a_user(base)]
+    return [*dict.fromkeys(module for base in bases for module in _modules_of(base))]
 
 
 def _modules_of(kind: type) -> list[types.ModuleType]:

@@ -23,6 +23,7 @@ class InstanceOrigin:
         varying: Attributes that differ in each new instance, so they say nothing about runs.
         loaded: The variables of its classes and modules before the first instance was made;
             ``None`` if they cannot be copied.
+        fields: The fields that its name sets, such as ``lookahead=0.2``.
     """
 
     name: str
@@ -31,10 +32,12 @@ class InstanceOrigin:
     shared: bytes | None = None
     varying: set[str] = field(default_factory=set)
     loaded: SharedVariables | None = None
+    fields: str = ""
 
     def another(self) -> Any:
         """Return another instance."""
-        with user_code(f"{self.name}: making it without arguments"):
+        how = f"with {self.fields}" if self.fields else "without arguments"
+        with user_code(f"{self.name}: making it {how}"):
             made = self.make()
         remember(made, self)
         return made

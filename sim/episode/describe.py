@@ -167,8 +167,20 @@ def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
     return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}{remedy}"
 
 
+def describe_memory_drift(budget: BudgetEvidence) -> str:
+    """Return what changes in a memory while the pose repeats, and the way out; may be empty."""
+    if budget.memory_drift is None:
+        return ""
+    number, change = budget.memory_drift
+    by = f"changes by {change:.1g} a step"
+    return f"memory[{number}] {by}: round it, and the loop can be proved"
+
+
 def _manner(budget: BudgetEvidence) -> str:
     """Return how a run stalls, followed by a comma; empty if that is not known."""
+    if budget.memory_drift is not None:
+        often = "in every step" if budget.period == 1 else f"every {budget.period} steps"
+        return f"the pose repeats {often}; {describe_memory_drift(budget)}; "
     if budget.kind is None or budget.box is None:
         return ""
     columns, rows = budget.box

@@ -29,11 +29,11 @@ from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.support.arrays import Words
 from worldgen.world import Value, Witness, World
 
-__all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
+__all__ = ["Episode", "area_of", "episode_of", "prepare", "simulate", "wall_evidence"]
 
-# Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
-# recording is needed, so that they need not run twice.
-_RECORDED_AT_ONCE = 100_000
+RECORDED_AT_ONCE = 100_000
+"""Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
+recording is needed, so that they need not run twice."""
 
 
 def simulate(
@@ -78,7 +78,7 @@ def simulate(
     # to run again, and record only the steps that the verdict needs.
     run = prepare(world, found, options, lean=lean)
     name = named[0]
-    at_once = record and options.steps <= _RECORDED_AT_ONCE and not host_of(found).in_core
+    at_once = record and options.steps <= RECORDED_AT_ONCE and not host_of(found).in_core
     decided = decide(
         run,
         options.steps,
@@ -89,7 +89,7 @@ def simulate(
         else None,
     )
     if isinstance(decided, Outcome):
-        return _decided(run, world, decided, options)
+        return episode_of(run, world, decided, options)
     return _loop(world, options, *decided)
 
 
@@ -119,10 +119,11 @@ def _loop(world: World, options: RunOptions, outcome: Outcome, state: Words) -> 
     return _episode(Verdict.LOOP, world, outcome, options, evidence)
 
 
-def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
+def episode_of(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
+    """Return the episode of a run whose outcome needs no further proof, which a loop does."""
     evidence = _evidence(world, outcome, options)
     if outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence):
-        evidence = run.with_confinement(evidence, outcome.steps)
+        evidence = run.with_confinement(evidence, outcome)
     return _episode(outcome.verdict, world, outcome, options, evidence)
 
 

@@ -1,8 +1,13 @@
-"""Try a controller for two steps before long work, to report immediately what can never work."""
+"""Try a controller before long work.
+
+Two steps report immediately what can never work, and a few more show how much time it takes.
+"""
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +17,7 @@ from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.contract import check_contract
 from sim.episode import prepare
+from sim.episode.batch import simulate_many
 from sim.outcome import Outcome
 from sim.runners.controller_host import host_of
 from sim.scenario import Scenario
@@ -23,6 +29,25 @@ EMPTY_ARENA = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0
 
 # The first step shows what reset() returned, the second what act() made of it.
 _STEPS = 2
+# Steps of the first run that measures a step; each further run has twice as many.
+_FEW_STEPS = 4
+# Seconds after which a run is long enough to measure a step, and the limit on its steps.
+_LONG_ENOUGH = 0.1
+_MOST_STEPS = 1024
+# A busy machine only ever adds time, so each time is the least of this many.
+_REPEATS = 3
+# Share of the CPU's time from which a run computes, so that other programs' share of a busy machine
+# can be left out. Below it, the run waits, as for a program.
+_COMPUTES = 0.125
+# Robots of a vector class, one call of which acts for all.
+_AT_ONCE = 64
+
+
+def _furnished() -> World:
+    """Return a world of 2.4 m with walls to sense and to drive around."""
+    walls = np.zeros((24, 24), bool)
+    walls[6:18, 8] = walls[14:20, 16] = walls[10, 12:22] = True
+    return World(walls, Pose(0.35, 1.25, 0.0), Target(2.05, 1.65, 0.05))
 
 
 class _Idle:
@@ -76,6 +101,70 @@ def try_out(
             ) from None
     check_contract(scenario.controller, outcome.fault, outcome.steps)
     return outcome
+
+
+def step_times(scenario: Scenario, *, at_most: float) -> tuple[float, float] | None:
+    """Measure a controller that has been tried out.
+
+    Args:
+        scenario: What to run.
+        at_most: Limit on the time for that, s.
+
+    Returns:
+        Seconds of a step, and to begin a run, which includes what only the first step does; both
+        with what the simulator adds. ``None`` if the runs end before that can be said.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    world = _furnished()
+    robots = _AT_ONCE if host_of(controller).acts_for_many else 1
+    end = time.monotonic() + at_most
+    least: dict[int, float] = {}
+
+    def run(limit: int) -> tuple[int, float]:
+        wall = time.perf_counter()
+        cpu = time.process_time()
+        done = _steps(scenario, controller, world, limit, robots)
+        wall = time.perf_counter() - wall
+        cpu = time.process_time() - cpu
+        spent = min(wall, cpu) if cpu > _COMPUTES * wall else wall
+        least[done] = min(least.get(done, math.inf), spent)
+        return done, spent
+
+    # Nothing but the clock ends these runs early: a step may take longer than the limit.
+    begun = time.perf_counter()
+    try:
+        with stopping_when(lambda: time.monotonic() > end):
+            # A run of one step is all that a run costs, and a longer one shows what a step adds.
+            for _ in range(_REPEATS):
+                run(1)
+            limit = _FEW_STEPS
+            done, spent = run(limit)
+            while done == limit and spent < _LONG_ENOUGH and limit < _MOST_STEPS:
+                limit *= 2
+                done, spent = run(limit)
+            for _ in range(_REPEATS - 1):
+                run(limit)
+    except OutOfTime:
+        # Not even one step was measured, so it takes at least as long.
+        if not least:
+            return time.perf_counter() - begun, 0.0
+    longest = max(least, default=0)
+    if 1 not in least or longest < 1:
+        return None
+    if longest == 1:
+        return least[1], 0.0
+    step = max(least[longest] - least[1], 0.0) / (longest - 1)
+    return step / robots, max(least[1] - step, 0.0) / robots
+
+
+def _steps(scenario: Scenario, controller: Any, world: World, limit: int, robots: int) -> int:
+    """Run this many steps at most, and return how many were run."""
+    options = scenario.options(world, limit)
+    if robots == 1:
+        run = prepare(world, controller, options)
+        return run.run(limit, find_loop=False, record=False, digest=False).steps
+    runs = simulate_many(world, controller, replace(options, seed=0), seeds=robots)
+    return int(runs.steps.max())
 
 
 def _two_steps(scenario: Scenario, controller: Any, world: World) -> Outcome:

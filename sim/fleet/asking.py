@@ -169,8 +169,7 @@ class _One:
         self._member = fleet.members[number]
         self._workspace = Workspace(self._member)
         self._memory = memory
-        act = host.controller.act
-        self._act = timed(act) if host.in_python else act
+        self._act = timed(host.act) if host.in_python else host.act
 
     @breakable
     def ask(self, _waiting: list[int]) -> None:

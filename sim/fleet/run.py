@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -308,7 +309,9 @@ class FleetRun:
         """
         for run in self.runs:
             run.settings.digest = 1
-        with only_results_on_stdout():
+        with only_results_on_stdout(), contextlib.ExitStack() as frozen:
+            for host, run in zip(self.hosts, self.runs, strict=True):
+                frozen.enter_context(host.freezing(run.options))
             # Reset the controllers, then run.
             memories, faults = self._reset()
             if faults:
@@ -326,11 +329,11 @@ class FleetRun:
                 fleet.run_to_the_end()
             else:
                 faults = run_with_hosts(fleet, self.hosts, memories, self._channels())
+            complete = all(
+                before is not None and host.hidden() == before
+                for host, before in zip(self.hosts, hidden, strict=True)
+            )
         # Collect the outcome.
-        complete = all(
-            before is not None and host.hidden() == before
-            for host, before in zip(self.hosts, hidden, strict=True)
-        )
         outcome = self._outcome(fleet, complete, {**faults, **fleet.faults}, recordings)
         if like is not None:
             outcome = replace(outcome, ending=like.ending, period=like.period, entry=like.entry)

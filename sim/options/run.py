@@ -40,7 +40,7 @@ MAX_RECORDED = 4_000_000
 # A run may take this many times the witness's time before it counts as stalled or timed out.
 BUDGET_FACTOR = 50
 # Settings of every run that a failure stores.
-_OF_THE_RUN = ("steps", "time_step", "task")
+_OF_THE_RUN = ("steps", "time_step", "task", "frozen_time")
 # The budget of a coverage task, as a multiple of a tour of all cells and back.
 _COVER_FACTOR = 10
 # A budget grows at most this many times for a drift.
@@ -51,6 +51,8 @@ _ROUNDING = 1e-6
 _LONGEST_STEP = 1_000
 # Smallest budget, steps, however short the witness.
 FEWEST_STEPS = 4_000
+# The same where each step is expensive: it is the budget of a witness of 20 steps.
+FEWEST_COSTLY_STEPS = 1_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
 
@@ -67,6 +69,8 @@ class RunOptions:
         thesis: Options of the motion model ``stepped``.
         robot: Dynamics and sensors under the other motion models.
         task: Reach the ``target``, or ``cover`` every cell whose centre the robot can reach.
+        frozen_time: Whether a Python class sees simulated time instead of the clock, and chance
+            that begins with the seed.
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.
@@ -79,6 +83,7 @@ class RunOptions:
     thesis: ThesisOptions = field(default_factory=ThesisOptions)
     robot: RobotOptions = field(default_factory=RobotOptions)
     task: Task = TARGET
+    frozen_time: bool = False
 
     def __post_init__(self) -> None:
         for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
@@ -95,6 +100,11 @@ class RunOptions:
         check_choice("task", str(self.task), TASKS)
         if self.task != TARGET and switch_class(self.motion) is ThesisOptions:
             raise option_without_effect(self.motion, "task")
+        if self.frozen_time and switch_class(self.motion) is ThesisOptions:
+            raise option_without_effect(self.motion, "frozen_time")
+        object.__setattr__(
+            self, "frozen_time", OF_EVERY_RUN["frozen_time"].accept(self.frozen_time, "run")
+        )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))
@@ -115,7 +125,9 @@ class RunOptions:
     def parameters(self) -> dict[str, Value]:
         """Return what a failure file stores in addition to motion model and seed."""
         task = {} if self.task == TARGET else {"task": self.task}
-        return {"steps": self.steps, "time_step": self.time_step, **task, **self.changed()}
+        frozen: dict[str, Value] = {"frozen_time": True} if self.frozen_time else {}
+        own: dict[str, Value] = {"steps": self.steps, "time_step": self.time_step}
+        return {**own, **task, **frozen, **self.changed()}
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
@@ -128,6 +140,16 @@ class RunOptions:
         own = {name: switches.pop(name) for name in _OF_THE_RUN if name in switches}
         return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
+
+OF_EVERY_RUN = {
+    option.name: option
+    for option in parameters_of_fields(RunOptions)
+    if option.name in ("motion", "time_step", "task", "frozen_time")
+}
+"""The options of a run that no motion model owns and that a controller's name may set."""
+
+WORDS_OF_A_RUN = frozenset({*OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()})
+"""The names of all options of a run; an option of a controller cannot have one of them."""
 
 TIME_STEP = next(
     option for option in parameters_of_fields(RunOptions) if option.name == "time_step"
@@ -223,7 +245,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(world: World, run: RunOptions) -> int:
+def step_budget(world: World, run: RunOptions, fewest: int = FEWEST_STEPS) -> int:
     """Return the steps that a run gets.
 
     They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
@@ -233,6 +255,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Args:
         world: The world, with its certificate.
         run: Options of the run; its own budget is ignored.
+        fewest: Smallest budget, however short the witness.
 
     Raises:
         InvalidWorld: If a world that changes is to be covered.
@@ -252,7 +275,7 @@ def step_budget(world: World, run: RunOptions) -> int:
         delay, slower = delay_of(world, run.robot)
         duration = min(slower, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
     wanted = math.ceil(factor * duration / exact(run.time_step))
-    return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
+    return min(max(wanted, fewest), MAX_STEPS)
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import copy
 import re
 from bdb import BdbQuit
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace, TracebackType
 from typing import Any
 
@@ -23,15 +25,18 @@ from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.crash_frames import crash_facts, crash_text
+from sim.controllers.frozen_time import FrozenTime
 from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.controllers.instances import origin_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import WantsMemory
 from sim.controllers.timeline_reads import world_to_read
 from sim.controllers.vector import Asker
+from sim.options.run import RunOptions
 from sim.runners.core_calls import Driver, Workspace
 from sim.runners.python_act import Stops, act_in_core
 from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
 from worldgen.plugins.user_modules import without_private_names
 from worldgen.world import World
 
@@ -52,6 +57,9 @@ class ControllerHost:
         shows_memory: Whether its memory can be seen, so that its loops can be found.
         start_speed: Speed during the first step, m/s.
         thesis_rule: See :class:`~sim.controllers.base.CompiledController`.
+        sources: What it read in its last run with frozen time, or in the last that was watched, that
+            differs from run to run.
+        has_read_clock: Whether a step of that run read a clock, or made a generator without a seed.
     """
 
     in_core = False
@@ -63,10 +71,57 @@ class ControllerHost:
 
     def __init__(self, controller: Any) -> None:
         self.controller = controller
+        self._frozen: FrozenTime | None = None
+        self.sources: tuple[str, ...] = ()
+        self.has_read_clock = False
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
         """Make sure that it can run; what this raises is not a fault of the controller."""
+
+    def check(self, options: RunOptions) -> None:
+        """Refuse options that cannot work with such a controller.
+
+        Raises:
+            InvalidParameter: If its time is to be frozen, and it isn't a Python class that acts for
+                one robot. Compiled code reads no clock.
+        """
+        in_reach = self.in_core or (self.in_python and not self.acts_for_many)
+        if options.frozen_time and not in_reach:
+            raise InvalidParameter(
+                "not-in-python",
+                "frozen_time reaches only a Python class with act, and this controller is {what}",
+                "leave +frozen_time out",
+                what="a class with act_many" if self.acts_for_many else "a program",
+            )
+
+    @contextmanager
+    def freezing(
+        self, options: RunOptions, seed: int | None = None, *, watches: bool = False
+    ) -> Iterator[None]:
+        """Let it see simulated time and seeded chance in this block, if the run's options say so.
+
+        Args:
+            options: Options of the run.
+            seed: The run's seed, if it isn't the options'.
+            watches: Whether to note in any case whether a step reads the clock.
+        """
+        is_watched = watches and self.in_python and not self.acts_for_many
+        if not (options.frozen_time or is_watched):
+            yield
+            return
+        self._frozen = FrozenTime(
+            options.seed if seed is None else seed,
+            options.time_step,
+            only_watches=not options.frozen_time,
+        )
+        try:
+            with self._frozen.run(self.controller):
+                yield
+        finally:
+            self.sources = self._frozen.sources
+            self.has_read_clock = self._frozen.was_read
+            self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:
         """Reset it for a run, and return its memory; call this inside :class:`Faults`.
@@ -76,6 +131,13 @@ class ControllerHost:
             renew: Whether to use a new instance if earlier runs have left something in this one.
         """
         shown = world if self.plans else None
+        if self._frozen is not None and not self._frozen.only_watches:
+            # Generators that ``__init__`` makes begin again with each run.
+            origin = origin_of(self.controller)
+            if origin is not None:
+                self.controller = self._frozen.seen_by(origin.another)()
+            memory: Memory = self._frozen.seen_by(_memory_at_start)(self.controller, shown)
+            return memory
         if not renew:
             return _memory_at_start(self.controller, shown)
         self.controller, memory = renew_and_reset(
@@ -88,6 +150,9 @@ class ControllerHost:
 
         ``None`` if not all of it can be seen, or earlier runs have changed it.
         """
+        # A clock is a state, too. Its runs with one robot are compared by another clock instead.
+        if self._frozen is not None and self._frozen.was_read:
+            return None
         state = hidden_state(self.controller)
         return None if has_shared_state_changed(self.controller, state) else state
 
@@ -102,7 +167,14 @@ class ControllerHost:
 
     def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act wherever a run stops, and return its memory after the last step."""
-        return act_in_core(self.controller.act, stops, memory, is_measured=self.in_python)
+        with nullcontext() if self._frozen is None else self._frozen.watching():
+            return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+
+    @property
+    def act(self) -> Callable[..., Any]:
+        """Its method, which sees simulated time if the run freezes it."""
+        act: Callable[..., Any] = self.controller.act
+        return act if self._frozen is None else self._frozen.seen_by(act, is_step=True)
 
     def fault_of(self, error: Any) -> ControllerError:
         """Return the fault that the core reports as ``WgCommand.error``."""

@@ -12,6 +12,7 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import HiddenState, hidden_state
+from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import CoreArena, CoreEpisode, most_points
 from sim.runners.python_act import Stops
@@ -39,7 +40,14 @@ class PythonRun(NamedTuple):
 
 
 def run_in_python(
-    host: ControllerHost, arena: CoreArena, settings: Any, world: World, *, record: bool
+    host: ControllerHost,
+    arena: CoreArena,
+    settings: Any,
+    world: World,
+    options: RunOptions,
+    *,
+    record: bool,
+    watches: bool = False,
 ) -> PythonRun:
     """Run an episode; whatever the controller raises ends it as a crash.
 
@@ -50,14 +58,16 @@ def run_in_python(
         arena: Surroundings at the start.
         settings: WgSettings, as for a compiled controller.
         world: The world, for a controller that plans first.
+        options: Options of the run.
         record: Whether to keep every state.
+        watches: Whether to note whether a step reads the clock.
     """
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)
     begun: HiddenState | None = None
     fault: ControllerError | None = None
     host.start()
-    with only_results_on_stdout():
+    with only_results_on_stdout(), host.freezing(options, watches=watches):
         try:
             with Faults(host), working("running the controller", often=True) as work:
                 memory = host.begin(world)
@@ -74,7 +84,7 @@ def run_in_python(
                 host.drive(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
         except ControllerError as error:
             fault = error
-    complete = begun is not None and hidden_state(host.controller) == begun
+        complete = begun is not None and hidden_state(host.controller) == begun
     if episode is None or not len(rows):
         return PythonRun(episode, None, complete, fault)
 

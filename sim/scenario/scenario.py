@@ -9,12 +9,16 @@ from typing import Any
 from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
-from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.fields import fields_of, unknown_field
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
+    FEWEST_STEPS,
+    OF_EVERY_RUN,
     TARGET,
+    WORDS_OF_A_RUN,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -23,15 +27,9 @@ from sim.options.run import (
 )
 from sim.options.thesis import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import parameters_of_fields, split_options, with_options
+from worldgen.parameters import Parameter, split_options, with_options
 from worldgen.plugins.trust import admit_argument, same_origin
 from worldgen.world import Value, World
-
-_OF_EVERY_RUN = {
-    option.name: option
-    for option in parameters_of_fields(RunOptions)
-    if option.name in ("motion", "time_step", "task")
-}
 
 
 @dataclass(frozen=True)
@@ -42,10 +40,12 @@ class Scenario:
         controller: Name, as on the command line.
         run: Options of each run. The number of steps depends on the world, see :meth:`options`, so
             the number given here is ignored.
+        fewest_steps: Smallest budget of a run, however short the witness.
     """
 
     controller: str
     run: RunOptions = field(default_factory=RunOptions)
+    fewest_steps: int = FEWEST_STEPS
 
     def __post_init__(self) -> None:
         admit_argument(self.controller)
@@ -64,6 +64,20 @@ class Scenario:
             return thesis_arbitration(rule, self.run.thesis)
         found: Arbitration | None = getattr(controller, "arbitration", None)
         return found
+
+    @property
+    def fields(self) -> tuple[Parameter, ...]:
+        """The fields of its controller's class that its name may set; none for other kinds."""
+        base = same_origin(self.controller, own_words(self.controller)[0])
+        kind = None if CONTROLLERS.has_variants(base) else CONTROLLERS.class_of(base)
+        return () if kind is None else fields_of(kind)
+
+    def value_of(self, field: Parameter) -> Value:
+        """Return the value of one of its fields: its name's, or else the class's."""
+        _, words = own_words(self.controller)
+        given = field.name in words
+        value: Value = field.parse(words[field.name], field.name) if given else field.default
+        return value
 
     @classmethod
     def parse(cls, text: str, **defaults: Any) -> Scenario:
@@ -106,6 +120,8 @@ class Scenario:
             options["time_step"] = repr(self.run.time_step)
         if self.run.task != TARGET:
             options["task"] = str(self.run.task)
+        if self.run.frozen_time:
+            options["frozen_time"] = None
         if self.run.thesis.repaired:
             options["repaired"] = None
             changed = {key: value for key, value in changed.items() if key not in REPAIRS}
@@ -122,7 +138,7 @@ class Scenario:
             steps: Budget to use instead.
         """
         if steps is None:
-            steps = step_budget(world, self.run)
+            steps = step_budget(world, self.run, self.fewest_steps)
         return replace(self.run, steps=steps)
 
     def with_run(self, **changes: Any) -> Scenario:
@@ -134,15 +150,20 @@ class Scenario:
         return replace(self, run=replace(self.run, **changes))
 
     def with_option(self, name: str, value: Value) -> Scenario:
-        """Return the same scenario with another value for one option of its motion model.
+        """Return the same scenario with another value for one option.
 
         Args:
-            name: The option's name, such as ``slip``.
+            name: Name of an option of the motion model, such as ``slip``, or of a field of the
+                controller's class.
             value: Its new value, in the option's unit.
 
         Raises:
-            InvalidParameter: If the motion model has no such option, or the value is out of range.
+            InvalidParameter: If there is no such option, or the value is out of range.
         """
+        if name in {one.name for one in self.fields}:
+            base, words = own_words(self.controller)
+            changed = with_options(base, {**words, name: str(value)})
+            return replace(self, controller=same_origin(self.controller, changed))
         options = self.run.changed() | {name: value}
         return self.with_run(**switch_sets(self.run.motion, options))
 
@@ -160,12 +181,12 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
     Raises:
         InvalidParameter: If the text names no controller, or an option is unknown or out of range.
     """
-    controller, written = _split(text.strip())
+    controller, written = _split(same_origin(text, text.strip()))
     if not is_process_name(controller):
         _refuse_program_options(controller, written)
     settings = {
         name: option.parse(written.pop(name), "run")
-        for name, option in _OF_EVERY_RUN.items()
+        for name, option in OF_EVERY_RUN.items()
         if name in written
     }
     motion = settings.get("motion", motion)
@@ -183,10 +204,10 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     """
     if not _has_options_first(text):
         name, options = split_options(text, "thesis-1+noise, or ./mine.py:Robot")
-        return _with_own(name, options)
+        return _with_own(text, name, options)
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = {*_OF_EVERY_RUN, *RobotOptions.words()}
+    own = {*OF_EVERY_RUN, *RobotOptions.words()}
     if is_composition_name(text):
         own |= ThesisOptions.words()
     of_the_run = {option: value for option, value in options.items() if option in own}
@@ -194,12 +215,13 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     return with_options(name, others) + colon + command, of_the_run
 
 
-def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
+def _with_own(
+    text: str, name: str, options: dict[str, str | None]
+) -> tuple[str, dict[str, str | None]]:
     """Move a controller's own options, such as ``places=16``, from the run's into its name."""
-    of_runs = {*_OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()}
-    if of_runs.issuperset(options):
+    if WORDS_OF_A_RUN.issuperset(options):
         return name, options
-    own = CONTROLLERS.option_names(name)
+    own = CONTROLLERS.option_names(same_origin(text, name))
     of_its_own = {option: options.pop(option) for option in [*options] if option in own}
     return with_options(name, of_its_own), options
 
@@ -231,5 +253,7 @@ def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[s
         raise option_without_effect(motion, name)
     if name in own.words() or _has_options_first(controller):
         return own.parse(name, text)
-    plain, _ = split_options(controller)
+    plain = same_origin(controller, split_options(controller)[0])
+    if ":" in plain and not CONTROLLERS.has_variants(plain):
+        raise unknown_field(plain, CONTROLLERS.class_of(plain), name)
     return own.parse(name, text, also=CONTROLLERS.option_names(plain))

@@ -8,10 +8,11 @@ import textwrap
 from collections.abc import Iterable, Sequence
 
 from sim.controllers.base import CompiledController, robot_for
-from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.fields import hidden_fields
 from sim.controllers.library.thesis import RANDOM
 from sim.controllers.noise import is_random
-from sim.options.run import switch_class
+from sim.options.run import OF_EVERY_RUN, switch_class
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
 
@@ -58,7 +59,7 @@ def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> 
     sentences = [
         one
         for scenario in runs
-        for tell in (unused_options, coarse_forces, missing_beams)
+        for tell in (unused_options, unset_fields, coarse_forces, missing_beams)
         for one in tell(scenario)
     ]
     if seeds and not any(map(random_run, runs)):
@@ -76,6 +77,10 @@ def unused_options(scenario: Scenario) -> list[str]:
         InvalidParameter: If no controller or motion model has that name.
     """
     controller = CONTROLLERS.get(scenario.controller)
+    if scenario.run.frozen_time and isinstance(controller, CompiledController):
+        return [
+            f"+frozen_time has no effect: {scenario.controller} is compiled, not a Python class"
+        ]
     if switch_class(scenario.run.motion) is ThesisOptions:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
@@ -95,6 +100,25 @@ def unused_options(scenario: Scenario) -> list[str]:
                 f"+{name} has no effect: {scenario.controller} does not read {' or '.join(needed)}"
             )
     return sentences
+
+
+def unset_fields(scenario: Scenario) -> list[str]:
+    """Return a sentence for each option of the run whose name a field of the class has, too."""
+    base, _ = own_words(scenario.controller)
+    kind = CONTROLLERS.class_of(base)
+    hidden = () if kind is None else hidden_fields(kind)
+    if not hidden:
+        return []
+    changed = {
+        one for one, option in OF_EVERY_RUN.items() if getattr(scenario.run, one) != option.default
+    }
+    set_here = {*scenario.run.changed(), *changed}
+    return [
+        f"+{one.name} sets the run's option, and the field {one.name} of {base} keeps "
+        f"{one.default!r}: rename the field to set it"
+        for one in hidden
+        if one.name in set_here
+    ]
 
 
 def coarse_forces(scenario: Scenario) -> list[str]:

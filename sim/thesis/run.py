@@ -25,6 +25,7 @@ from sim.options.run import RunOptions, check_recordable, check_step_length
 from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.controller_host import host_of
+from sim.runners.drifting import period_of
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
 from sim.thesis.core_calls import (
     CELL,
@@ -65,9 +66,6 @@ _REPAIR_BITS = {
 }
 # Pixels and rad. Poses that differ by less than this count as the same.
 _DRIFT = 1e-6
-
-# Periods that must be seen before a drift is reported.
-_DRIFT_PERIODS = 4
 
 
 class ThesisRun:
@@ -261,11 +259,12 @@ class ThesisRun:
         inner = slice(self._pad, -self._pad or None)
         return np.ascontiguousarray(flip_rows(self._cells[inner, inner].T))
 
-    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
-        """Add to a stalled run's evidence how it behaves in the second half of ``steps``.
+    def with_confinement(self, evidence: BudgetEvidence, outcome: Outcome) -> BudgetEvidence:
+        """Add to a stalled run's evidence how it behaves in the second half of its steps.
 
         It drifts if its poses recur within a millionth of a pixel; otherwise it is only confined.
         """
+        steps = outcome.steps
         check_recordable(steps)
         # Run the first half without recording, and record the second.
         half = steps // 2
@@ -279,7 +278,7 @@ class ThesisRun:
         cells = np.floor(poses[:, :2] / CELL)
         columns, cell_rows = (int(side) for side in np.ptp(cells, axis=0) + 1)
         box = (columns, cell_rows)
-        period, entry = _drift(poses)
+        period, entry = period_of(poses, _DRIFT)
         if period == 0:
             return replace(evidence, kind="confined", box=box)
         return replace(evidence, kind="drifting", entry=half + entry, period=period, box=box)
@@ -371,25 +370,6 @@ def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
     """
     options = RunOptions("stepped", thesis=ThesisOptions(noise=noise))
     return ThesisRun(world, CONTROLLERS.get("thesis-1"), options).signal()
-
-
-def _drift(poses: Floats) -> tuple[int, int]:
-    """Return the shortest period in which poses recur until the end, and the first such step.
-
-    Poses recur if they are equal except for rounding. Without a period, return zeros.
-    """
-    # Candidates are periods that lead from an earlier pose back to the last one.
-    near = (np.abs(poses - poses[-1]) < _DRIFT).all(axis=1)
-    for last in np.flatnonzero(near[:-1])[::-1]:
-        period = len(poses) - 1 - int(last)
-        if _DRIFT_PERIODS * period > len(poses):
-            break
-        # Poses must recur from some entry on, for enough periods to be convincing.
-        away = np.flatnonzero((np.abs(poses[period:] - poses[:-period]) >= _DRIFT).any(axis=1))
-        entry = int(away[-1]) + 1 if len(away) else 0
-        if len(poses) - 1 - entry >= _DRIFT_PERIODS * period:
-            return period, entry
-    return 0, 0
 
 
 def _table(rows: Rows) -> Floats:

@@ -42,6 +42,7 @@ with open(os.environ["MARK"], "a") as file:
     file.write(f"ran {os.getpid()}\\n")
 from sim import Command
 class X:
+    gain = 1.0
     def reset(self):
         return ()
     def act(self, observation, memory):
@@ -65,6 +66,7 @@ __attribute__((constructor)) static void mark(void)
 PROGRAM = f"cmd:{sys.executable} program.py"
 KINDS = {
     "file": "./odd.py:X",
+    "field": "./odd.py:X+gain=2",
     "module": "odd_pack.odd:X",
     "program": PROGRAM,
     "library": "lib:./odd.so:act",
@@ -323,6 +325,9 @@ def test_a_sets_manifest_runs_no_family(stranger, ran, old, new):
         "__main__:X",
         "q-learner+learned=learned,odd.json",
         "turn-right+learned=/etc/hostname",
+        "./odd.py:X+gain=2+learned=learned.json",
+        "odd_pack.odd:X+gain=2",
+        "./link.py:X+gain=2:X",
         "q-learner+learned=learned.json",
     ],
 )

@@ -200,3 +200,14 @@ def test_a_campaign_too_slow_for_one_world_has_no_answer(tmp_path):
     table = json.loads(ran.out)
     assert (ran.code, table["answer"]) == (4, "none")
     assert table["answer_numbers"]["natural"] == 0
+
+
+def test_a_reason_says_what_is_pending_and_how_long_it_takes():
+    waiting = {"searched": 26, "searched_unjudged": 6, "proof_seconds": 7.0}
+    _, few = answer_of(AnswerNumbers(natural=0, **waiting))
+    assert few.endswith("; 6 runs did not arrive, and proving them needs about 42 s")
+    _, many = answer_of(AnswerNumbers(natural=FEWEST, **waiting))
+    assert many.endswith("failure, and proving them needs about 42 s")
+    # Milliseconds of proofs are not what kept them from being done.
+    _, quick = answer_of(AnswerNumbers(natural=FEWEST, **(waiting | {"proof_seconds": 0.01})))
+    assert "needs" not in quick

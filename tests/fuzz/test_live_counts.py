@@ -9,6 +9,8 @@ import pytest
 from fuzz.campaign.configure import configure
 from fuzz.campaign.executors import InlineExecutor, ProcessExecutor
 from fuzz.campaign.run import Campaign
+from fuzz.campaign.state import UnitDone
+from fuzz.campaign.summary import describe_speed
 from fuzz.unit.live import LIVE_FILE, LiveCounts, LiveState, count_live, read_live, shown_in
 from fuzz.unit.options import CampaignOptions
 
@@ -80,3 +82,19 @@ def test_a_file_says_what_goes_on_and_is_gone_afterwards(tmp_path):
 def test_a_file_that_is_not_whole_says_nothing(tmp_path, text):
     (tmp_path / LIVE_FILE).write_text(text)
     assert read_live(tmp_path) is None
+
+
+def test_the_speed_of_a_search_is_described_once_a_unit_is_done():
+    assert describe_speed(LiveState("searching", 7, 70)) == ""
+    slow = LiveState("searching", 7, 70, rate=190.0, cost=0.31, own=0.95, left=40.0)
+    assert describe_speed(slow) == (
+        "; 190 worlds a minute, 0.31 s each (95 % your controller), about 40 s left"
+    )
+    assert describe_speed(LiveState("searching", rate=9e4, cost=1e-3)) == "; 90,000 worlds a minute"
+
+
+def test_a_running_campaign_estimates_what_its_units_need():
+    campaign = Campaign(small(), units=2)
+    left = [campaign.live().left for event in campaign.run() if isinstance(event, UnitDone)]
+    assert left[0] > left[1] == 0.0
+    assert campaign.live().rate > 0.0 and campaign.live().cost > 0.0

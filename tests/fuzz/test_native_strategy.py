@@ -137,9 +137,8 @@ def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
 
 
 @pytest.mark.gate
-def test_a_unit_does_less_for_a_controller_that_says_it_is_slow(monkeypatch):
+def test_a_unit_does_less_for_a_controller_that_says_it_is_slow():
     quick, slow = (CampaignConfig(Scenario(name)) for name in ("turn-right", "dynamic-window"))
-    assert (quick.slower, slow.slower) == (1, 8)
+    assert (quick.pace.slower, slow.pace.slower) == (1, 8)
     steps = run_unit(CONFIG, 0).steps
-    monkeypatch.setattr(CampaignConfig, "slower", slow.slower)
-    assert 0 < run_unit(CONFIG, 0).steps < steps / 4
+    assert 0 < run_unit(replace(CONFIG, measured=slow.pace), 0).steps < steps / 4

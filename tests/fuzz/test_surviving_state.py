@@ -11,6 +11,7 @@ from fuzz.triage.judging import failure_of
 from sim import simulate
 from sim.clock import controller_time
 from sim.controllers import CONTROLLERS
+from sim.controllers.contract import UNKNOWN_SOURCE
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import cup, hall
@@ -193,8 +194,10 @@ def test_runs_that_differ_by_unseen_state_are_no_failure(worlds, tmp_path, monke
     failure = failure_of(worlds[0], Scenario(steady))
     CONTROLLERS.forget(str(tmp_path / "circle.py"))
     name = circle(tmp_path, reset=count, act=speed)
+    differences = {}
+    monkeypatch.setattr(controller_time, "_differences", differences)
     assert failure_of(worlds[0], Scenario(name)) is None
-    assert len(survivors) == 1
+    assert set(differences) == {UNKNOWN_SOURCE}
     now = answer(failure, name)
     assert now.state is State.UNPROVED
     assert "its runs differ although the input is the same" in now.words

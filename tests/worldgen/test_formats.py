@@ -530,3 +530,9 @@ def test_a_reader_of_ones_own_may_read_what_ours_would_not(kind, tmp_path, monke
     params = read_map(source, f"{mine}:folder").params
     expected = {"folder": None, "larger file": hashlib.sha256(b"0" * 20).hexdigest()}
     assert params.get("sha256") == expected.get(kind, "own")
+
+
+def test_only_a_sidecar_next_to_its_map_is_left_out_of_a_folder(tmp_path):
+    for name in ("own.worldgen.grid", "maze.map.worldgen.grid", "maze.map"):
+        (tmp_path / name).touch()
+    assert [file.name for file in files_in(tmp_path)] == ["own.worldgen.grid"]

@@ -258,7 +258,11 @@ def _answer_wrong_command(error: click.ClickException) -> int:
     elif isinstance(error, click.UsageError):
         from worldgen.cli.corrections import answer
 
-        note(answer(error, cli, sys.argv[1:]), always=True)
+        # A correction looks for files of the words' names, which may be too long for any.
+        try:
+            note(answer(error, cli, sys.argv[1:]), always=True)
+        except OSError:
+            note(f"worldgen: {error.format_message()}", always=True)
     else:
         note(f"worldgen: {error.format_message()}", always=True)
     return 2
@@ -274,10 +278,12 @@ def _answer_error(error: WorldgenError) -> int:
     for sentence in error.notes:
         note(sentence)
     note(joined(f"worldgen: {error}"), always=True)
-    if isinstance(error, NotAGrid):
-        _say_how_to_import(error)
-    elif suggested := answer_named(error, cli, sys.argv[1:]):
-        note(f"  {suggested}", always=True)
+    # What helps looks for files of the words' names, which may be too long for any.
+    with contextlib.suppress(OSError):
+        if isinstance(error, NotAGrid):
+            _say_how_to_import(error)
+        elif suggested := answer_named(error, cli, sys.argv[1:]):
+            note(f"  {suggested}", always=True)
     return 2
 
 

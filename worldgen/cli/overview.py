@@ -27,7 +27,7 @@ COMMANDS: dict[str, dict[str, str]] = {
         "fuzz": "Search for worlds in which a controller fails.",
         "oracles": "List the oracles that fuzz --oracle adds to the verdict.",
         "find": "Search for a world with the outcomes that you name.",
-        "boundary": "Find the radius, speed or heading at which failures begin.",
+        "boundary": "Find the radius, speed, heading or field at which failures begin.",
         "init": "Set up a project whose CI searches for failures.",
     },
     "Keep and understand failures": {

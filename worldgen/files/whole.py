@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
+from worldgen.support.paths import real_path
 from worldgen.support.results import opened_as
 
 _MOST_BYTES = 64 << 20
@@ -49,7 +50,7 @@ def check_output(path: Path, force: bool) -> None:
         )
     # A file is replaced, which needs its folder; a device or a pipe is written itself.
     if path.is_file() or not path.exists():
-        check_writable(path, Path(os.path.realpath(path)).parent)
+        check_writable(path, real_path(path).parent)
 
 
 def check_writable(path: Path, folder: Path) -> None:
@@ -162,7 +163,7 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
             path.write_bytes(data)
         else:
             # Write through a link, as any editor does.
-            _replace(Path(os.path.realpath(path)), data)
+            _replace(real_path(path), data)
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import exact
 from worldgen.reach import Decision, decide
+from worldgen.support.paths import real_path
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
@@ -308,7 +309,7 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
 def _fitting(sidecar: Sidecar, path: Path, robot: ImportedRobot) -> Sidecar:
     """Return a sidecar without its robots if the user names a scenario of other robots."""
     own = path.with_name(f"{path.name}.scen")
-    if robot.scenario is None or robot.scenario.resolve() == own.resolve():
+    if robot.scenario is None or real_path(robot.scenario) == real_path(own):
         return sidecar
     of_map = {name: value for name, value in sidecar.values.items() if name not in ROBOT_FACTS}
     return replace(sidecar, values=of_map, others=())

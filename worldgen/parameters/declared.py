@@ -430,6 +430,46 @@ def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
     )
 
 
+def parameters_of_class(kind: type) -> tuple[Parameter, ...]:
+    """Return the public numbers, switches and words of any class that have a default.
+
+    These are the parameters of its ``__init__``, which are the fields of a dataclass, and then the
+    attributes of the class. The class need not declare anything for this; annotations and entries
+    of docstrings are used where there are some.
+    """
+    found: dict[str, Any] = {}
+    notes: dict[str, str] = {}
+    hints: dict[str, Any] = {}
+    for base in reversed(kind.__mro__):
+        notes |= argument_notes(vars(base).get("__doc__") or "")
+        found |= {name: _plain(value) for name, value in vars(base).items()}
+    for thing in (kind, *(vars(base).get("__init__") for base in reversed(kind.__mro__))):
+        # A user's annotation may be anything, even a name that does not exist.
+        with contextlib.suppress(Exception):
+            hints |= typing.get_type_hints(thing, include_extras=True)
+    initial = initial_values(kind)
+    found = initial | {name: value for name, value in found.items() if name not in initial}
+    for name, value in found.items():
+        # ``lookahead: float = 1`` is a float.
+        if type(value) is int and hints.get(name) is float:
+            found[name] = float(value)
+    return tuple(
+        _declared(name, value, hints.get(name), notes)
+        for name, value in found.items()
+        if type(value) in _PLAIN and not name.startswith("_")
+    )
+
+
+def initial_values(kind: type) -> dict[str, Any]:
+    """Return the parameters with which a class can be called by name, each with its default."""
+    by_name = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    try:
+        parameters = inspect.signature(kind).parameters.values()
+    except (TypeError, ValueError):
+        return {}
+    return {one.name: _plain(one.default) for one in parameters if one.kind in by_name}
+
+
 def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, ...]:
     """Return the keyword-only parameters of a function, in order of declaration.
 

@@ -28,7 +28,7 @@ from worldgen.plugins.user_modules import (
     sources_read,
     without_private_names,
 )
-from worldgen.support.paths import expanded
+from worldgen.support.paths import expanded, real_path
 from worldgen.support.progress import say_once
 from worldgen.support.results import only_results_on_stdout
 
@@ -154,7 +154,7 @@ class Registry(Generic[T]):
         Raises:
             InvalidParameter: If nothing has this name, loading it fails, or it has the wrong type.
         """
-        key = _identity(name)
+        key = identity(name)
         # Loaded code is checked again, because the next command may not have named it.
         if ":" in name and not self._is_registered(name):
             check_code(name)
@@ -180,14 +180,14 @@ class Registry(Generic[T]):
 
         The file's module stays loaded, and its top level does not run again.
         """
-        file = _identity(f"{place}:").rpartition(":")[0]
-        for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
+        file = identity(f"{place}:").rpartition(":")[0]
+        for key in [key for key in self._loaded if key.startswith(f"{file}:")]:
             del self._loaded[key]
 
     def forget(self, place: str) -> None:
         """Forget a file and the files next to it, so that the next request loads them again."""
         self.renew(place)
-        file = _identity(f"{place}:").rpartition(":")[0]
+        file = identity(f"{place}:").rpartition(":")[0]
         if file.endswith(".py"):
             sys.modules.pop(_module_name(Path(file)), None)
             forget_folder(Path(file).parent)
@@ -250,14 +250,14 @@ class Registry(Generic[T]):
         )
 
 
-def _identity(name: str) -> str:
+def identity(name: str) -> str:
     """Return the name with a file's path made absolute.
 
     ``./mine.py:Robot`` means something else in every working directory, so it cannot be a key.
     """
     place, colon, attribute = name.rpartition(":")
     return (
-        f"{expanded(_file(place)).resolve()}{colon}{attribute}" if place.endswith(".py") else name
+        f"{real_path(expanded(_file(place)))}{colon}{attribute}" if place.endswith(".py") else name
     )
 
 
@@ -266,7 +266,7 @@ def _module_name(path: Path) -> str:
 
 
 def _load_file(path: Path) -> Any:
-    path = expanded(path).resolve()
+    path = real_path(expanded(path))
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
     module_name = _module_name(path)

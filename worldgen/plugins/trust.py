@@ -168,14 +168,6 @@ def trusts_everything() -> bool:
     return _trust.all
 
 
-def trust_folder(folder: Path) -> None:
-    """Let code in a folder run in this process, and code that files in the folder name.
-
-    pytest's rootdir is such a folder, because pytest runs conftest.py from there.
-    """
-    _trust.folders = (*_trust.folders, os.path.realpath(folder))
-
-
 def note_names(value: object, source: str | None) -> None:
     """Note every name of code in a value that was read from a file.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 
@@ -11,3 +12,8 @@ def expanded(path: str | Path) -> Path:
         return Path(path).expanduser()
     except RuntimeError:
         return Path(path)
+
+
+def real_path(path: str | Path) -> Path:
+    """Return a path without links; unlike ``Path.resolve``, also of a link to itself."""
+    return Path(os.path.realpath(path))

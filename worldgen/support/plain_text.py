@@ -58,6 +58,14 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> Style
     return Styled("\n".join(line.rstrip() for line in lines))
 
 
+def lasting(seconds: float) -> str:
+    """Return a duration in words: ``2.5 s``, ``40 s``, ``12 min`` or ``3 h 5 min``."""
+    if seconds < 120.0:
+        return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.1f} s"
+    minutes = int(seconds // 60.0)
+    return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60} min"
+
+
 def counted(count: int, one: str, many: str = "") -> str:
     """Return the count and its noun: ``1 map``, ``2 maps``; ``many`` if an s is not enough."""
     return f"{count} {one if count == 1 else many or one + 's'}"

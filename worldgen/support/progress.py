@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import parent_process
 
-from worldgen.support.plain_text import shown
+from worldgen.support.plain_text import lasting, shown
 
 _clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
@@ -92,7 +92,7 @@ class Work:
         if seconds <= 0.0 or done <= before:
             return words
         rate = (done - before) / seconds
-        left = "" if total is None else f", {_duration((total - done) / rate)} left"
+        left = "" if total is None else f", {lasting((total - done) / rate)} left"
         return f"{words} ({rate:,.0f}/s{left})" if rate >= 10.0 else f"{words} ({rate:.2g}/s{left})"
 
 
@@ -163,7 +163,7 @@ class Display:
         if not self._works:
             self.clear()
         if self.verbosity > 0 and not self.silent and not work.often:
-            self._write(f"{shown(work.message)}: done in {_duration(self._clock() - work.begun)}\n")
+            self._write(f"{shown(work.message)}: done in {lasting(self._clock() - work.begun)}\n")
 
     def close(self) -> None:
         """Stop the thread and clear the live line."""
@@ -227,7 +227,7 @@ class Display:
         )
         spent = now - works[0].begun
         # This is short work after other short work.
-        took = f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
+        took = f" ({lasting(spent)})" if spent >= _WORTH_SAYING else ""
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _fitted(parts, took, _columns() - 1))
@@ -359,13 +359,6 @@ def _forget() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_forget)
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 120.0:
-        return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.1f} s"
-    minutes = int(seconds // 60.0)
-    return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60} min"
 
 
 def _columns() -> int:

@@ -6,6 +6,7 @@ Contents:
     FolderStore: The folder ``OUT/.campaign`` and its lock.
     stored_elites: The archive's entries in a folder.
     CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
+    stored_seed, with_stored_pace: What the same campaign keeps when it begins again.
     controller_change: Whether its controller's file is still the same.
     Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
     errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
@@ -19,7 +20,14 @@ Contents:
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
 from fuzz.campaign.store.folder import Budget, FolderStore, stored_elites
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
-from fuzz.campaign.store.opening import CampaignRun, begin, controller_change, resume, stored_seed
+from fuzz.campaign.store.opening import (
+    CampaignRun,
+    begin,
+    controller_change,
+    resume,
+    stored_seed,
+    with_stored_pace,
+)
 from fuzz.campaign.store.summary import (
     MEMORY,
     OVERVIEW_FILE,
@@ -54,4 +62,5 @@ __all__ = [
     "resume",
     "stored_elites",
     "stored_seed",
+    "with_stored_pace",
 ]

@@ -6,6 +6,7 @@ import functools
 import hashlib
 import importlib
 import json
+import math
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -16,6 +17,7 @@ from typing import Any
 from fuzz.layouts.variation import Variation
 from fuzz.oracles import ORACLES, NamedOracle
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.pace import Pace
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -161,16 +163,31 @@ def config_of(configuration: Mapping[str, Any], source: str | None = None) -> Ca
     text = values.pop("fixed_map")
     fixed_map = None if text is None else loads(text.encode())
     vary = tuple(Variation(str(one["name"]), tuple(one["values"])) for one in values.pop("vary"))
-    config = CampaignConfig(scenario, fixed_map=fixed_map, vary=vary, **values)
+    measured = pace_of(values.pop("measured", None))
+    config = CampaignConfig(scenario, fixed_map=fixed_map, vary=vary, measured=measured, **values)
     if not 0 <= config.seed <= MASK64:
         raise ValueError(f"seed is {config.seed}")
     usual = CampaignConfig(scenario)
     for field in fields(config):
-        if field.name != "fixed_map" and type(getattr(config, field.name)) is not type(
-            getattr(usual, field.name)
-        ):
+        if field.name not in ("fixed_map", "measured") and type(
+            getattr(config, field.name)
+        ) is not type(getattr(usual, field.name)):
             raise TypeError(f"{field.name} is {getattr(config, field.name)!r}")
     return config
+
+
+def pace_of(stored: Mapping[str, Any] | None) -> Pace | None:
+    """Return the measured pace in a stored configuration.
+
+    Raises:
+        TypeError, ValueError, KeyError: If it isn't one.
+    """
+    if stored is None:
+        return None
+    pace = Pace(float(stored["step"]), float(stored["reset"]))
+    if not (0.0 <= pace.step < math.inf and 0.0 <= pace.reset < math.inf):
+        raise ValueError(f"measured is {stored!r}")
+    return pace
 
 
 @functools.cache

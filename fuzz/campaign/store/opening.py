@@ -6,7 +6,7 @@ A folder is refused for any other use.
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fuzz.campaign.store.fingerprint import (
@@ -14,6 +14,7 @@ from fuzz.campaign.store.fingerprint import (
     config_of,
     controller_source,
     fingerprint_of,
+    pace_of,
 )
 from fuzz.campaign.store.folder import Budget, FolderStore
 from fuzz.unit.config import CampaignConfig
@@ -50,6 +51,23 @@ def stored_seed(out: Path) -> int | None:
         return None if stored is None else int(stored[0].configuration["seed"])
     except (FormatError, KeyError, OverflowError, TypeError, ValueError):
         return None
+
+
+def with_stored_pace(config: CampaignConfig, out: Path) -> CampaignConfig:
+    """Return a configuration with the pace of the same campaign in a folder, if there is one.
+
+    A campaign keeps the pace with which it began, although the clock now gives another.
+    """
+    try:
+        stored = FolderStore.stored_in(out)
+        if stored is None:
+            return config
+        before = dict(stored[0].configuration)
+        kept = replace(config, measured=pace_of(before.get("measured")))
+        now = fingerprint_of(kept).configuration
+    except (FormatError, KeyError, OverflowError, TypeError, ValueError):
+        return config
+    return kept if before == now else config
 
 
 def controller_change(folder: Path, controller: str) -> str:

@@ -109,7 +109,9 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         controller_share: Share of the last run's work spent in a user's class or program.
         survives_reset: State that the controller was found to keep from run to run, in the last
             run of the campaign.
+        differs_by: What makes equal runs of the controller differ, in the last run.
         verdicts: Counts of each verdict in screening.
+        tried: Worlds drawn on the user's map, by kind.
         met: Counts of each cause.
         known: The same, for known causes.
         strategies: Totals of each strategy.
@@ -133,7 +135,9 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     times: dict[str, float] = {}
     controller_share: float | msgspec.UnsetType = msgspec.UNSET
     survives_reset: list[_Name] | msgspec.UnsetType = msgspec.UNSET
+    differs_by: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     verdicts: dict[str, _Count] = {}
+    tried: dict[str, _Count] = {}
     met: dict[str, _Count] = {}
     known: dict[str, _Count] = {}
     strategies: Annotated[list[StrategyYield], _Rows] = []

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -56,6 +55,7 @@ from fuzz.studio.requests.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import write_world
+from worldgen.support.paths import real_path
 
 # Seconds that a process has to begin: a busy machine may need to compile kernels first.
 _BEGINS = 300.0
@@ -187,7 +187,7 @@ def _check_stored(opened: Opened, out: Path, name: str) -> str:
     check_strategies(map(str, configuration.get("families") or ()))
     check_oracles(map(str, configuration.get("oracles") or ()))
     # Resolve links, because the database is written to.
-    database = Path(os.path.realpath(str(configuration.get("database") or opened.folder.root)))
+    database = real_path(str(configuration.get("database") or opened.folder.root))
     if not database.is_relative_to(opened.folder.root):
         raise InvalidParameter(
             "outside-of-folder",

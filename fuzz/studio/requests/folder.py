@@ -19,6 +19,7 @@ from worldgen.errors import InvalidParameter, Message, OutputError, WorldgenErro
 from worldgen.files.archives import ENDINGS
 from worldgen.files.grid import read_world
 from worldgen.files.worlds import is_world_file
+from worldgen.support.paths import real_path
 from worldgen.support.plain_text import shown
 
 KNOWN = "known"
@@ -45,7 +46,7 @@ class Folder:
     root: Path
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "root", Path(os.path.realpath(self.root)))
+        object.__setattr__(self, "root", real_path(self.root))
 
     def place(self, name: str) -> Path:
         """Return the path of a name in the folder, whether or not the file exists.
@@ -74,7 +75,7 @@ class Folder:
             )
         # Resolve links before looking at the file, so that a link cannot lead out.
         path = self.root.joinpath(*parts)
-        real = Path(os.path.realpath(path))
+        real = real_path(path)
         if not real.is_relative_to(self.root):
             raise _refused(
                 "outside-of-folder", name, "is outside the opened folder", "copy the file into it"
@@ -161,7 +162,7 @@ class Folder:
         place = self.place(name)
         if place.is_file():
             for other in place.parent.glob(f"{glob.escape(place.stem)}*"):
-                if not Path(os.path.realpath(other)).is_relative_to(self.root):
+                if not real_path(other).is_relative_to(self.root):
                     raise _refused(
                         "outside-of-folder",
                         other.name,

@@ -50,7 +50,10 @@ def may_run(controller: str, named: Sequence[str], *, learned: bool = False) -> 
     allowed = names_of(tuple(named))
     with contextlib.suppress(InvalidParameter):
         base, words = own_words(controller)
-        if words and (learned or LEARNED not in words):
+        # Its fields change nothing about whose code it is.
+        if words and LEARNED not in words:
+            return controller in allowed or may_run(base, named)
+        if words and learned:
             return base in CONTROLLERS.names() or base in allowed or controller in allowed
     parts = listed_names(controller) if is_composition_name(controller) else [controller]
     registered = BEHAVIOURS if is_composition_name(controller) else CONTROLLERS

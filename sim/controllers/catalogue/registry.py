@@ -11,12 +11,14 @@ import functools
 import os
 import re
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
-from sim.controllers.instances import InstanceOrigin, instance_of, remember
+from sim.controllers.fields import fields_of, with_fields
+from sim.controllers.instances import InstanceOrigin, instance_of, origin_of, remember
 from sim.controllers.learning import LEARNED, is_learned_name, learned_file, read_learned
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.object_file import is_library_name, library_file
@@ -24,8 +26,8 @@ from sim.controllers.taught import with_numbers
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
-from worldgen.parameters import split_options
-from worldgen.plugins.registry import Registry, user_code
+from worldgen.parameters import split_options, with_options
+from worldgen.plugins.registry import Registry, identity, user_code
 from worldgen.plugins.trust import admit_argument, check_code, same_origin
 from worldgen.support.paths import expanded
 
@@ -42,10 +44,15 @@ def own_words(name: str) -> tuple[str, dict[str, str | None]]:
     Returns:
         The name without them, and each option's value as text; None for one without ``=``.
     """
-    headed = is_process_name(name) or is_composition_name(name)
-    if "+" not in name or headed or is_library_name(name) or is_learned_name(name):
+    if "+" not in name or _has_prefix(name):
         return name, {}
     return split_options(name, "topological+places=16")
+
+
+def _has_prefix(name: str) -> bool:
+    """Return True for a program, a composition, a library, or what was learned."""
+    is_program = is_process_name(name) or is_composition_name(name)
+    return is_program or is_library_name(name) or is_learned_name(name)
 
 
 def _place_apart(name: str) -> str:
@@ -89,14 +96,38 @@ class ControllerRegistry(Registry[Controller]):
     def option_names(self, name: str) -> tuple[str, ...]:
         """Return the controller's own options, which its name may contain.
 
-        This runs no user code: such a controller can only be given what it learned.
+        Those of a user's class are its fields, so this loads its file.
         """
-        if name not in self.entry_points():
+        # A name that is not registered may be a program's, whose own error is better.
+        if is_library_name(name) or (":" not in name and name not in self.entry_points()):
             return (LEARNED,)
         found = self.get(name)
         variants: Variants | None = getattr(found, "variants", None)
-        learned = () if getattr(found, "learning", None) is None else (LEARNED,)
-        return (*(() if variants is None else variants.names()), *learned)
+        is_taught = ":" in name or getattr(found, "learning", None) is not None
+        kind = self.class_of(name)
+        return (
+            *(() if variants is None else variants.names()),
+            *(() if kind is None else (one.name for one in fields_of(kind))),
+            *((LEARNED,) if is_taught else ()),
+        )
+
+    def has_variants(self, name: str) -> bool:
+        """Return True if a controller declares its own options, so that its fields are none."""
+        return not _has_prefix(name) and getattr(self.get(name), "variants", None) is not None
+
+    def class_of(self, name: str) -> type | None:
+        """Return the class that a controller's name without options names; ``None`` if none."""
+        if _has_prefix(name):
+            return None
+        found = self.get(name)
+        kind = type(found)
+        if origin_of(found) is not None:
+            return kind
+        # A class with __slots__ leaves no origin. Loading the file again could load an edited one.
+        point = self.entry_points().get(name)
+        attribute = (name if point is None else point.value).rpartition(":")[2]
+        module = sys.modules.get(kind.__module__)
+        return kind if getattr(module, attribute, None) is kind else None
 
     def _with_options(self, name: str, base: str, words: dict[str, str | None]) -> Controller:
         """Return a controller with its own options and with the numbers that it learned.
@@ -109,18 +140,7 @@ class ControllerRegistry(Registry[Controller]):
         path = words.pop(LEARNED, None)
         found = self.get(base)
         if words:
-            variants: Variants | None = getattr(found, "variants", None)
-            unknown = [one for one in words if variants is None or one not in variants.names()]
-            if variants is None or unknown:
-                raise InvalidParameter(
-                    "unknown-name",
-                    "controller {controller!r} has no option {option!r} of its own",
-                    "leave it out; options of a run belong in RunOptions, and Scenario.parse() "
-                    "reads both",
-                    controller=base,
-                    option=unknown[0],
-                )
-            found = variants.named(words, base, name)
+            found = self._varied(name, base, words)
         if not has_learned:
             return found
         if not path:
@@ -145,6 +165,30 @@ class ControllerRegistry(Registry[Controller]):
                 controller=base,
             )
         return with_numbers(found, learned.numbers, name)
+
+    def _varied(self, name: str, base: str, words: dict[str, str | None]) -> Controller:
+        """Return a controller with its own options, or with its class's fields."""
+        found = self.get(base)
+        # Each run gets its controller by name, and what runs have left in it must be seen.
+        key = with_options(identity(base), words)
+        if key in self._loaded:
+            return self._loaded[key]
+        variants: Variants | None = getattr(found, "variants", None)
+        kind = self.class_of(base)
+        if variants is None and kind is not None:
+            self._loaded[key] = _accept(name, with_fields(found, kind, words, base))
+            return self._loaded[key]
+        unknown = [one for one in words if variants is None or one not in variants.names()]
+        if variants is None or unknown:
+            raise InvalidParameter(
+                "unknown-name",
+                "controller {controller!r} has no option {option!r} of its own",
+                "leave it out; options of a run belong in RunOptions, and Scenario.parse() "
+                "reads both",
+                controller=base,
+                option=unknown[0],
+            )
+        return variants.named(words, base, name)
 
     def _refuse_code(self, controller: str, name: str) -> None:
         """Refuse a file of learned numbers that names code: reading data must not run code.

@@ -13,7 +13,7 @@ from typing import Any
 from sim.clock.controller_time import Effort, count_survivors
 from sim.controllers.base import Controller, Memory
 from sim.controllers.catalogue import CONTROLLERS, own_words
-from sim.controllers.contract import state_survives_reset
+from sim.controllers.contract import runs_differ, state_survives_reset
 from sim.controllers.hidden_state import HiddenState, hidden_state, own_attributes
 from sim.controllers.instances import InstanceOrigin, origin_of
 from sim.controllers.programs.process import ProcessController
@@ -21,7 +21,7 @@ from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
 from worldgen.errors import Message
 from worldgen.plugins.user_modules import digest_of_source, sources_read
-from worldgen.support.paths import expanded
+from worldgen.support.paths import expanded, real_path
 
 _SHARED = "a variable of its class or module"
 
@@ -57,7 +57,7 @@ def _is_unedited(file: Path) -> bool:
 
     Loading an edited file would run other code in the second half of a campaign.
     """
-    folder = expanded(file).resolve().parent
+    folder = real_path(expanded(file)).parent
     try:
         return all(
             digest_of_source(Path(path).read_bytes()) == digest
@@ -125,14 +125,16 @@ def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
 
 
 def survivors_found(controllers: Iterable[str], began: Effort) -> list[Message]:
-    """Return a message about the state that runs found to survive ``reset``.
+    """Return messages about state that survives ``reset``, and about what makes equal runs differ.
 
     Args:
         controllers: Names of the controllers that ran.
         began: A reading from before their first run.
 
     Returns:
-        One message, or none if nothing survived.
+        A message about each of the two, if there is something to say.
     """
-    places = began.since().survivors
-    return [state_survives_reset(", ".join(dict.fromkeys(controllers)), places)] if places else []
+    effort = began.since()
+    names = ", ".join(dict.fromkeys(controllers))
+    both = ((effort.survivors, state_survives_reset), (effort.differences, runs_differ))
+    return [message(names, places) for places, message in both if places]

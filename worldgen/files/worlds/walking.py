@@ -52,10 +52,20 @@ def read_whole_world(path: Path) -> World:
 def files_in(folder: Path) -> list[Path]:
     """Return the world files in a folder and below, sorted by name.
 
-    Folders called ``.name`` are skipped, and so are sidecars of exported maps.
+    Folders called ``.name`` are skipped, and so are sidecars of exported maps, next to their map.
     """
-    found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
+    found = (
+        file
+        for file in folder.rglob("*")
+        if file.name.endswith(_ENDINGS) and file.is_file() and not _is_sidecar(file)
+    )
     return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
+
+
+def _is_sidecar(file: Path) -> bool:
+    """Return True if a file is a map's sidecar, and not a world whose name only looks like one."""
+    exported = file.name.removesuffix(SIDECAR)
+    return exported != file.name and file.with_name(exported).exists()
 
 
 def _is_hidden(path: Path) -> bool:

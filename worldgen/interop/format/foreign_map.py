@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import os
 import stat
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -19,6 +18,7 @@ from worldgen.errors import FormatError, WorldgenError
 from worldgen.files.whole import read_bytes
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
+from worldgen.support.paths import real_path
 from worldgen.support.plain_text import quote
 from worldgen.world import Value, World
 
@@ -196,8 +196,8 @@ def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) ->
         raise FormatError(
             "not-a-file-name", "{key} has a NUL in its name", "correct it", key=key, line=line
         )
-    folder = Path(os.path.realpath(path.parent))
-    other = Path(os.path.realpath(folder / name))
+    folder = real_path(path.parent)
+    other = real_path(folder / name)
     if not other.is_relative_to(folder):
         raise FormatError(
             "outside-folder",

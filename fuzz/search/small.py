@@ -1,0 +1,250 @@
+"""The small strategy: for slow controllers, small worlds in short runs, one after another.
+
+A run is dropped as soon as it promises nothing. The first failure of each cause is proved in the
+unit that meets it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from fuzz.cause import Cause
+from fuzz.failure import MOST_SHOWN
+from fuzz.layouts.map_variations import variations_of
+from fuzz.layouts.map_windows import Kind, kind_of
+from fuzz.layouts.small_worlds import small_world
+from fuzz.layouts.variation import applied
+from fuzz.screening import can_screen
+from fuzz.search.suspects import Symptom, symptom_of
+from fuzz.search.task import SearchTask
+from fuzz.triage.diagnosis import cause_of_run
+from fuzz.triage.triage import UNDECIDED, first_look
+from fuzz.unit.config import CampaignConfig
+from sim.clock.stopping import check_time
+from sim.episode import Episode, episode_of, prepare
+from sim.evidence import LoopEvidence
+from sim.options.run import RunOptions
+from sim.outcome import LIMIT, Outcome, Runnable
+from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.errors import InvalidWorld
+from worldgen.random_streams import RandomStream
+from worldgen.world import Witness, World
+
+SMALL = "small"
+
+_SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
+_OWN = 3e-3  # s of ours for each world
+_USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
+_MOST_WORLDS = 1_000  # of a unit, however quick the controller is
+# Times the witness's steps after which a run that has not arrived is examined; then after twice as
+# many.
+_FIRST_LOOK = 6
+# Kinds of worlds on a user's map.
+_KINDS_IN_TURN = (
+    Kind.WINDOW,
+    Kind.BOX,
+    Kind.WINDOW,
+    Kind.PERSON,
+    Kind.WINDOW,
+    Kind.DOOR,
+    Kind.WINDOW,
+    Kind.PIECE,
+)
+
+
+def fits(config: CampaignConfig) -> bool:
+    """Return True if the strategy suits a campaign: it takes one robot, whose map stays as it is."""
+    has_windows = config.fixed_map is None or not config.fixed_map.is_dynamic
+    return config.robots == 1 and has_windows and can_screen(config.scenario)
+
+
+def search(task: SearchTask) -> None:
+    """Run small worlds one after another, and prove the first failure of each cause."""
+    unit = _Unit(task)
+    unit.screen()
+    unit.prove_suspects()
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A run in a small world, which is begun with few steps.
+
+    Slow controllers' answers are kept, so what was driven before costs little when the run is
+    continued from its start.
+
+    Args:
+        world: The world, with its witness.
+        scenario: The scenario.
+        options: Options of the run, with the witness's budget.
+        run: The run.
+    """
+
+    world: World
+    scenario: Scenario
+    options: RunOptions
+    run: Runnable
+
+    @property
+    def witness_steps(self) -> int:
+        """Steps that the witness takes."""
+        witness = self.world.certificate
+        time = witness.duration if isinstance(witness, Witness) else 0.0
+        return math.ceil(time / self.options.time_step)
+
+    def episode(self, outcome: Outcome) -> Episode:
+        """Return a run as an episode, which is not a proof if the outcome is a loop."""
+        episode = episode_of(self.run, self.world, outcome, self.options)
+        if outcome.ending != Verdict.LOOP:
+            return episode
+        evidence = LoopEvidence(entry=outcome.entry, period=outcome.period, state_digest="")
+        return replace(episode, verdict=Verdict.LOOP, evidence=evidence)
+
+
+class _Suspect(NamedTuple):
+    """A run that will hardly arrive.
+
+    Args:
+        symptom: Why; reliable symptoms come first.
+        budget: Steps that its proof takes.
+        number: Its place among the unit's worlds.
+        steps: Steps so far.
+        trial: The run.
+    """
+
+    symptom: Symptom
+    budget: int
+    number: int
+    steps: int
+    trial: _Trial
+
+
+class _Unit:
+    """The work of one unit."""
+
+    def __init__(self, task: SearchTask) -> None:
+        self._task = task
+        self._triage = task.triage
+        self._pace = task.config.pace
+        self._stream = task.stream
+        # Varied options keep one value for the whole unit.
+        self._values = {one.name: self._stream.choice(one.values) for one in task.config.vary}
+        self._spent = 0.0  # s
+        self._suspects: dict[Cause, _Suspect] = {}
+        # Runs that were not examined, by verdict in screening and cause.
+        self._alike: Counter[tuple[str, str]] = Counter()
+        # Failures of earlier units, by cause.
+        self._known = Counter(group for group, _ in task.memory.failures)
+        # Most loops show in the state. If a controller hides memory, they do not.
+        self._finds_loops = True
+
+    def screen(self) -> None:
+        """Run small worlds until the unit's time is spent, or a failure of a new cause is proved."""
+        usual = self._pace.reset + _USUAL_STEPS * self._pace.step + _OWN
+        first = self._task.unit * max(1, round(_SECONDS / usual))
+        for number in range(first, first + _MOST_WORLDS):
+            check_time()
+            seed = self._stream.next64() & 0xFFFFFFFF
+            scenario = self._task.scenario(seed, self._stream.choice(self._task.config.time_steps))
+            own = self._stream.child("world", number)
+            world = self._world(own, number, scenario.run.time_step)
+            if world is None:
+                continue
+            try:
+                self._try(*applied(self._values, world, scenario), number)
+            except InvalidWorld:
+                # The drawn robot does not fit at the start.
+                continue
+            if self._task.config.fixed_map is not None:
+                kind = kind_of(world, self._task.config.fixed_map)
+                self._triage.result.tried[kind.value] += 1
+            found = {group for group, _ in self._triage.result.failures}
+            if found - self._known.keys() or self._spent >= _SECONDS:
+                return
+
+    def _world(self, rng: RandomStream, number: int, time_step: float) -> World | None:
+        """Return a small world, or a window or variation of the user's map."""
+        config = self._task.config
+        if config.fixed_map is None:
+            return small_world(rng, number, self._values, time_step)
+        step = config.fixed_map.robot_speed * config.time_steps[0]
+        variations = variations_of(config.fixed_map, step)
+        return variations.draw(_KINDS_IN_TURN[number % len(_KINDS_IN_TURN)], rng)
+
+    def prove_suspects(self) -> None:
+        """Give the best suspect of each new cause its whole budget, and prove its failure.
+
+        Once a failure of a new cause is proved, the unit ends, so that the failure is stored.
+        """
+        for cause, suspect in sorted(self._suspects.items(), key=lambda one: one[1][:-1]):
+            if {group for group, _ in self._triage.result.failures} - self._known.keys():
+                self._leave(suspect.steps, cause)
+                continue
+            check_time()
+            trial = suspect.trial
+            self._take(trial, self._run(trial, trial.options.steps))
+        for kind, count in self._alike.items():
+            self._triage.count_alike(*kind, count)
+
+    def _try(self, world: World, scenario: Scenario, number: int) -> None:
+        """Run until the robot arrives or fails, or will hardly arrive."""
+        options = scenario.options(world)
+        trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
+        steps = _FIRST_LOOK * trial.witness_steps
+        while True:
+            steps = min(steps, options.steps)
+            outcome = self._run(trial, steps)
+            if outcome.ending != LIMIT or steps == options.steps:
+                self._take(trial, outcome)
+                break
+            episode = trial.episode(outcome)
+            symptom = symptom_of(world, episode)
+            if symptom is not None:
+                cause = cause_of_run(world, episode)
+                self._suspect(cause, _Suspect(symptom, options.steps, number, steps, trial))
+                break
+            steps *= 2
+        self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
+
+    def _run(self, trial: _Trial, steps: int) -> Outcome:
+        return trial.run.run(steps, find_loop=self._finds_loops, record=True)
+
+    def _suspect(self, cause: Cause, found: _Suspect) -> None:
+        """Keep a suspect if it is the best of a new cause."""
+        best = self._suspects.get(cause, found)
+        if self._known[cause.value] or best[:-1] < found[:-1]:
+            self._leave(found.steps, cause)
+            return
+        if best is not found:
+            self._leave(best.steps, cause)
+        self._suspects[cause] = found
+
+    def _take(self, trial: _Trial, outcome: Outcome) -> None:
+        """Count a run that is over, and prove its failure if it is one."""
+        verdict = first_look(outcome)
+        if verdict == Verdict.LOOP and not outcome.complete:
+            # It may only seem to repeat itself, so run again without ending there.
+            self._finds_loops = False
+            outcome = self._run(trial, trial.options.steps)
+            verdict = first_look(outcome)
+        if verdict not in (Verdict.LOOP, UNDECIDED):
+            self._triage.look(trial.world, trial.scenario, outcome)
+            return
+        episode = trial.episode(outcome)
+        cause = cause_of_run(trial.world, episode)
+        # Few failures of a cause are shown, and one in a unit is enough to find another variant.
+        is_enough = self._known[cause.value] >= MOST_SHOWN
+        if is_enough or self._triage.examined(verdict, cause.value):
+            self._leave(outcome.steps, cause, verdict)
+            return
+        known = episode if verdict == UNDECIDED else None
+        self._triage.count(verdict, outcome.steps)
+        self._triage.enter(trial.world, trial.scenario, verdict, cause.value, known=known)
+
+    def _leave(self, steps: int, cause: Cause, verdict: str = UNDECIDED) -> None:
+        """Count a run that is not examined."""
+        self._triage.count(verdict, steps)
+        self._alike[verdict, cause.value] += 1

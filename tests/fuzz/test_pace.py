@@ -1,0 +1,141 @@
+"""The pace of a controller: measured with a budget, usual without, and what it makes of a unit."""
+
+import math
+import time
+
+import pytest
+
+from fuzz.campaign.configure import configure
+from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
+from fuzz.failure import ShrinkState
+from fuzz.overview.counterfactual import counterfactuals
+from fuzz.search.native import unit_size_of
+from fuzz.search.plan import Prices, prices_of
+from fuzz.shrink.queue import shrunk_or_same
+from fuzz.triage.judging import failure_of
+from fuzz.unit.config import CampaignConfig
+from fuzz.unit.options import CampaignOptions
+from fuzz.unit.pace import Pace
+from sim.controllers.examples.python import Example
+from sim.episode.try_out import step_times
+from sim.scenario import Scenario
+from tests.helpers.raising import raises
+from worldgen import generate
+from worldgen.errors import InvalidParameter
+
+PYTHON = "sim.controllers.examples.python:Example"
+HERE = "tests.fuzz.test_pace"
+
+
+class Padded(Example):
+    """Computes for two milliseconds in each step."""
+
+    def act(self, observation, memory):
+        end = time.process_time() + 0.002
+        while time.process_time() < end:
+            pass
+        return super().act(observation, memory)
+
+
+def sized(pace, controller=PYTHON):
+    return unit_size_of(CampaignConfig(Scenario(controller), measured=pace))
+
+
+def test_a_slow_step_is_measured():
+    step, _ = step_times(Scenario(f"{HERE}:Padded"), at_most=10.0)
+    assert 0.002 <= step < 0.02
+
+
+def test_with_a_budget_a_slow_controller_is_recorded_with_its_pace():
+    options = CampaignOptions(controller=f"{HERE}:Padded")
+    pace = configure(options, seed=1, seconds=30.0).measured
+    assert pace is not None and pace.is_slow and len(f"{pace.step:g}") <= 6
+
+
+@pytest.mark.parametrize("controller", ["bug2", "dynamic-window", PYTHON])
+def test_a_controller_of_a_usual_pace_is_not_recorded(controller):
+    assert configure(CampaignOptions(controller=controller), seed=1, seconds=600.0).measured is None
+
+
+def test_without_a_budget_no_clock_decides():
+    assert configure(CampaignOptions(controller=f"{HERE}:Padded"), seed=1).measured is None
+
+
+def test_a_given_pace_is_not_measured():
+    options = CampaignOptions(controller="bug2", pace=4.0)
+    assert [configure(options, 1, seconds).measured for seconds in (None, 30.0)] == [
+        Pace(0.004),
+        Pace(0.004),
+    ]
+
+
+def test_a_stored_pace_is_read_back():
+    config = CampaignConfig(Scenario(PYTHON), measured=Pace(0.004, 0.05))
+    stored = fingerprint_of(config).configuration
+    assert config_of(stored) == config
+    assert fingerprint_of(config_of(stored)).configuration == stored
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"step": -1.0, "reset": 0.0}, {"step": 1.0}, [1.0], {"step": "x", "reset": 0.0}]
+)
+def test_a_stored_pace_that_is_none_is_refused(wrong):
+    stored = {**fingerprint_of(CampaignConfig(Scenario(PYTHON))).configuration, "measured": wrong}
+    with pytest.raises((TypeError, ValueError, KeyError)):
+        config_of(stored)
+
+
+def test_units_of_the_usual_kinds_keep_their_size():
+    quick, slow, python, vector, program = (
+        sized(None, name)
+        for name in (
+            "bug2",
+            "dynamic-window",
+            PYTHON,
+            "sim.controllers.examples.vector:Example",
+            "cmd:true",
+        )
+    )
+    assert (quick.one_in, quick.step, quick.beam) == (1, 1, 1)
+    assert (slow.one_in, slow.step, slow.beam) == (8, 8, 8)
+    assert (python.at_once, python.scene, python.step, python.proved) == (100, 16, 24, 8)
+    assert (vector.at_once, vector.scene, vector.step, vector.proved) == (16_000, 1, 4, 8)
+    assert (program.at_once, program.scene, program.step, program.proved) == (100, 160, 400, 4)
+    assert prices_of(CampaignConfig(Scenario("bug2"))) == Prices()
+    assert prices_of(CampaignConfig(Scenario(PYTHON))).proof == pytest.approx(80.0)
+
+
+@pytest.mark.parametrize("pace", [Pace(0.001), Pace(0.01), Pace(1e-6, reset=0.08)])
+def test_a_batch_of_a_slow_controller_takes_a_second_or_two(pace):
+    assert sized(pace).at_once == 1 or sized(pace).at_once * pace.run <= 2.0
+
+
+@pytest.mark.parametrize("pace", [-1.0, 0.0, "fast"])
+def test_a_pace_that_is_no_time_is_refused(pace):
+    with raises(InvalidParameter, "wrong-type" if pace == "fast" else "out-of-range"):
+        CampaignOptions(controller="bug2", pace=pace)
+
+
+def test_only_a_slow_controller_has_a_limit_on_what_shrinking_and_explaining_may_take():
+    assert Pace(1e-6).steps_in(30.0) == math.inf
+    assert Pace(0.01).steps_in(30.0) == 3000.0
+
+
+@pytest.mark.gate
+def test_shrinking_that_ends_at_its_limit_of_steps_is_final_and_the_same_again():
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    one, two = (shrunk_or_same(failure, most_steps=1.0) for _ in range(2))
+    assert one.complete and one.failure.shrinking == ShrinkState.CUT_SHORT
+    assert one.failure.world.solid_cells < failure.world.solid_cells
+    assert one.failure.dumps() == two.failure.dumps()
+
+
+def test_an_explanation_reports_how_far_it_is_and_ends_at_its_limit_of_steps():
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    seen = []
+    found = counterfactuals(
+        failure, most_steps=20_000, progress=lambda done, of: seen.append((done, of))
+    )
+    assert not found.is_complete
+    assert [done for done, _ in seen] == [*range(1, found.runs + 1)]
+    assert all(of >= done for done, of in seen)
