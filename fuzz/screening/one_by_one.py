@@ -13,6 +13,7 @@ from fuzz._core import ffi, lib
 from fuzz.screening.batch import REPORT_FIELDS, Batch, Seat
 from fuzz.screening.in_core import MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes
 from sim.options.run import RunOptions
@@ -72,7 +73,11 @@ class OneByOne:
                 n = -1 if self._is_enough() else int(lib.wg_seat_next(self._seat.c))
                 if n < 0:
                     break
-                self._look(n)
+                try:
+                    self._look(n)
+                except AnswersDiffer:
+                    lib.wg_seat_open(self._seat.c, n)
+                    self._look(n)
                 self._batch.at = n + 1
         self._batch.leave_out(slice(self._batch.at, None))
 

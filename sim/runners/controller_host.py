@@ -19,6 +19,7 @@ import numpy as np
 from sim._core import ffi
 from sim.clock.controller_time import timed
 from sim.clock.stopping import OutOfTime, breakable, in_time
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.base import CompiledController, Memory, VectorController, wants_world
 from sim.controllers.catalogue.renewal import has_shared_state_changed, renew_and_reset
 from sim.controllers.contract import flat_memory
@@ -157,9 +158,36 @@ class ControllerHost:
         """
         return Driver(None, memory, settings)
 
-    def drive(self, stops: Stops, memory: Memory) -> Memory:
-        """Let it act wherever a run stops, and return its memory after the last step."""
-        return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+    def drive(self, stops: Stops, memory: Memory, *, proves: bool = False) -> Memory:
+        """Let it act wherever a run stops, and return its memory after the last step.
+
+        Answers of a slow class are reused where they are known.
+
+        Args:
+            stops: The run.
+            memory: Its memory, from :meth:`begin`.
+            proves: Whether the run proves a loop; see :meth:`sim.controllers.answers.Answers.lend`.
+
+        Raises:
+            AnswersDiffer: If the run must be repeated.
+        """
+        # Frozen time shows which step it is, and is the same in no two.
+        is_reusable = self.in_python and self._frozen is None
+        origin = origin_of(self.controller) if is_reusable else None
+        if origin is None or origin.answers.is_off:
+            return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+        try:
+            return origin.answers.lend(
+                self.controller,
+                lambda act: act_in_core(act, stops, memory, is_measured=False),
+                proves=proves,
+            )
+        except AnswersDiffer:
+            # The next run must begin as this one did; the object itself is renewed then.
+            kind = type(self.controller)
+            if origin.loaded is not None and not origin.loaded.is_current(kind):
+                origin.loaded.restore(kind)
+            raise
 
     @property
     def act(self) -> Callable[..., Any]:
@@ -219,7 +247,7 @@ class ManyHost(ControllerHost):
 
     acts_for_many = True
 
-    def drive(self, stops: Stops, memory: Memory) -> Memory:
+    def drive(self, stops: Stops, memory: Memory, *, proves: bool = False) -> Memory:
         """Let it act for the only robot, whose memory the core keeps."""
         workspace = Workspace(stops.episode)
         seen = workspace.observation[np.newaxis]
@@ -283,8 +311,9 @@ def host_of(controller: Any) -> ControllerHost:
 class Faults:
     """A block in which a controller acts: whatever it raises becomes a :class:`ControllerError`.
 
-    Even SystemExit does. Ctrl-C, leaving the debugger, the end of the time and a program that cannot
-    start within its memory limit say nothing about the controller, and pass.
+    Even SystemExit does. Ctrl-C, leaving the debugger, the end of the time, a run that must be
+    repeated and a program that cannot start within its memory limit say nothing about the
+    controller, and pass.
 
     Args:
         host: The host of the controller.
@@ -303,7 +332,7 @@ class Faults:
         _trace: TracebackType | None,
     ) -> None:
         if error is None or isinstance(
-            error, ControllerError | KeyboardInterrupt | OutOfTime | WantsMemory
+            error, AnswersDiffer | ControllerError | KeyboardInterrupt | OutOfTime | WantsMemory
         ):
             return
         if isinstance(error, BdbQuit):

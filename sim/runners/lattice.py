@@ -209,7 +209,7 @@ class LatticeRun:
         return self._run(steps, find_loop=find_loop, record=record, digest=digest)[0]
 
     def _run(
-        self, steps: int, *, find_loop: bool, record: bool, digest: bool
+        self, steps: int, *, find_loop: bool, record: bool, digest: bool, proves: bool = False
     ) -> tuple[Outcome, CoreEpisode | None]:
         """Run once; there is no episode if the controller failed before it began."""
         self.settings.steps = steps
@@ -218,7 +218,13 @@ class LatticeRun:
         if self.host.in_core:
             return self._run_compiled(record)
         ended = run_in_python(
-            self.host, self.arena(), self.settings, self.world, self.options, record=record
+            self.host,
+            self.arena,
+            self.settings,
+            self.world,
+            self.options,
+            record=record,
+            proves=proves,
         )
         return self.outcome_of(*ended), ended.episode
 
@@ -265,7 +271,9 @@ class LatticeRun:
         elif entry + 2 * period > MAX_RECORDED:
             # Too long to record, and no recording was requested, so the budget decides.
             return None
-        whole = self.run(entry + 2 * period, find_loop=False, record=True)
+        whole, _ = self._run(
+            entry + 2 * period, find_loop=False, record=True, digest=True, proves=True
+        )
         if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None
         states = whole.trace.states

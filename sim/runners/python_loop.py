@@ -5,11 +5,13 @@ The core stops in each step to let the controller act.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim._core import ffi, lib
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import HiddenState, hidden_state
 from sim.options.run import RunOptions
@@ -41,12 +43,13 @@ class PythonRun(NamedTuple):
 
 def run_in_python(
     host: ControllerHost,
-    arena: CoreArena,
+    arena: Callable[[], CoreArena],
     settings: Any,
     world: World,
     options: RunOptions,
     *,
     record: bool,
+    proves: bool = False,
 ) -> PythonRun:
     """Run an episode; whatever the controller raises ends it as a crash.
 
@@ -54,12 +57,29 @@ def run_in_python(
 
     Args:
         host: The controller's host.
-        arena: Surroundings at the start.
+        arena: Returns the surroundings at the start.
         settings: WgSettings, as for a compiled controller.
         world: The world, for a controller that plans first.
         options: Options of the run.
         record: Whether to keep every state.
+        proves: Whether the run proves a loop; see :meth:`ControllerHost.drive`.
     """
+    try:
+        return _run(host, arena(), settings, world, options, record=record, proves=proves)
+    except AnswersDiffer:
+        return _run(host, arena(), settings, world, options, record=record, proves=proves)
+
+
+def _run(
+    host: ControllerHost,
+    arena: CoreArena,
+    settings: Any,
+    world: World,
+    options: RunOptions,
+    *,
+    record: bool,
+    proves: bool,
+) -> PythonRun:
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)
     begun: HiddenState | None = None
@@ -79,7 +99,8 @@ def run_in_python(
                     episode.record(rows[1:], path)
                 report = episode.report
                 work.say(lambda: f"step {report.steps:,} of at most {settings.steps:,}")
-                host.drive(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
+                stops = Stops(ffi, lib, "wg_episode", episode.c, episode)
+                host.drive(stops, memory, proves=proves)
         except ControllerError as error:
             fault = error
         is_known = begun is not None and not host.has_read_clock
