@@ -24,6 +24,7 @@ from fuzz.overview.result import NaturalResult, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.diagnosis import cause_of_run
 from sim.clock.stopping import OutOfTime, stopping_when
+from sim.controllers.answers import leaving_proofs
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
@@ -157,7 +158,8 @@ def natural_runs(
                 case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
                 if case is None:
                     continue
-                episode, cause = _run(case)
+                with leaving_proofs():
+                    episode, cause = _run(case)
         except OutOfTime:
             is_complete = False
             break
