@@ -442,6 +442,7 @@ def explained(
                 failure,
                 effort=1.0 if is_bounded else _EFFORT,
                 most_runs=_MOST_CELLS / failure.world.walls.size,
+                in_haste=is_bounded,
             )
     except (WorldgenError, OutOfTime):
         return None

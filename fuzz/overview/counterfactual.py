@@ -8,11 +8,12 @@ only if the target is still provably reachable, so no change makes the world eas
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,11 +32,12 @@ from fuzz.failure import Failure
 from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue import own_words
+from sim.controllers.instances import origin_of
 from sim.controllers.learning import LEARNED
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
-from sim.verdict import ARRIVALS
+from sim.verdict import ARRIVALS, OUT_OF_BUDGET
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import Parameter, with_options
 from worldgen.support.plain_text import alternatives
@@ -48,6 +50,14 @@ _AXES = ("heading", "radius", "speed", "time-step")
 # Number of indices of an axis to search on either side: half a turn, and a factor of about four.
 _REACH = {"heading": 180}
 _REACH_OF_NUMBERS = 512
+
+# The kinds of changes in the order of a report.
+_ORDER = ("cell", "memory", "event", "option", "field", *_AXES)
+
+# The witness's times of an early run in haste, and limits on the cells and on the other changes
+# that get one: together these runs take as long as four that do not arrive in the full budget.
+_EARLY = 8.0
+_MOST_EARLY = 12
 
 # Limit on the solid cells that are freed one by one, those nearest to the repeated part of the path
 # first. A shrunk failure has a dozen; in a world of thousands the wall that matters is close to the
@@ -220,7 +230,7 @@ def named_cells(changes: Iterable[Change], world: World | None = None) -> list[t
 
 
 def counterfactuals(
-    failure: Failure, *, effort: float = 1.0, most_runs: float = math.inf
+    failure: Failure, *, effort: float = 1.0, most_runs: float = math.inf, in_haste: bool = False
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
 
@@ -231,6 +241,9 @@ def counterfactuals(
         failure: A robot that does not arrive.
         effort: Fraction of the usual number of steps that it may take.
         most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
+        in_haste: Whether time may run out before a slow controller has run with each change. Then
+            short runs with the changes that tell most come first, and what they leave open last;
+            without such an end, the answer is the same.
 
     Raises:
         InvalidParameter: If no single change can explain the failure: its outcome depends on
@@ -248,12 +261,16 @@ def counterfactuals(
         )
     search = _ChangedRuns(subject, effort, most_runs)
     changes: list[Change] = []
-    try:
-        for change in _changes(search, failure.run()):
+    is_complete = False
+    with contextlib.suppress(_OutOfStepsError, OutOfTime):
+        episode = failure.run()
+        origin = origin_of(CONTROLLERS.get(subject.scenario.controller))
+        is_slow = origin is not None and origin.answers.is_trusted
+        makes = _changes_in_haste if in_haste and is_slow else _changes
+        for change in makes(search, episode):
             changes.append(change)
-    except (_OutOfStepsError, OutOfTime):
-        return Counterfactuals(tuple(changes), search.runs, is_complete=False)
-    return Counterfactuals(tuple(changes), search.runs, is_complete=not search.is_cut)
+        is_complete = not search.is_cut
+    return Counterfactuals(tuple(sorted(changes, key=_place)), search.runs, is_complete)
 
 
 class _OutOfStepsError(Exception):
@@ -274,11 +291,19 @@ class _ChangedRuns:
 
     def arrives(self, subject: Subject) -> bool:
         """Return True if the robot arrives, and does nothing else that is wrong."""
-        ran = run_subject(subject)
+        return bool(self.arrives_within(math.inf, subject))
+
+    def arrives_within(self, multiple: float, subject: Subject) -> bool | None:
+        """Return the same for a shorter budget, a multiple of the witness's time.
+
+        ``None`` if the run is over before that shows.
+        """
+        ran = run_subject(subject, multiple=multiple)
         if ran is None:
             return False
         self._count(ran[1].steps)
-        return ran[1].verdict in ARRIVALS
+        is_short = multiple < math.inf and ran[1].verdict in OUT_OF_BUDGET
+        return None if is_short else ran[1].verdict in ARRIVALS
 
     def boundary(self, name: str) -> Change | None:
         """Return the nearest value of an axis at which the robot arrives, if there is one."""
@@ -343,30 +368,77 @@ class _ChangedRuns:
             raise _OutOfStepsError
 
 
+class _Try(NamedTuple):
+    """A change to try: the robot may arrive in the changed scenario."""
+
+    change: Change
+    subject: Subject
+
+
 def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     """Yield the changes after which the robot arrives, in the order of a report."""
-    subject = search.subject
-    for ix, iy in _solid_cells(subject, episode):
-        walls = subject.world.walls.copy()
-        walls[iy, ix] = False
-        if search.arrives(_with_world(subject, walls=walls)):
-            yield Change("cell", [ix, iy])
-    yield from _memory_changes(search, episode)
-    yield from _event_changes(search)
-    yield from _option_changes(search)
+    cleared = False
+    for one in _tries(search.subject, episode):
+        # Of the places where the memory is cleared, the first is enough.
+        if (one.change.what != "memory" or not cleared) and search.arrives(one.subject):
+            cleared |= one.change.what == "memory"
+            yield one.change
     yield from _field_changes(search)
+    yield from _boundaries(search)
+
+
+def _changes_in_haste(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
+    """Yield the same changes, those first that cost little and tell most."""
+    tries = [*_tries(search.subject, episode)]
+    cells = [one for one in tries if one.change.what == "cell"]
+    early = cells[:_MOST_EARLY] + [one for one in tries if one.change.what != "cell"][:_MOST_EARLY]
+
+    # Most robots that arrive do so soon. The answers of the others are known when they run longer.
+    left = cells[_MOST_EARLY:]
+    cleared = False
+    for one in early:
+        arrives = search.arrives_within(_EARLY, one.subject)
+        cleared |= arrives is True and one.change.what == "memory"
+        if arrives:
+            yield one.change
+        elif arrives is None:
+            left.append(one)
+    yield from _field_changes(search)
+    yield from _boundaries(search)
+    for one in left:
+        if not (one.change.what == "memory" and cleared) and search.arrives(one.subject):
+            cleared |= one.change.what == "memory"
+            yield one.change
+
+
+def _boundaries(search: _ChangedRuns) -> Iterator[Change]:
     for name in _AXES:
         change = search.boundary(name)
         if change is not None:
             yield change
 
 
-def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
-    """Yield the first place of the loop from which a robot without memory arrives.
+def _place(change: Change) -> int:
+    """Return the place of a kind of change in a report."""
+    return _ORDER.index(change.what)
 
-    Then the robot's memory, not its place, keeps it in the loop.
+
+def _tries(subject: Subject, episode: Episode) -> Iterator[_Try]:
+    """Yield the changes to try one by one, in the order of a report."""
+    for ix, iy in _solid_cells(subject, episode):
+        walls = subject.world.walls.copy()
+        walls[iy, ix] = False
+        yield _Try(Change("cell", [ix, iy]), _with_world(subject, walls=walls))
+    yield from _restarts(subject, episode)
+    yield from _events(subject)
+    yield from _options(subject)
+
+
+def _restarts(subject: Subject, episode: Episode) -> Iterator[_Try]:
+    """Yield places of the loop from which a robot starts without memory.
+
+    If it arrives from one, its memory, not its place, keeps it in the loop.
     """
-    subject = search.subject
     loop = episode.evidence
     trace = episode.trace
     # In a world that changes, the walls would be different after a new start.
@@ -384,35 +456,32 @@ def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     every = max(1.0, len(steps) / _MOST_RESTARTS)
     for step in steps[np.arange(0, len(steps), every).astype(int)].tolist():
         pose = [float(values[step]) for values in (trace.x, trace.y, trace.heading)]
-        if search.arrives(_with_world(subject, start=Pose(*pose))):
-            yield Change("memory", list(pose))
-            return
+        yield _Try(Change("memory", list(pose)), _with_world(subject, start=Pose(*pose)))
 
 
-def _event_changes(search: _ChangedRuns) -> Iterator[Change]:
-    timeline = search.subject.world.timeline
+def _events(subject: Subject) -> Iterator[_Try]:
+    timeline = subject.world.timeline
     for number, event in enumerate(timeline):
         if number == _MOST_EVENTS:
             return
-        if search.arrives(_with_world(search.subject, timeline=timeline.without(number))):
-            yield Change("event", [event.ix, event.iy], event.time)
+        change = Change("event", [event.ix, event.iy], event.time)
+        yield _Try(change, _with_world(subject, timeline=timeline.without(number)))
 
 
-def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
-    scenario = search.subject.scenario
+def _options(subject: Subject) -> Iterator[_Try]:
+    scenario = subject.scenario
     given = scenario.run.changed()
     for name, value in given.items():
         others = {key: kept for key, kept in given.items() if key != name}
         usual = scenario.with_run(**switch_sets(scenario.run.motion, others))
-        if search.arrives(replace(search.subject, scenario=usual)):
-            yield Change("option", name, value)
+        yield _Try(Change("option", name, value), replace(subject, scenario=usual))
     # A controller may have options of its own. What it learned is not one of them.
     base, words = own_words(scenario.controller)
     for name, text in words.items():
         kept = {key: word for key, word in words.items() if key != name}
         plain = replace(scenario, controller=with_options(base, kept))
-        if name != LEARNED and search.arrives(replace(search.subject, scenario=plain)):
-            yield Change("option", name, text or True)
+        if name != LEARNED:
+            yield _Try(Change("option", name, text or True), replace(subject, scenario=plain))
 
 
 def _field_changes(search: _ChangedRuns) -> Iterator[Change]:
