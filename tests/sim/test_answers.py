@@ -3,6 +3,8 @@
 import pytest
 
 from fuzz.facts.proofs import certified
+from fuzz.overview.counterfactual import counterfactuals
+from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay
 from sim import simulate
@@ -150,3 +152,29 @@ def test_a_replay_calls_the_controller_in_two_periods_and_no_longer(tmp_path):
     proof = loop.entry + 2 * loop.period
     assert replayed.confirmed
     assert proof <= calls < 1.25 * proof
+
+
+def test_an_explanation_in_haste_finds_the_same_changes_and_the_nearest_first(
+    tmp_path, monkeypatch
+):
+    name = bumper(tmp_path)
+    failure = failure_of(certified(cup()), Scenario.parse(name), fewest_steps=4000)
+    everything = counterfactuals(failure)
+    assert known(name).is_trusted
+    assert everything.changes
+    assert counterfactuals(failure, in_haste=True).changes == everything.changes
+    early = counterfactuals(failure, in_haste=True, most_runs=12)
+    assert early.changes
+    assert not early.is_complete
+
+
+@pytest.mark.gate
+def test_shrinking_a_slow_class_with_a_time_limit_ends_in_a_world_without_a_removable_cell(
+    tmp_path,
+):
+    name = bumper(tmp_path)
+    failure = failure_of(certified(cup(3)), Scenario.parse(name), fewest_steps=4000)
+    made = shrink(failure, seconds=600.0)
+    assert made.complete
+    assert made.left == ()
+    assert made.failure.verdict == "loop"
