@@ -261,16 +261,21 @@ def counterfactuals(
         )
     search = _ChangedRuns(subject, effort, most_runs)
     changes: list[Change] = []
+    tries: list[_Try] = []
     is_complete = False
     with contextlib.suppress(_OutOfStepsError, OutOfTime):
         episode = failure.run()
         origin = origin_of(CONTROLLERS.get(subject.scenario.controller))
         is_slow = origin is not None and origin.answers.is_trusted
-        makes = _changes_in_haste if in_haste and is_slow else _changes
-        for change in makes(search, episode):
+        tries = [*_tries(subject, episode)] if in_haste and is_slow else []
+        makes = _changes_in_haste(search, tries) if tries else _changes(search, episode)
+        for change in makes:
             changes.append(change)
         is_complete = not search.is_cut
-    return Counterfactuals(tuple(sorted(changes, key=_place)), search.runs, is_complete)
+    # In haste, the order of a report is not that of the runs.
+    order = [one.change for one in tries]
+    changes.sort(key=lambda one: (_ORDER.index(one.what), order.index(one) if one in order else 0))
+    return Counterfactuals(tuple(changes), search.runs, is_complete)
 
 
 class _OutOfStepsError(Exception):
@@ -377,36 +382,39 @@ class _Try(NamedTuple):
 
 def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     """Yield the changes after which the robot arrives, in the order of a report."""
-    cleared = False
-    for one in _tries(search.subject, episode):
-        # Of the places where the memory is cleared, the first is enough.
-        if (one.change.what != "memory" or not cleared) and search.arrives(one.subject):
-            cleared |= one.change.what == "memory"
-            yield one.change
+    yield from _helpful(search, _tries(search.subject, episode))
     yield from _field_changes(search)
     yield from _boundaries(search)
 
 
-def _changes_in_haste(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
+def _changes_in_haste(search: _ChangedRuns, tries: Sequence[_Try]) -> Iterator[Change]:
     """Yield the same changes, those first that cost little and tell most."""
-    tries = [*_tries(search.subject, episode)]
     cells = [one for one in tries if one.change.what == "cell"]
-    early = cells[:_MOST_EARLY] + [one for one in tries if one.change.what != "cell"][:_MOST_EARLY]
+    restarts = [one for one in tries if one.change.what == "memory"]
+    others = [one for one in tries if one.change.what not in ("cell", "memory")]
 
     # Most robots that arrive do so soon. The answers of the others are known when they run longer.
-    left = cells[_MOST_EARLY:]
-    cleared = False
-    for one in early:
+    left = []
+    for one in cells[:_MOST_EARLY] + restarts[:1] + others[:_MOST_EARLY]:
         arrives = search.arrives_within(_EARLY, one.subject)
-        cleared |= arrives is True and one.change.what == "memory"
         if arrives:
             yield one.change
         elif arrives is None:
             left.append(one)
+        if one.change.what == "memory" and not arrives:
+            left += restarts[1:]
     yield from _field_changes(search)
     yield from _boundaries(search)
-    for one in left:
-        if not (one.change.what == "memory" and cleared) and search.arrives(one.subject):
+    yield from _helpful(search, left + cells[_MOST_EARLY:] + others[_MOST_EARLY:])
+
+
+def _helpful(search: _ChangedRuns, tries: Iterable[_Try]) -> Iterator[Change]:
+    """Yield those changes after which the robot arrives."""
+    cleared = False
+    for one in tries:
+        # Of the places where the memory is cleared, the first is enough.
+        is_needless = one.change.what == "memory" and cleared
+        if not is_needless and search.arrives(one.subject):
             cleared |= one.change.what == "memory"
             yield one.change
 
@@ -416,11 +424,6 @@ def _boundaries(search: _ChangedRuns) -> Iterator[Change]:
         change = search.boundary(name)
         if change is not None:
             yield change
-
-
-def _place(change: Change) -> int:
-    """Return the place of a kind of change in a report."""
-    return _ORDER.index(change.what)
 
 
 def _tries(subject: Subject, episode: Episode) -> Iterator[_Try]:
