@@ -73,11 +73,7 @@ class OneByOne:
                 n = -1 if self._is_enough() else int(lib.wg_seat_next(self._seat.c))
                 if n < 0:
                     break
-                try:
-                    self._look(n)
-                except AnswersDiffer:
-                    lib.wg_seat_open(self._seat.c, n)
-                    self._look(n)
+                self._look(n)
                 self._batch.at = n + 1
         self._batch.leave_out(slice(self._batch.at, None))
 
@@ -86,6 +82,13 @@ class OneByOne:
 
     def _look(self, n: int) -> None:
         """Run the controller in a world, and keep watching it for a while if that reveals more."""
+        while True:
+            with contextlib.suppress(AnswersDiffer):
+                self._run_once(n)
+                return
+            lib.wg_seat_open(self._seat.c, n)
+
+    def _run_once(self, n: int) -> None:
         self._host.start()
         seat = None
         try:

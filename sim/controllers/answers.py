@@ -1,13 +1,14 @@
 """Reuse the answers of slow controllers.
 
 A controller that follows the contract answers the same whenever it observes and remembers the same,
-bit for bit. A failure is run many times: to find its loop, to prove it, to check and describe it,
-and in worlds that differ from its own only where the robot never senses it. If a step takes a
-millisecond, most of that time would be spent on answers that are known.
+bit for bit. One that also keeps state in attributes, which its ``reset`` clears, does so as long as
+it has observed the same ever since. A failure is run many times: to find its loop, to prove it, to
+check and describe it, and in worlds that differ from its own only where the robot never senses it.
+If a step takes a millisecond, most of that time would be spent on answers that are known.
 
-Whether a controller follows the contract is checked, not assumed. It must not change any state that
-can be seen, every so many reused answers are computed again, and the runs that prove a loop or
-confirm a failure compute them all. A controller that breaks this once is never trusted again.
+Whether a controller does so is checked, not assumed. All state that can be seen is compared before
+and after each run, every so many reused answers are computed again, and the runs that prove a loop
+or confirm a failure compute them all. A controller that breaks this once is never trusted again.
 """
 
 from __future__ import annotations
@@ -47,6 +48,9 @@ _LIGHT = 1 << 14
 _MOST_BYTES = 1 << 25
 _OVERHEAD = 200
 
+# The same for a controller with state in attributes: one in this many runs is computed in whole.
+_CHECKED_RUNS = 16
+
 # The version of this format that has no references, so that equal data has equal bytes.
 _PLAIN_DATA = 2
 
@@ -70,9 +74,9 @@ def leaving_proofs() -> Iterator[None]:
 
 
 class AnswersDiffer(Exception):
-    """Raised in a run that reused answers of a controller which does not follow the contract.
+    """Raised in a run that reused answers of a controller which keeps state outside its memory.
 
-    From then on, nothing of it is reused, so the run can simply be repeated.
+    From then on, fewer of its answers are reused, or none, so the run can simply be repeated.
     """
 
 
@@ -83,11 +87,16 @@ class Answers:
         is_off: Whether nothing is reused: the controller is quick, or does not follow the contract.
         is_trusted: Whether answers may be reused: a run has shown that they take long, and has left
             no state behind.
+        by_history: Whether the controller keeps state in its attributes, so that an answer depends on
+            all that it has observed since its ``reset``.
+        ends: By the key of a run's last answer, whether its attributes then were as at the start.
     """
 
     def __init__(self) -> None:
         self.is_off = False
         self.is_trusted = False
+        self.by_history = False
+        self.ends: dict[bytes, bool] = {}
         self._latest: dict[bytes, bytes] = {}
         self._older: dict[bytes, bytes] = {}
         self._bytes = 0
@@ -108,15 +117,22 @@ class Answers:
             self._latest = {}
             self._older = {}
             self._bytes = 0
+            self.ends = {}
 
-    def lend(self, controller: Any, drive: Callable[[Any], T], *, proves: bool) -> T:
-        """Return the result of a run in which answers are reused where they are known.
+    def lend(
+        self, controller: Any, drive: Callable[[Any], T], *, proves: bool
+    ) -> tuple[T, bool | None]:
+        """Run, and reuse answers where they are known.
 
         Args:
             controller: The controller, after its ``reset``.
             drive: Runs to the end; takes the function that acts.
             proves: Whether the run proves a loop, so that it may only reuse what such a run has
                 computed before.
+
+        Returns:
+            The result of the run; and whether the controller's attributes would be as at the start,
+            ``None`` if they show it themselves.
 
         Raises:
             AnswersDiffer: If the run is worthless because the controller does not follow the
@@ -125,15 +141,15 @@ class Answers:
         begun = hidden_state(controller)
         # Without seeing its state there is no telling. A debugger must see each call.
         if begun is None or sys.gettrace() is not None:
-            return drive(timed(controller.act))
-        run = _Run(self, controller, begun, proves=proves and not _leaves_proofs.get())
+            return drive(timed(controller.act)), None
+        kind = _RunByHistory if self.by_history else _Run
+        run = kind(self, controller, begun, proves=proves and not _leaves_proofs.get())
         try:
             result = drive(run.act)
         except Exception:
             run.check()
             raise
-        run.check()
-        return result
+        return result, run.check()
 
     def find(self, key: bytes, *, proved_only: bool) -> bytes | None:
         """Return a known answer."""
@@ -149,9 +165,9 @@ class Answers:
         return answer
 
     def is_to_check(self) -> bool:
-        """Count an answer that is about to be reused; return True if it must be computed."""
+        """Count an answer, or a run, that is to be reused; return True if it must be computed."""
         self._reused += 1
-        return self._reused % _CHECKED_EVERY == 0
+        return self._reused % (_CHECKED_RUNS if self.by_history else _CHECKED_EVERY) == 0
 
     def add(self, key: bytes, answer: bytes, seconds: float) -> None:
         """Keep a computed answer, and note how long that took."""
@@ -172,14 +188,21 @@ class Answers:
         self.is_off = True
         self.forget()
 
+    def go_by_history(self) -> None:
+        """Reuse an answer only if everything since ``reset`` was the same."""
+        self.by_history = True
+        self.forget()
+
     def _keep(self, key: bytes, answer: bytes) -> None:
+        if key not in self._latest:
+            self._bytes += len(answer) + _OVERHEAD
         self._latest[key] = answer
-        self._bytes += len(answer) + _OVERHEAD
         if self._bytes > _MOST_BYTES // 2:
             self._older = self._latest
             self._latest = {}
             self._bytes = 0
             self._proved &= self._older.keys()
+            self.ends = {}
 
 
 class _Run:
@@ -199,62 +222,139 @@ class _Run:
         self._is_light = len(begun.own) <= _LIGHT
         self._computed = 0
         self._has_reused = False
+        self._ended: HiddenState | None = None
+
+    def act(self, seen: Any, memory: Any) -> Any:
+        """Return the controller's answer."""
+        answers = self._answers
+        # Quick, or found to keep state in the middle of this run.
+        if answers.is_off or answers.by_history:
+            return self._act(seen, memory)
+        key = _key(self._state, seen, memory)
+        found = answers.find(key, proved_only=self._proves)
+        if found is not None and not answers.is_to_check():
+            self._has_reused = True
+            return marshal.loads(found)
+
+        # The state of the object is compared at once; all of it, at the end of the run.
+        is_watched = self._is_light and (
+            self._computed < _WATCHED_EVERY or self._computed % _WATCHED_EVERY == 0
+        )
+        self._computed += 1
+        before = own_attributes(self._controller) if is_watched else None
+        answer = self._compute(key, seen, memory)
+        if is_watched and own_attributes(self._controller) != before:
+            self._answers.go_by_history()
+            self._begin_again()
+        return answer
+
+    def check(self) -> bool | None:
+        """Compare all state with that at the start.
+
+        Returns:
+            Whether the attributes are as at the start; ``None`` if the controller shows it itself.
+
+        Raises:
+            AnswersDiffer: If the run has reused an answer that may be wrong because of the state.
+        """
+        if self._answers.is_off:
+            return None
+        now = self._ended = hidden_state(self._controller)
+        if now is None or now._replace(own=self._begun.own) != self._begun:
+            self._answers.give_up()
+            self._begin_again()
+        elif now != self._begun and not self._answers.by_history:
+            self._answers.go_by_history()
+            self._begin_again()
+        else:
+            self._answers.end_run(self._proved)
+        return None
+
+    def _begin_again(self) -> None:
+        if self._has_reused:
+            raise AnswersDiffer
+
+    def _compute(self, key: bytes, seen: Any, memory: Any) -> Any:
+        """Let the controller act, compare its answer with the known one, and keep it."""
+        began = time.perf_counter()
+        answer = self._act(seen, memory)
+        seconds = time.perf_counter() - began
+        plain = _plain(answer)
+        if plain is not None:
+            known = self._answers.known(key)
+            if known not in (None, plain):
+                self._differ()
+            if self._proves:
+                self._proved.add(key)
+            self._answers.add(key, plain, seconds)
+        return answer
+
+    def _differ(self) -> None:
+        count_differences([UNKNOWN_SOURCE])
+        self._answers.give_up()
+        raise AnswersDiffer
+
+
+class _RunByHistory(_Run):
+    """A run of a controller that keeps state in attributes: it acts from the first new step on.
+
+    Until then all answers are known. To get into the state of that step, it then acts in the steps
+    before, which also checks their answers.
+    """
+
+    def __init__(
+        self, answers: Answers, controller: Any, begun: HiddenState, *, proves: bool
+    ) -> None:
+        super().__init__(answers, controller, begun, proves=proves)
+        self._past: list[tuple[Any, Any, bytes]] = []
+        self._acts = answers.is_to_check()
 
     def act(self, seen: Any, memory: Any) -> Any:
         """Return the controller's answer."""
         answers = self._answers
         if answers.is_off:
             return self._act(seen, memory)
-        data = marshal.dumps((*seen, memory), _PLAIN_DATA)
-        key = hashlib.blake2b(data, digest_size=16, key=self._state).digest()
-        found = answers.find(key, proved_only=self._proves)
-        if found is not None and not answers.is_to_check():
-            self._has_reused = True
+        self._state = key = _key(self._state, seen, memory)
+        found = None if self._acts else answers.find(key, proved_only=self._proves)
+        if found is not None:
+            self._past.append((seen, memory, found))
             return marshal.loads(found)
+        self._catch_up()
         return self._compute(key, seen, memory)
 
-    def check(self) -> None:
-        """Give up if the run has changed any state.
+    def check(self) -> bool | None:
+        """Return whether the attributes would be as at the start, and compare all other state."""
+        if not self._past or self._acts:
+            self._acts = True
+            super().check()
+            if not self._answers.is_off:
+                self._answers.ends[self._state] = self._ended == self._begun
+            return None
+        if self._state not in self._answers.ends:
+            self._catch_up()
+            return self.check()
+        return self._answers.ends[self._state]
 
-        Raises:
-            AnswersDiffer: If the run also reused an answer, which may then be wrong.
-        """
-        if self._answers.is_off:
+    def _catch_up(self) -> None:
+        """Let the controller act in the steps whose answers were reused."""
+        if self._acts:
             return
-        if hidden_state(self._controller) != self._begun:
-            self._give_up()
-        else:
-            self._answers.end_run(self._proved)
+        self._acts = self._has_reused = True
+        for seen, memory, known in self._past:
+            try:
+                answer = _plain(self._act(seen, memory))
+            except Exception:  # noqa: BLE001 - it did not raise before
+                answer = None
+            if answer != known:
+                self._differ()
+        # All answers that were reused are right.
+        self._has_reused = False
 
-    def _compute(self, key: bytes, seen: Any, memory: Any) -> Any:
-        is_watched = self._is_light and (
-            self._computed < _WATCHED_EVERY or self._computed % _WATCHED_EVERY == 0
-        )
-        self._computed += 1
-        before = own_attributes(self._controller) if is_watched else None
-        began = time.perf_counter()
-        answer = self._act(seen, memory)
-        seconds = time.perf_counter() - began
-        if is_watched and own_attributes(self._controller) != before:
-            self._give_up()
-            return answer
-        plain = _plain(answer)
-        if plain is None:
-            return answer
-        known = self._answers.known(key)
-        if known is not None and known != plain:
-            count_differences([UNKNOWN_SOURCE])
-            self._answers.give_up()
-            raise AnswersDiffer
-        if self._proves:
-            self._proved.add(key)
-        self._answers.add(key, plain, seconds)
-        return answer
 
-    def _give_up(self) -> None:
-        self._answers.give_up()
-        if self._has_reused:
-            raise AnswersDiffer
+def _key(state: bytes, seen: Any, memory: Any) -> bytes:
+    """Return a key for what a controller observes and remembers, and its state: 128 bits."""
+    data = marshal.dumps((*seen, memory), _PLAIN_DATA)
+    return hashlib.blake2b(data, digest_size=16, key=state).digest()
 
 
 def _plain(answer: Any) -> bytes | None:

@@ -72,6 +72,8 @@ class ControllerHost:
         self.controller = controller
         self._frozen: FrozenTime | None = None
         self.sources: tuple[str, ...] = ()
+        # Whether the latest run would have left no state, if its answers were reused.
+        self._unchanged: bool | None = None
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
@@ -120,6 +122,7 @@ class ControllerHost:
             renew: Whether to use a new instance if earlier runs have left something in this one.
         """
         shown = world if self.plans else None
+        self._unchanged = None
         if self._frozen is not None:
             # Generators that ``__init__`` makes begin again with each run.
             origin = origin_of(self.controller)
@@ -143,6 +146,16 @@ class ControllerHost:
             return None
         state = hidden_state(self.controller)
         return None if has_shared_state_changed(self.controller, state) else state
+
+    def is_unchanged(self, begun: HiddenState) -> bool:
+        """Return True if a run has left its state outside its memory as it was.
+
+        Args:
+            begun: That state, from :meth:`hidden`.
+        """
+        if self._unchanged is not None:
+            return self._unchanged
+        return hidden_state(self.controller) == begun
 
     @property
     def has_read_clock(self) -> bool:
@@ -177,11 +190,12 @@ class ControllerHost:
         if origin is None or origin.answers.is_off:
             return act_in_core(self.act, stops, memory, is_measured=self.in_python)
         try:
-            return origin.answers.lend(
+            memory, self._unchanged = origin.answers.lend(
                 self.controller,
                 lambda act: act_in_core(act, stops, memory, is_measured=False),
                 proves=proves,
             )
+            return memory
         except AnswersDiffer:
             # The next run must begin as this one did; the object itself is renewed then.
             kind = type(self.controller)

@@ -5,6 +5,7 @@ The core stops in each step to let the controller act.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers.answers import AnswersDiffer
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.hidden_state import HiddenState, hidden_state
+from sim.controllers.hidden_state import HiddenState
 from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import CoreArena, CoreEpisode, most_points
@@ -64,10 +65,9 @@ def run_in_python(
         record: Whether to keep every state.
         proves: Whether the run proves a loop; see :meth:`ControllerHost.drive`.
     """
-    try:
-        return _run(host, arena(), settings, world, options, record=record, proves=proves)
-    except AnswersDiffer:
-        return _run(host, arena(), settings, world, options, record=record, proves=proves)
+    while True:
+        with contextlib.suppress(AnswersDiffer):
+            return _run(host, arena(), settings, world, options, record=record, proves=proves)
 
 
 def _run(
@@ -103,8 +103,7 @@ def _run(
                 host.drive(stops, memory, proves=proves)
         except ControllerError as error:
             fault = error
-        is_known = begun is not None and not host.has_read_clock
-        complete = is_known and hidden_state(host.controller) == begun
+        complete = begun is not None and not host.has_read_clock and host.is_unchanged(begun)
     if episode is None or not len(rows):
         return PythonRun(episode, None, complete, fault)
 
