@@ -15,12 +15,12 @@ from typing import NamedTuple
 from fuzz.facts.crash_bucket import FACTS, NAMED
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from sim.controllers import CompiledController
+from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.controllers.instances import origin_of
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
-from sim.episode.differences import count_sources
+from sim.episode.differences import count_sources, note_difference
 from sim.evidence import LoopEvidence, evidence_table
 from sim.motion import MOTIONS
 from sim.options.run import FEWEST_STEPS, RunOptions
@@ -144,6 +144,10 @@ def judge(
     late = episode.verdict in ARRIVALS and episode.steps > options.steps
     if longer != options and (late or episode.verdict in OUT_OF_BUDGET):
         trial = Trial.recorded(world, scenario.controller, options)
+
+    # Here a world is known in which this may be seen again, and named.
+    if (origin := origin_of(CONTROLLERS.get(scenario.controller))) and origin.answers.differ:
+        note_difference(world, scenario.controller, options)
 
     found = oracle.check(trial)
     if found is None:

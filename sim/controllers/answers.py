@@ -24,6 +24,7 @@ from typing import Any, TypeVar
 
 from sim.clock.controller_time import UNKNOWN_SOURCE, count_differences, timed
 from sim.controllers.hidden_state import HiddenState, hidden_state, own_attributes
+from sim.controllers.timeline_reads import are_reads_noted
 
 T = TypeVar("T")
 
@@ -89,6 +90,7 @@ class Answers:
             no state behind.
         by_history: Whether the controller keeps state in its attributes, so that an answer depends on
             all that it has observed since its ``reset``.
+        differ: Whether the controller once gave another answer than before.
         ends: By the key of a run's last answer, whether its attributes then were as at the start.
     """
 
@@ -96,6 +98,7 @@ class Answers:
         self.is_off = False
         self.is_trusted = False
         self.by_history = False
+        self.differ = False
         self.ends: dict[bytes, bool] = {}
         self._latest: dict[bytes, bytes] = {}
         self._older: dict[bytes, bytes] = {}
@@ -139,8 +142,8 @@ class Answers:
                 contract.
         """
         begun = hidden_state(controller)
-        # Without seeing its state there is no telling. A debugger must see each call.
-        if begun is None or sys.gettrace() is not None:
+        # Without seeing its state there is no telling. Who watches the controller must see each call.
+        if begun is None or sys.gettrace() is not None or are_reads_noted():
             return drive(timed(controller.act)), None
         kind = _RunByHistory if self.by_history else _Run
         run = kind(self, controller, begun, proves=proves and not _leaves_proofs.get())
@@ -291,6 +294,7 @@ class _Run:
 
     def _differ(self) -> None:
         count_differences([UNKNOWN_SOURCE])
+        self._answers.differ = True
         self._answers.give_up()
         raise AnswersDiffer
 
