@@ -137,6 +137,16 @@ class Provenance:
             return ()
         return tuple(str(what) for what in unread)
 
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """What was changed on the map from which the world was made, and which part of it it is.
+
+        Such as ``"box of 0.5 x 0.3 m at (3.4, 2) m"``; empty for all other worlds.
+        """
+        changed = self.params.get("changed")
+        is_from_map = self.family in ("import", "map")
+        return tuple(map(str, changed)) if is_from_map and isinstance(changed, list) else ()
+
 
 @dataclass(frozen=True, slots=True)
 class FailureRecord:

@@ -6,9 +6,9 @@ the same worlds, and ``worldgen fuzz`` on ``--workers`` processes. ``--pace`` pa
 to so many milliseconds by computing. ``--correct`` does the same with the controllers without their
 faults, whose campaigns should end without a failure. ``--write FOLDER`` only writes the files.
 
-A campaign's budget is wall time, so on a busy machine give it more of it: ``--budget 180 --within 60``
-counts the faults found in 60 CPU seconds. A fault counts as found by a failure that is stored, that ``worldgen replay`` confirms, and in whose world
-the correct controller arrives.
+A fault counts as found by a failure that is stored, that ``worldgen replay`` confirms, and in whose
+world the correct controller arrives. A campaign's budget is wall time, so on a busy machine give it
+more: ``--budget 180 --within 60`` counts the faults found in 60 CPU seconds.
 """
 
 from __future__ import annotations

@@ -14,11 +14,18 @@ from functools import partial
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.scheduler import Goal, Scheduler, Work
-from fuzz.campaign.state import CampaignState, Discovery, Progress, UnitDone
+from fuzz.campaign.state import CampaignState, Discovery, Progress, SearchEnded, UnitDone
 from fuzz.campaign.store import MEMORY, Find, FolderStore
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import SHRINKING, Failure, ShrinkState
-from fuzz.shrink.queue import MOST_SHRUNK, Shrinking, ShrinkJob, ShrinkQueue, shrunk_or_same
+from fuzz.shrink.queue import (
+    MOST_SHRUNK,
+    SHRINKING_SECONDS,
+    Shrinking,
+    ShrinkJob,
+    ShrinkQueue,
+    shrunk_or_same,
+)
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.live import LiveCounts, LiveState, Phase, not_arrived
 from fuzz.unit.result import FailureKey, SearchState, UnitResult
@@ -83,7 +90,11 @@ class Campaign(Goal[Progress]):
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
+        self._steps_to_shrink = (
+            config.pace.steps_in(SHRINKING_SECONDS) if schedule.is_unlimited else math.inf
+        )
         self._handed_in = LiveCounts()
+        self._has_ended = False
         # Units that this run has done.
         self._units_now = 0
         # Seconds of earlier runs.
@@ -147,16 +158,24 @@ class Campaign(Goal[Progress]):
         """
         try:
             yield from self._scheduler.run(self)
-            if self.units is None and self._store is not None:
-                self._take_from_earlier(self._store)
         finally:
             self._count_time()
+
+    def conclude(self) -> Iterator[Progress]:
+        """Yield the search's end, with all of its findings."""
+        if self.units is None and self._store is not None:
+            self._take_from_earlier(self._store)
+        self._count_time()
+        self._has_ended = True
+        yield SearchEnded(self._scheduler.executor)
 
     def _count_time(self) -> None:
         """Update the times in the state.
 
         Restored work adds the time of earlier runs, including shrinking.
         """
+        if self._has_ended:
+            return
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
@@ -188,7 +207,9 @@ class Campaign(Goal[Progress]):
             self._queue.as_urgent_as(job) + in_progress + 1,
             max(self._scheduler.executor.room - 1, 1),
         )
-        call = partial(shrunk_or_same, job.failure, seconds=seconds, end=end)
+        call = partial(
+            shrunk_or_same, job.failure, seconds=seconds, end=end, most_steps=self._steps_to_shrink
+        )
         return Work(call, partial(self._take_shrunk, job), is_unit=False)
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
@@ -214,7 +235,9 @@ class Campaign(Goal[Progress]):
         self._scheduler.get_ready()
         if not self._schedule.may_search:
             return None
-        call = partial(run_unit, self.config, unit, self._known[epoch], self._schedule.deadline())
+        # Nothing is to be shrunk until the first failure comes.
+        deadline = self._schedule.deadline(shrinks=bool(self.state.finds))
+        call = partial(run_unit, self.config, unit, self._known[epoch], deadline)
         return Work(call, partial(self._merge, unit))
 
     def _merge(self, unit: int, result: UnitResult) -> Iterator[Progress]:
@@ -257,6 +280,7 @@ class Campaign(Goal[Progress]):
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
+        state.tried += result.tried
         state.judged += result.judged
         state.met += result.met
         # Select the results worth storing, and store them.

@@ -22,8 +22,6 @@ _UNSHRUNK = 0.97
 _SHRINKING = 0.25
 # Share of the time for shrinking one failure while the search continues.
 _ONE_OF = 0.1
-# Limit on the seconds of start-up that count; never more than the search's share leaves.
-_COUNTED = 3.0
 # Seconds for shrinking a failure.
 _LEAST = 0.05
 # Share of a failure's time for proving the shrunk result.
@@ -47,8 +45,8 @@ class Schedule:
 
     Time begins with the first work that no earlier run did.
 
-    Start-up counts up to three seconds and a quarter of the time, because on a slow machine it
-    could use up a short budget. The time of the controller's own code counts in full.
+    Start-up does not count, because on a slow machine it could use up a short budget. The time of
+    the controller's own code counts in full.
 
     Args:
         seconds: Time for search and shrinking together; ``None`` for no limit.
@@ -103,14 +101,17 @@ class Schedule:
         """Return True if the time, plus ``grace`` seconds, is over."""
         return self._seconds is not None and self._left() + grace <= 0.0
 
-    def deadline(self) -> Deadline:
+    def deadline(self, *, shrinks: bool = True) -> Deadline:
         """Return when a unit must end.
 
         This is the end of the search's share of the time, or later if some of it is left.
+
+        Args:
+            shrinks: False if nothing waits to be shrunk: then the unit gets that time, too.
         """
         if self._seconds is None:
             return NO_DEADLINE
-        share = self._share_to_search(urgent=self.search_comes_first)
+        share = self._share_to_search(urgent=shrinks and self.search_comes_first)
         at = now()
         prove = share + _PROVE * (1.0 - share)
         return Deadline(at + self._left(share), at + self._left(prove))
@@ -171,6 +172,4 @@ class Schedule:
         """Return the seconds until this share of the time is over, counted from now."""
         if self._seconds is None:
             return math.inf
-        ours = max(self.start_up - self._own, 0.0)
-        counted = self._own + min(ours, _COUNTED, self._seconds * (1.0 - _SEARCH))
-        return share * (self._seconds - counted) - self.elapsed()
+        return share * (self._seconds - self._own) - self.elapsed()

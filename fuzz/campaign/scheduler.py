@@ -65,6 +65,10 @@ class Goal(ABC, Generic[EventT]):
         """Return True once the units merged so far are enough, whatever is left to do."""
         return False
 
+    def conclude(self) -> Iterable[EventT]:
+        """Yield what the work ends with, while the workers are still there."""
+        return ()
+
 
 class Scheduler:
     """Runs the work of a goal.
@@ -122,7 +126,7 @@ class Scheduler:
                                 )
                         self._keep(work)
                     if not (self.units or self.others):
-                        return
+                        break
                     # Merge what is finished.
                     self._wait()
                     for work in self._finished():
@@ -139,6 +143,7 @@ class Scheduler:
                 # Do not wait for work that is no longer needed, or does not end in time.
                 if self.units or self.others:
                     executor.stop()
+                yield from goal.conclude()
             except KeyboardInterrupt:
                 executor.stop()
                 if self.schedule.is_ready:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
+from fuzz.campaign.executors import Executor
 from fuzz.campaign.store import Find
 from fuzz.failure import Failure
 from fuzz.unit.result import FailureKey, SearchState
@@ -39,7 +40,18 @@ class Discovery:
     replaces: bool
 
 
-Progress = UnitDone | Discovery
+@dataclass(frozen=True)
+class SearchEnded:
+    """The search has ended, other than by Ctrl-C; nothing follows.
+
+    Args:
+        executor: Whose workers are free until the campaign is asked for another event.
+    """
+
+    executor: Executor
+
+
+Progress = UnitDone | Discovery | SearchEnded
 
 
 @dataclass
@@ -59,6 +71,7 @@ class CampaignState:
         times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
         effort: For this run, how units and shrinking spent their time, over all workers.
         verdicts: Counts of the verdicts in screening.
+        tried: Worlds drawn on the user's map, by kind.
         judged: Runs that did not arrive in screening and were judged.
         met: Number of examined failures, by group and verdict.
         known: The same by group, for groups in the baseline.
@@ -78,6 +91,7 @@ class CampaignState:
     times: dict[str, float] = field(default_factory=dict)
     effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
+    tried: Counter[str] = field(default_factory=Counter)
     judged: int = 0
     met: Counter[tuple[str, str]] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)

@@ -47,6 +47,7 @@ def summary_of(
         answer_reason=reason,
         answer_numbers=numbers or UNSET,
         verdicts=dict(state.verdicts),
+        tried=dict(state.tried),
         met=dict(state.met_by_group),
         known=dict(state.known),
         strategies=list(state.memory.strategies.values()),

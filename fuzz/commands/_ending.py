@@ -14,6 +14,7 @@ from fuzz.campaign.store import SUMMARY, Summary
 from fuzz.campaign.summary import describe_share, describe_strategies, describe_time, describe_units
 from fuzz.facts.hazards import hazard_words
 from fuzz.failure import Failure
+from fuzz.layouts.map_windows import describe_tried
 from fuzz.overview import CauseResult, cause_of
 from fuzz.overview.building import Overview
 from fuzz.overview.describe import describe
@@ -90,6 +91,8 @@ class Ending:
             f"seed {summary.seed}: {describe_units(summary)}, "
             f"{counted(summary.steps, 'step')} in {summary.seconds:.1f} s"
         )
+        if summary.tried:
+            say(f"tried on the map: {describe_tried(summary.tried)}")
         # Add notes about slow, stateful or hanging controllers.
         controller = self.config.scenario.controller
         if (share := describe_share(summary, controller)) is not None:

@@ -6,14 +6,14 @@ import contextlib
 import math
 import shlex
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Beginning
-from fuzz.campaign.state import Discovery, Progress, UnitDone
+from fuzz.campaign.state import Discovery, Progress, SearchEnded, UnitDone
 from fuzz.campaign.store import MEMORY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import describe_speed, summary_of
 from fuzz.ci import NO_OUTPUTS, Outputs
@@ -22,6 +22,7 @@ from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.result import CampaignResult, write_overview
+from fuzz.shrink.queue import SHRINKING_SECONDS
 from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
@@ -238,32 +239,42 @@ class CampaignSession:
         Return whether Ctrl-C came.
         """
         self._store.save_status(Status.RUNNING)
-        try:
-            stopped = self._search()
-        except WorldgenError:
-            # A full disk may be the reason.
-            with contextlib.suppress(OutputError):
-                self._keep_status(Status.FAILED)
-            raise
-        unfit = None if stopped else self._no_world_fits()
-        if unfit is not None:
-            record_error(self._out, unfit)
-        else:
-            stopped = self._conclude(stopped=stopped)
+        events = self._campaign.run()
+        with contextlib.closing(events):
+            try:
+                executor = self._search(events)
+                stopped = executor is None
+                unfit = None if stopped else self._no_world_fits()
+                if unfit is not None:
+                    record_error(self._out, unfit)
+                else:
+                    stopped = self._conclude(events, executor)
+            except WorldgenError:
+                # A full disk may be the reason.
+                with contextlib.suppress(OutputError):
+                    self._keep_status(Status.FAILED)
+                raise
         ended = Status.FAILED if unfit else Status.DONE
         self._keep_status(Status.STOPPED if stopped else ended)
         return stopped
 
-    def _conclude(self, *, stopped: bool) -> bool:
-        """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
+    def _conclude(self, events: Generator[Progress, None, None], executor: Executor | None) -> bool:
+        """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before.
+
+        Args:
+            events: The campaign, which has ended its search.
+            executor: Its workers; ``None`` after Ctrl-C.
+        """
         self._has_searched = True
         began = Effort.so_far()
-        if not stopped:
+        stopped = executor is None
+        if executor is not None:
             try:
                 with working("running natural worlds and explaining failures"):
-                    self._overview = self._build(self._time_left(), natural=True)
+                    self._overview = self._build_with(events, executor)
             except KeyboardInterrupt:
                 stopped = True
+        events.close()
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
         # Natural worlds may show what the search did not.
@@ -278,6 +289,29 @@ class CampaignSession:
             self._remove_outdated()
         write_overview(self._overview.result, self._out)
         return stopped
+
+    def _build_with(self, events: Generator[Progress, None, None], executor: Executor) -> Overview:
+        """Return the overview; the campaign's workers run the natural worlds.
+
+        Raises:
+            WorkersLost: If they ended before that.
+        """
+
+        def release() -> None:
+            executor.stop()
+            events.close()
+
+        # A single worker is this process. It listens to Ctrl-C at once when the search is over.
+        if executor.room == 1:
+            release()
+            return self._build(self._time_left(), natural=True)
+        try:
+            return self._build(self._time_left(), natural=True, executor=executor, release=release)
+        except Exception as error:
+            self._save(with_files=True)
+            # The executor knows what it means.
+            events.throw(error)
+            raise
 
     def _time_left(self) -> float | None:
         """Return the seconds for the conclusion: its share, and what the search left."""
@@ -308,9 +342,23 @@ class CampaignSession:
         except WorldgenError:
             return None
 
-    def _build(self, seconds: float | None, *, natural: bool) -> Overview:
+    def _build(
+        self,
+        seconds: float | None,
+        *,
+        natural: bool,
+        executor: Executor | None = None,
+        release: Callable[[], None] = lambda: None,
+    ) -> Overview:
         conclusion = replace(self._conclusion, seconds=seconds)
-        return build_overview(self._config, self._campaign.state, conclusion, natural=natural)
+        return build_overview(
+            self._config,
+            self._campaign.state,
+            conclusion,
+            natural=natural,
+            executor=executor,
+            release=release,
+        )
 
     def _keep_status(self, status: Status) -> None:
         self._status = status
@@ -324,30 +372,33 @@ class CampaignSession:
         numbers = None if self._status == Status.RUNNING else self._numbers()
         return summary_of(self._config, self._campaign.state, self._status, numbers)
 
-    def _search(self) -> bool:
-        """Do the work; return whether Ctrl-C stopped it."""
+    def _search(self, events: Iterator[Progress]) -> Executor | None:
+        """Do the work; return the workers, which are free, or ``None`` if Ctrl-C stopped it."""
         try:
-            self._watch()
+            return self._watch(events)
         except KeyboardInterrupt:
             self._keep_pending()
-            return True
+            return None
         except WorkersLost:
             self._keep_pending()
             self._save(with_files=True)
             raise
-        return False
 
-    def _watch(self) -> None:
-        events = self._campaign.run()
-        with working(f"searching ({self._limit})") as work, contextlib.closing(events):
+    def _watch(self, events: Iterator[Progress]) -> Executor:
+        with working(f"searching ({self._limit})") as work:
             work.say(self._so_far)
             for event in events:
+                if isinstance(event, SearchEnded):
+                    break
                 self._see(event)
+            else:
+                raise RuntimeError("the campaign has no end")
         self._goes_on = False
         self._keep_pending()
         late = sum(one.shrinking != ShrinkState.DONE for one in self._files().values())
         if late and self._config.shrink:
             self._say_late(late)
+        return event.executor
 
     def _say_late(self, late: int) -> None:
         """Print how many failures were not shrunk to the end, and why.
@@ -360,7 +411,19 @@ class CampaignSession:
             f"{'is' if late == 1 else 'are'} not fully shrunk"
         )
         if self._campaign.units is not None:
-            note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
+            # Without a time limit, only the limit on a slow controller's steps cuts shrinking short.
+            cut = [
+                stem
+                for stem, one in self._files().items()
+                if one.shrinking == ShrinkState.CUT_SHORT
+            ]
+            if cut:
+                note(
+                    f"{are}, because a failure gets {SHRINKING_SECONDS:.0f} s of the controller's "
+                    f"steps: worldgen shrink {shlex.quote(str(self._path(cut[0])))} continues"
+                )
+            else:
+                note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
             return
         folder = shlex.quote(str(self._out))
         note(

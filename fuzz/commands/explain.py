@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from fuzz.commands._options import code_option
+from fuzz.commands._options import Duration, code_option
 from worldgen.cli.output import (
     PATH,
     check_out,
@@ -30,6 +31,8 @@ EXAMPLES = (
     "\n  worldgen explain failures/ --json"
 )
 _PICTURES = (".png", ".svg")
+# Times the budget that an incomplete explanation is offered.
+_MORE = 4
 
 
 @click.command(epilog=EXAMPLES)
@@ -41,6 +44,15 @@ _PICTURES = (".png", ".svg")
     metavar="OUT",
     help="Draw a single failure, with the cells that its explanation names: .png or .svg.",
 )
+@click.option(
+    "--budget",
+    "seconds",
+    type=Duration(),
+    metavar="TIME",
+    default="1m",
+    show_default=True,
+    help="Stop trying changes of a failure after this time, such as 30s or 5m.",
+)
 @code_option
 @json_option
 @force_option
@@ -48,6 +60,7 @@ def explain(
     paths: tuple[Path, ...],
     controller: str | None,
     picture: Path | None,
+    seconds: float,
     no_code: bool,
     as_json: bool,
     force: bool,
@@ -79,8 +92,14 @@ def explain(
     change_since = functools.cache(controller_change)
     for path, failure in failures:
         began = Effort.so_far()
-        with working(f"explaining {path}"):
-            explanation = explain_failure(failure, controller, with_code=not no_code)
+        with working(f"explaining {path}") as work:
+            explanation = explain_failure(
+                failure,
+                controller,
+                with_code=not no_code,
+                seconds=seconds,
+                progress=functools.partial(work.count, noun="runs"),
+            )
         folder = None if controller is not None else _campaign_folder(path)
         change = change_since(folder, failure.record.controller) if folder is not None else ""
         rows.append(
@@ -99,6 +118,11 @@ def explain(
             is_complete = False
             continue
         explained += 1
+        if not explanation.why.is_complete and began.since().seconds >= seconds:
+            note(
+                f"{path}: not all changes were tried; --budget {math.ceil(_MORE * seconds)}s gives "
+                f"it more time"
+            )
         if picture is not None:
             with working(f"drawing {picture}"):
                 data = explanation.picture(picture.suffix)

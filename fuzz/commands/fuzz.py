@@ -211,7 +211,7 @@ def _begin(
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "use --world, or --family and --strategy, not both: on a fixed map only the poses vary"
+            "use --world, or --family and --strategy, not both: all worlds come from the map"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,12 +10,17 @@ import click
 
 from fuzz.commands._options import Duration
 from worldgen.cli.output import PATH, emit_data, emit_json, force_option, json_option, note, say
+from worldgen.support.plain_text import lasting
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from fuzz.failure import Failure
     from fuzz.shrink import Shrunk
     from worldgen.world import World
+
+
+# Seconds from which an estimate is shown.
+_WORTH_SAYING = 1.0
 
 
 def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:
@@ -128,13 +134,19 @@ def _watched(failure: Failure, seconds: float | None) -> Shrunk:
     from fuzz.shrink import shrink as shrink_failure
 
     with working("shrinking") as work:
+        began = time.monotonic()
         work.say(_size(failure.world))
-        return shrink_failure(
-            failure,
-            seconds=seconds,
-            progress=lambda world: work.say(_size(world)),
-            keep_on_interrupt=True,
-        )
+        failure.run()
+        run = time.monotonic() - began
+
+        def say(world: World) -> None:
+            # The check at the end frees each solid cell once, which takes a run.
+            left = run * world.solid_cells
+            about = f", at least {lasting(left)} left" if left >= _WORTH_SAYING else ""
+            work.say(f"{_size(world)}{about}")
+
+        say(failure.world)
+        return shrink_failure(failure, seconds=seconds, progress=say, keep_on_interrupt=True)
 
 
 def _size(world: World) -> str:

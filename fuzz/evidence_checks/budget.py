@@ -80,7 +80,9 @@ def _check_memory(trace: Trace, evidence: BudgetEvidence) -> str:
     if not np.array_equal(moves[period:], moves[:-period]):
         return f"after step {entry} poses do not recur every {period} steps"
     memory = trace.states[entry:, trace.memory_at :].view(np.float64)
-    change = memory[period:] - memory[:-period]
+    with np.errstate(invalid="ignore"):
+        change = memory[period:] - memory[:-period]
+    change = np.where(memory[period:] == memory[:-period], 0.0, change)
     slight = _SLIGHT * np.maximum(1.0, np.abs(memory[:-period]))
     if not (np.abs(change) <= slight).all():
         return "the memory changes by more than rounding errors"

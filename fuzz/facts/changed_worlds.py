@@ -105,13 +105,12 @@ class OtherWorlds:
         Args:
             world: A world of the scenario; its robot and its cells decide the size of the room.
         """
-        # The answer is about the controller, so the seed of a run doesn't matter, nor its budget
-        # unless that is very short.
+        # The answer is about the controller, so the budget and the seed of a run don't matter.
         side = max(world.cell_size, world.robot_radius / _LARGEST)
         steps = math.ceil(_DRIVES * side / (world.robot_speed * self.options.time_step))
         run = _RunInRoom(
             self.controller,
-            replace(self.options, steps=min(steps, _MOST_STEPS, self.options.steps), seed=0),
+            replace(self.options, steps=min(steps, _MOST_STEPS), seed=0),
             side,
             world.robot_radius,
             world.robot_speed,

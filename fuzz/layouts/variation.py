@@ -16,6 +16,9 @@ from worldgen.world import Provenance, Value, World
 
 # Fields of a world.
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
+MAP = "map"
+"""Family in the provenance of a world that was made from a map which is not a foreign program's."""
+
 _OPTION = "--vary"
 _EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
 
@@ -124,13 +127,23 @@ def generated(family: str, seed: int, values: Mapping[str, Value]) -> World:
 
 
 def map_provenance(world: World) -> Provenance | None:
-    """Return the provenance of the cells if they are a foreign map's.
+    """Return the provenance of the cells if they are a foreign map's, or a map's with changes.
 
     It is true for any robot and any start. It includes the map's origin, so that a failure can be
-    located on the original map. A family's provenance describes the whole world.
+    located on the original map, and what was changed. A family's provenance describes the whole
+    world.
     """
     made = world.provenance
-    return made if made is not None and made.family == "import" else None
+    return made if made is not None and made.family in ("import", MAP) else None
+
+
+def changes_on_map(world: World) -> str:
+    """Describe what was changed on a map; empty if nothing was.
+
+    ``on the map: box of 0.5 x 0.3 m at (3.4, 2) m; window of 88 x 88 cells at (1.2, 0.4) m``
+    """
+    changed = () if world.provenance is None else world.provenance.changed
+    return f"on the map: {'; '.join(changed)}" if changed else ""
 
 
 def _value(name: str, word: str, scenario: Scenario) -> Value:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from typing import Any, NamedTuple
 
 from msgspec import structs
 
+from fuzz.campaign.executors import Executor
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.cause import Cause, Severity
@@ -21,6 +23,7 @@ from fuzz.overview.comparison import compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.natural import (
     NATURAL,
+    NaturalTime,
     describe_fall,
     natural_families,
     natural_result,
@@ -28,7 +31,7 @@ from fuzz.overview.natural import (
 )
 from fuzz.overview.result import CampaignComparison, CampaignResult, CauseResult, NaturalResult
 from fuzz.search.plan import prices_of
-from fuzz.shrink.queue import shrunk_or_same
+from fuzz.shrink.queue import SHRINKING_SECONDS, shrunk_or_same
 from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.judging import failure_of
@@ -38,6 +41,7 @@ from fuzz.unit.config import CampaignConfig
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.deadline import now
 from fuzz.unit.live import not_arrived
+from fuzz.unit.pace import Pace
 from sim.clock.stopping import OutOfTime, stopping_when
 from sim.episode.differences import note_difference
 from sim.evidence import FaultEvidence
@@ -59,6 +63,9 @@ _EFFORT = 0.15
 # Limit on the cells that the proofs of one explanation examine: about a second. A map of 200,000
 # cells gets ten changes, a shrunk world all of them.
 _MOST_CELLS = 2_000_000
+
+# Seconds of a slow controller's steps for one explanation without a time limit.
+_SECONDS_TO_EXPLAIN = 20.0
 
 # Shares of the time after which no more natural worlds are run, and after which failures that only
 # they show are no longer shrunk; the rest is for explanations.
@@ -104,7 +111,13 @@ class Overview(NamedTuple):
 
 
 def build_overview(
-    config: CampaignConfig, state: CampaignState, conclusion: Conclusion, *, natural: bool = True
+    config: CampaignConfig,
+    state: CampaignState,
+    conclusion: Conclusion,
+    *,
+    natural: bool = True,
+    executor: Executor | None = None,
+    release: Callable[[], None] = lambda: None,
 ) -> Overview:
     """Return the overview of a campaign.
 
@@ -113,8 +126,11 @@ def build_overview(
         state: Its results.
         conclusion: Known failures, and the time limit.
         natural: True to run natural worlds. An interrupted campaign does not.
+        executor: Whose workers run them; this process if omitted.
+        release: Called when the workers are no longer needed.
     """
     began = time.monotonic()
+    at = now()
     seconds = conclusion.seconds
 
     # Group first, because that needs no runs.
@@ -130,10 +146,12 @@ def build_overview(
             families,
             _natural_count(config, state, seconds),
             config.seed,
-            _enough_natural(began, seconds, has_failures=bool(causes)),
+            _time_for_natural(at, seconds, has_failures=bool(causes)),
             config.vary,
+            executor,
         )
         causes = with_natural(causes, runs.causes)
+    release()
 
     # Find the clearest world of each cause, and its dependencies.
     as_found: dict[str, Failure] = {}
@@ -142,7 +160,7 @@ def build_overview(
         if not config.shrink:
             return failure
         as_found[failure.id] = failure
-        return _shrunk(failure, until)
+        return _shrunk(failure, until, config.pace)
 
     until = None if seconds is None else began + _SHRINKING_TIME * seconds
     causes, examples = with_worlds(
@@ -153,6 +171,7 @@ def build_overview(
         ),
         None if seconds is None else began + seconds,
         with_code=conclusion.with_code,
+        most_steps=config.pace.steps_in(_SECONDS_TO_EXPLAIN),
     )
 
     files = files_of(
@@ -216,24 +235,15 @@ def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float 
     return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
 
 
-def _enough_natural(
-    began: float, seconds: float | None, *, has_failures: bool
-) -> Callable[[int], bool]:
-    """Return a function that decides, by how many are finished, whether to stop natural worlds.
+def _time_for_natural(at: float, seconds: float | None, *, has_failures: bool) -> NaturalTime:
+    """Return the time for natural worlds.
 
     Without failures there is nothing else to do, so the first few get all of the time: an answer
     needs them.
     """
     if seconds is None:
-        return lambda _: False
-    end = began + seconds
-    early = began + _NATURAL_TIME * seconds
-
-    def is_enough(finished: int) -> bool:
-        needs_more = finished < FEWEST and not has_failures
-        return time.monotonic() >= (end if needs_more else early)
-
-    return is_enough
+        return NaturalTime()
+    return NaturalTime(at + _NATURAL_TIME * seconds, at + seconds, 0 if has_failures else FEWEST)
 
 
 def with_worlds(
@@ -242,6 +252,7 @@ def with_worlds(
     end: float | None = None,
     *,
     with_code: bool = True,
+    most_steps: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
 ) -> tuple[list[CauseResult], dict[Cause, Failure]]:
     """Choose a failure to look at for each cause, and explain the first few.
@@ -251,6 +262,7 @@ def with_worlds(
         failures_of: Returns the failures that have a cause.
         end: When there is no more time, by ``clock``; if omitted, the amount of work is fixed.
         with_code: False to leave out what runs inside the controller.
+        most_steps: Limit on the steps of one explanation without a time limit.
         clock: Returns seconds.
 
     Returns:
@@ -282,7 +294,7 @@ def with_worlds(
         }
         if number < most:
             known |= vars(_shown(example, is_over, with_code=with_code))
-            why = explained(example, is_over)
+            why = explained(example, is_over, most_steps)
             if why is not None:
                 known |= {"why": why.describe(), "changes": list(why.changes)}
         results.append(structs.replace(cause, **known))
@@ -347,10 +359,10 @@ def _in_natural_world(
     return [smaller, failure] if cause_of(smaller) == cause else [failure]
 
 
-def _shrunk(failure: Failure, until: float | None) -> Failure:
+def _shrunk(failure: Failure, until: float | None, pace: Pace) -> Failure:
     """Return a failure shrunk as far as the time allows, by ``time.monotonic``."""
     if until is None:
-        return shrunk_or_same(failure).failure
+        return shrunk_or_same(failure, most_steps=pace.steps_in(SHRINKING_SECONDS)).failure
     left = until - time.monotonic()
     if left <= 0.0:
         return failure
@@ -419,13 +431,14 @@ def _shown(failure: Failure, is_over: Callable[[], bool] | None, *, with_code: b
 
 
 def explained(
-    failure: Failure, is_over: Callable[[], bool] | None = None
+    failure: Failure, is_over: Callable[[], bool] | None = None, most_steps: float = math.inf
 ) -> Counterfactuals | None:
     """Return the single changes after which a failure's robot arrives, at little cost.
 
     Args:
         failure: The failure.
         is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
+        most_steps: Limit on the steps if the amount of work is fixed.
 
     Returns:
         The changes; ``None`` if nothing could be learned because there is no time, or no change can
@@ -441,6 +454,7 @@ def explained(
             found = counterfactuals(
                 failure,
                 effort=1.0 if is_bounded else _EFFORT,
+                most_steps=math.inf if is_bounded else most_steps,
                 most_runs=_MOST_CELLS / failure.world.walls.size,
                 in_haste=is_bounded,
             )

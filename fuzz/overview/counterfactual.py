@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -77,12 +77,17 @@ _SPEED_AND_DRAWS = slice(3, 5)
 _MOST_STEPS = 30_000_000
 _MOST_STEPS_IN_PYTHON = 300_000
 
+# Runs that the search for the nearest value of a number takes, about.
+_RUNS_OF_AN_AXIS = 10
+
 # Fields of the controller's class are tried with this share of the steps that are left: a class may
 # have dozens, and the robot's own numbers come after them.
 _SHARE_OF_FIELDS = 1 / 3
 
-# First distance from a field's own value, in three-digit numbers: 4 to 28 percent.
+# First and largest distance from a field's own value, in three-digit numbers: 4 to 28 percent, and a
+# factor of ten or more, because a value that somebody guessed may be far off.
 _FIRST_STEP_OF_FIELDS = 32
+_REACH_OF_FIELDS = 1024
 
 # Largest distance from a whole number's own value, at least.
 _REACH_OF_WHOLE = 64
@@ -230,7 +235,13 @@ def named_cells(changes: Iterable[Change], world: World | None = None) -> list[t
 
 
 def counterfactuals(
-    failure: Failure, *, effort: float = 1.0, most_runs: float = math.inf, in_haste: bool = False
+    failure: Failure,
+    *,
+    effort: float = 1.0,
+    most_steps: float = math.inf,
+    most_runs: float = math.inf,
+    in_haste: bool = False,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
 
@@ -240,10 +251,13 @@ def counterfactuals(
     Args:
         failure: A robot that does not arrive.
         effort: Fraction of the usual number of steps that it may take.
+        most_steps: Limit on these steps, for a slow controller.
         most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
         in_haste: Whether time may run out before a slow controller has run with each change. Then
             short runs with the changes that tell most come first, and what they leave open last;
             without such an end, the answer is the same.
+        progress: Called after each run with the number of runs so far, and about how many are made
+            in all.
 
     Raises:
         InvalidParameter: If no single change can explain the failure: its outcome depends on
@@ -259,7 +273,7 @@ def counterfactuals(
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )
-    search = _ChangedRuns(subject, effort, most_runs)
+    search = _ChangedRuns(subject, effort, most_steps, most_runs, progress)
     changes: list[Change] = []
     tries: list[_Try] = []
     is_complete = False
@@ -285,14 +299,30 @@ class _OutOfStepsError(Exception):
 class _ChangedRuns:
     """Runs changed scenarios and counts their steps."""
 
-    def __init__(self, subject: Subject, effort: float, most_runs: float) -> None:
+    def __init__(
+        self,
+        subject: Subject,
+        effort: float,
+        most_steps: float,
+        most_runs: float,
+        progress: Callable[[int, int], None],
+    ) -> None:
         self.subject = subject
         self.runs = 0
+        self._progress = progress
+        world = subject.world
+        self._about = (
+            min(int(world.walls.sum()), _MOST_CELLS)
+            + min(len(world.timeline), _MOST_EVENTS)
+            + len(subject.scenario.run.changed())
+            + _RUNS_OF_AN_AXIS * len(_AXES)
+        )
         self.is_cut = False
         self._most_runs = most_runs
         controller = CONTROLLERS.get(subject.scenario.controller)
         is_compiled = isinstance(controller, CompiledController)
-        self._left = effort * (_MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON)
+        usual = effort * (_MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON)
+        self._left = min(usual, most_steps)
 
     def arrives(self, subject: Subject) -> bool:
         """Return True if the robot arrives, and does nothing else that is wrong."""
@@ -340,7 +370,7 @@ class _ChangedRuns:
         if isinstance(own, int):
             found = self._nearest(axis, index, max(2 * abs(own), _REACH_OF_WHOLE))
         else:
-            found = self._nearest(axis, index, _REACH_OF_NUMBERS, _FIRST_STEP_OF_FIELDS)
+            found = self._nearest(axis, index, _REACH_OF_FIELDS, _FIRST_STEP_OF_FIELDS)
         return None if found is None else Change("field", [field.name, field.kind(found)], own)
 
     def _nearest(self, axis: Axis, index: int, reach: int, step: int = 1) -> float | None:
@@ -369,6 +399,7 @@ class _ChangedRuns:
         check_time()
         self.runs += 1
         self._left -= steps
+        self._progress(self.runs, max(self._about, self.runs))
         if self._left < 0 or self.runs > self._most_runs:
             raise _OutOfStepsError
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fuzz.boundary import describe_boundaries
 from fuzz.facts.hazards import doubt_in
 from fuzz.failure import Failure, ShrinkState
+from fuzz.layouts.variation import changes_on_map
 from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
@@ -82,6 +83,7 @@ def describe(
     chance = f", {shown(seeds)}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
+    changes = changes_on_map(failure.world)
     diagnosis = diagnosis_of(failure)
     cause = diagnosis.cause
     repeats = ""
@@ -101,6 +103,7 @@ def describe(
         f"{'' if cause.is_vague else f'  {happened}{chr(10)}'}"
         f"{describe_frames(evidence)}"
         f"{_doubt(failure)}"
+        f"{f'  {shown(changes)}{chr(10)}' if changes else ''}"
         f"{f'  {shown(begins)}{chr(10)}' if begins else ''}"
         f"  cause {shown(failure.group)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid, "

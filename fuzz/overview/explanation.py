@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP, Diagnosis
 from fuzz.failure import Failure
+from fuzz.layouts.variation import changes_on_map
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
 from fuzz.overview.describe import run_to_draw
 from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.run_facts import RunFacts, run_facts
+from sim.clock.stopping import stopping_when
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
 from sim.evidence import evidence_table
@@ -69,6 +74,8 @@ class Explanation:
         lines = [shown(f"{failure.who}: {self.verdict}{self.words}")]
         if self.diagnosis is not None:
             lines.append(f"{self.diagnosis.cause}: {self.goes_wrong}")
+        if changes := changes_on_map(failure.world):
+            lines.append(shown(changes))
         if self.why is not None:
             lines.append(shown(f"{who} {self.why.describe()}."))
         return lines + self.facts.text()
@@ -90,7 +97,12 @@ class Explanation:
 
 
 def explain_failure(
-    failure: Failure, controller: str | None = None, *, with_code: bool = True
+    failure: Failure,
+    controller: str | None = None,
+    *,
+    with_code: bool = True,
+    seconds: float = math.inf,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Explanation:
     """Run a failure and every changed scenario, and return what they show.
 
@@ -98,6 +110,9 @@ def explain_failure(
         failure: The failure.
         controller: A controller to use instead of the recorded one.
         with_code: False to leave out what runs inside the controller.
+        seconds: Time limit for trying changes, after which those not yet tried are left out.
+        progress: Called after each changed run with the number of runs so far, and about how many
+            are made in all.
     """
     # Another controller has neither the cause nor the class of the recorded one.
     if controller is not None:
@@ -113,7 +128,9 @@ def explain_failure(
     known = Explanation(failure, failure.verdict, diagnosis_of(failure), words)
     try:
         known = replace(known, facts=run_facts(failure, episode, with_code=with_code))
-        return replace(known, why=counterfactuals(failure))
+        end = time.monotonic() + seconds
+        with stopping_when(lambda: time.monotonic() >= end):
+            return replace(known, why=counterfactuals(failure, progress=progress))
     except WorldgenError as error:
         return replace(known, problem=str(error))
 

@@ -8,13 +8,19 @@ estimates a rate, with an interval.
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzz.campaign.executors import Executor
 from fuzz.cause import Cause
 from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.facts.hazards import could_not_know
@@ -23,14 +29,18 @@ from fuzz.layouts.variation import Variation, applied, generated
 from fuzz.overview.result import NaturalResult, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.diagnosis import cause_of_run
-from sim.clock.stopping import OutOfTime, stopping_when
+from fuzz.unit.deadline import Deadline
+from sim.clock.controller_time import Effort, count_differences, count_survivors
+from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.answers import leaving_proofs
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
+from worldgen.plugins.workers import LISTEN
 from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
 from worldgen.world import Value, Witness, World
@@ -47,6 +57,12 @@ TURNS = ("no", "1 or 2", "3 to 5", "6 or more")
 """Quarter turns on the path that proves the target reachable."""
 
 _TURN_EDGES = (0.5, 2.5, 5.5)
+
+# Worlds that a worker gets at a time: as many as take it this long, s, up to a limit.
+_BRIEF = 0.2
+_MOST_AT_ONCE = 32
+# Seconds after the end in which results may still arrive.
+_GRACE = 1.0
 
 
 class NaturalRun(NamedTuple):
@@ -126,11 +142,12 @@ def natural_runs(
     seed: int,
     is_over: Callable[[int], bool] = lambda _: False,
     vary: Sequence[Variation] = (),
+    executor: Executor | None = None,
 ) -> tuple[NaturalResult, dict[Cause, Case]]:
     """Run a scenario in natural worlds, each family in turn.
 
     Return the counts and, by cause, the simplest world in which it occurred. Without ``is_over``,
-    they depend only on the other arguments.
+    they depend only on the other arguments but the last.
 
     Args:
         scenario: Controller and options.
@@ -140,40 +157,168 @@ def natural_runs(
         is_over: Returns True once no more worlds should be run, given the number of those that are
             finished.
         vary: Quantities of the robot and the run to draw from, as the search does.
+        executor: Whose workers run the worlds, which then pickle ``is_over``; this process if
+            omitted.
     """
+    call = partial(_run_worlds, scenario, tuple(families), seed, is_over, tuple(vary))
+    everything = range(count if families else 0)
+    if executor is None:
+        finished, _ = call(everything, 0)
+    else:
+        finished = _shared_out(executor, call, everything, is_over)
     runs: list[NaturalRun] = []
     examples: dict[Cause, Case] = {}
-    is_complete = True
+    # A world that takes long fails more often, so worlds after one that is not finished would make
+    # the rate too good.
+    whole = list(itertools.takewhile(finished.__contains__, everything))
+    for number in whole:
+        run, case = finished[number]
+        if run is None:
+            continue
+        runs.append(run)
+        cause = run.cause
+        if case is not None and cause is not None:
+            before = examples.get(cause, case)
+            examples[cause] = case if simplicity(case) < simplicity(before) else before
+    return natural_result(runs, is_complete=len(whole) == len(everything)), examples
+
+
+class _Finished(NamedTuple):
+    """A natural world that is done with.
+
+    Args:
+        run: Its run; ``None`` if there is no such world.
+        case: The world and scenario, if the robot does not arrive and is to blame.
+    """
+
+    run: NaturalRun | None = None
+    case: Case | None = None
+
+
+@dataclass(frozen=True)
+class NaturalTime:
+    """The time for natural worlds, by :func:`fuzz.unit.deadline.now`.
+
+    Args:
+        early: When no more are run.
+        end: When even the first few are not.
+        needed: Number of these.
+    """
+
+    early: float = math.inf
+    end: float = math.inf
+    needed: int = 0
+
+    def __call__(self, finished: int) -> bool:
+        """Return True if no more should be run, given the number of those that are finished."""
+        end = self.end if finished < self.needed else self.early
+        return Deadline(end, end).to_begin_is_over()
+
+
+def _shared_out(
+    executor: Executor,
+    call: Callable[[range, int], tuple[dict[int, _Finished], Effort]],
+    everything: range,
+    is_over: Callable[[int], bool],
+) -> dict[int, _Finished]:
+    """Let workers run all worlds, a few at a time, and return those that are finished.
+
+    Raises:
+        KeyboardInterrupt: After Ctrl-C.
+    """
+    executor.go_on()
+    finished: dict[int, _Finished] = {}
+    waiting: set[Future[tuple[dict[int, _Finished], Effort]]] = set()
+    first = 0
+    size = 1
+    over_since = math.inf
+    while True:
+        # Give each free worker something to do.
+        while len(waiting) < executor.room and first < len(everything):
+            if is_over(len(finished)):
+                break
+            numbers = everything[first : first + size]
+            first += size
+            waiting.add(executor.submit(call, numbers, len(finished)))
+        if not waiting:
+            return finished
+        # A worker that is stuck in a step is not waited for.
+        executor.listen()
+        if is_over(len(finished)):
+            over_since = min(over_since, time.monotonic())
+            if time.monotonic() - over_since > _GRACE:
+                executor.stop()
+                return finished
+        for future in wait(waiting, LISTEN, FIRST_COMPLETED).done:
+            waiting.remove(future)
+            more, effort = future.result()
+            finished |= more
+            # What was noticed there counts here.
+            count_survivors(effort.survivors)
+            count_differences(effort.differences)
+            # Quick worlds are handed out by the dozen.
+            if effort.seconds < _BRIEF:
+                size = min(2 * size, _MOST_AT_ONCE)
+
+
+def _run_worlds(
+    scenario: Scenario,
+    families: Sequence[str],
+    seed: int,
+    is_over: Callable[[int], bool],
+    vary: Sequence[Variation],
+    numbers: range,
+    finished: int,
+) -> tuple[dict[int, _Finished], Effort]:
+    """Run some of the natural worlds, until the time is over.
+
+    Args:
+        scenario: As for :func:`natural_runs`, like the next four.
+        families: Names of families.
+        seed: Seed of the campaign.
+        is_over: Returns True once no more worlds should be run.
+        vary: Quantities to draw from.
+        numbers: Numbers of the worlds.
+        finished: Number of worlds that are finished elsewhere.
+
+    Returns:
+        The finished worlds by number, and what they took.
+    """
+    began = Effort.so_far()
+    as_loaded(scenario.controller)
+    done: dict[int, _Finished] = {}
     stream = RandomStream(seed).child(NATURAL)
     # Another stream, so that the worlds are the same whatever varies.
     values = RandomStream(seed).child(NATURAL, "vary")
-    for number in range(count if families else 0):
+    for number in range(numbers.stop):
+        # Draw the same for each world, whoever runs it.
         world_seed = stream.next64()
+        drawn = {one.name: values.choice(one.values) for one in vary}
+        if number < numbers.start:
+            continue
         family = families[number % len(families)]
+        ran = finished + sum(one.run is not None for one in done.values())
         try:
-            with stopping_when(lambda: is_over(len(runs))):
-                if is_over(len(runs)):
-                    raise OutOfTime
-                drawn = {one.name: values.choice(one.values) for one in vary}
+            with stopping_when(partial(is_over, ran)):
+                check_time()
                 case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
-                if case is None:
-                    continue
                 with leaving_proofs():
-                    episode, cause = _run(case)
+                    done[number] = _Finished() if case is None else _finished(family, case)
         except OutOfTime:
-            is_complete = False
             break
         except WorldgenError:
             # A world that cannot be made reveals nothing about the controller.
-            continue
-        if cause == Cause.HARMED_UNSENSED:
-            runs.append(NaturalRun(family, episode.verdict.value, cause))
-            continue
-        runs.append(NaturalRun(family, episode.verdict.value, cause, *_path_in(case.world)))
-        if cause is not None:
-            before = examples.get(cause, case)
-            examples[cause] = case if simplicity(case) < simplicity(before) else before
-    return natural_result(runs, is_complete=is_complete), examples
+            done[number] = _Finished()
+    return done, began.since()
+
+
+def _finished(family: str, case: Case) -> _Finished:
+    """Run a natural world."""
+    episode, cause = _run(case)
+    if cause == Cause.HARMED_UNSENSED:
+        return _Finished(NaturalRun(family, episode.verdict.value, cause))
+    run = NaturalRun(family, episode.verdict.value, cause, *_path_in(case.world))
+    return _Finished(run, None if cause is None else case)
 
 
 def _path_in(world: World) -> tuple[str, str]:

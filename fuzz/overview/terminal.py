@@ -10,6 +10,7 @@ from msgspec import UNSET
 
 from fuzz.campaign.store import MEMORY, Summary
 from fuzz.cause import Cause, Severity
+from fuzz.layouts.variation import changes_on_map
 from fuzz.overview.building import Overview
 from fuzz.overview.counterfactual import describe_changes
 from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult
@@ -260,10 +261,12 @@ def _in_full(cause: CauseResult, overview: Overview, folder: Path | None) -> lis
         lines.append(f"   worldgen replay {path} --show")
     why = describe_changes(cause.changes, _MOST_CHANGES) if cause.changes else cause.why
     known = [one for one in (cause.repeats, why) if one]
+    example = overview.examples.get(cause.cause)
+    if example is not None and (changes := changes_on_map(example.world)):
+        lines.append(f"   {shown(changes)}")
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif known:
-        example = overview.examples.get(cause.cause)
         who = "the fleet" if example is not None and example.world.is_fleet else "it"
         lines.append(f"   In this world {who} {shown('. It '.join(known))}.")
     elif path and cause.cause.severity in _EXPLAINED:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, cast
@@ -20,6 +20,8 @@ from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
 from fuzz.failure import regardless_of_walls
 from fuzz.layouts.features import decode_world
+from fuzz.layouts.map_variations import MapVariations, variations_of
+from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.variation import map_provenance
 from fuzz.search.database import Failed, exception_of, remembered
 from fuzz.search.fleets import fleet_worlds
@@ -46,6 +48,9 @@ _DEARER = 4
 _MOST_AGAIN = 10_000
 # Words of 8 bytes; more than any Hypothesis strategy here reads.
 _EXAMPLE_WORDS = 128
+# Shares of the kinds of worlds on a map, in sixteenths. Whole maps show what windows cannot, such as
+# a room without an exit on the far side.
+_ON_A_MAP = {Kind.POSE: 5, Kind.WINDOW: 4, Kind.DOOR: 2, Kind.BOX: 2, Kind.PERSON: 2, Kind.PIECE: 1}
 
 Visit = Callable[[World, Scenario], str]
 """Runs one scenario and returns the failure's signature, or an empty string if it arrives."""
@@ -111,7 +116,21 @@ def _repeat(
 
 def visit_of(task: SearchTask, strategy: str) -> Visit:
     """Return the function that runs one scenario of a strategy."""
+    if strategy == "map":
+        return partial(_visit_on_map, task)
     return partial(_visit_sealed if strategy == SEALED else _visit, task)
+
+
+def _visit_on_map(task: SearchTask, world: World, scenario: Scenario) -> str:
+    """Run a world that was drawn on the user's map, and count its kind."""
+    result = task.triage.result
+    before = result.worlds
+    assert task.config.fixed_map is not None, "only a campaign on a map draws on it"
+    try:
+        return _visit(task, world, scenario)
+    finally:
+        if result.worlds > before:
+            result.tried[kind_of(world, task.config.fixed_map).value] += 1
 
 
 def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
@@ -200,31 +219,53 @@ def strategy_scenarios(
     config: CampaignConfig, strategy: str
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
     """Return the Hypothesis strategy that a search strategy draws from."""
-    return scenarios_in(
-        strategy_worlds(strategy, config.fixed_map, config.robots),
-        config.scenario,
-        config.time_steps,
-        config.vary,
-    )
+    on_map = strategy == "map"
+    worlds = _worlds_on_map(config) if on_map else strategy_worlds(strategy, config.robots)
+    return scenarios_in(worlds, config.scenario, config.time_steps, config.vary)
 
 
-def strategy_worlds(
-    strategy: str, fixed_map: World | None = None, robots: int = 1
-) -> st.SearchStrategy[World]:
+def strategy_worlds(strategy: str, robots: int = 1) -> st.SearchStrategy[World]:
     """Return the Hypothesis strategy of the worlds of a search strategy.
 
     Args:
-        strategy: ``features``, ``sealed``, ``map`` (poses on ``fixed_map``), or a family's name.
-        fixed_map: The map whose walls stay as they are.
-        robots: Number of robots in each world; at least as many as the map has.
+        strategy: ``features``, ``sealed``, or a family's name.
+        robots: Number of robots in each world.
     """
-    if strategy == "map" and fixed_map is not None:
-        return fleet_worlds(poses_on(fixed_map), robots, fixed_map)
     if strategy == "features":
         return fleet_worlds(layouts().map(decode_world), robots)
     if strategy == SEALED:
         return st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
     return family_worlds(strategy) if robots == 1 else family_worlds(strategy, robots=robots)
+
+
+def _worlds_on_map(config: CampaignConfig) -> st.SearchStrategy[World]:
+    """Return the worlds that a campaign draws on its map.
+
+    For several robots, and on a map that changes, only the poses vary.
+    """
+    fixed_map = config.fixed_map
+    assert fixed_map is not None, "the strategy needs a map"
+    poses = fleet_worlds(poses_on(fixed_map), config.robots, fixed_map)
+    if config.robots > 1 or fixed_map.is_dynamic:
+        return poses
+    step = fixed_map.robot_speed * config.time_steps[0]
+    kinds = [kind for kind, share in _ON_A_MAP.items() for _ in range(share)]
+    return _drawn_on_map(poses, variations_of(fixed_map, step), kinds)
+
+
+@st.composite
+def _drawn_on_map(
+    draw: st.DrawFn,
+    poses: st.SearchStrategy[World],
+    variations: MapVariations,
+    kinds: Sequence[Kind],
+) -> World:
+    kind = draw(st.sampled_from(kinds))
+    if kind is not Kind.POSE:
+        world = variations.draw(kind, RandomStream(draw(st.integers(0, 2**64 - 1))))
+        if world is not None:
+            return world
+    return draw(poses)
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:

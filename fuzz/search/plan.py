@@ -98,12 +98,13 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return config.families
     if config.robots > 1:
         return ("map",) if config.fixed_map is not None else _FLEETS
-    if config.fixed_map is not None:
-        return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
-    bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
-    native = (NATIVE, ARCHIVE) if fits_native(config) else ()
     # Where a step is expensive, the worlds that need fewest come first, and mostly.
     small = (SMALL,) if config.pace.is_slow and fits_small(config) else ()
+    if config.fixed_map is not None:
+        has_subject = any(map(subject_of, memory.failures.values()))
+        return (*small, "map", *((BOUNDARY,) if has_subject else ()))
+    bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
+    native = (NATIVE, ARCHIVE) if fits_native(config) else ()
     return (*small, *native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 

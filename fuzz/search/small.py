@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 from fuzz.cause import Cause
 from fuzz.failure import MOST_SHOWN
+from fuzz.layouts.map_variations import variations_of
+from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.small_worlds import small_world
 from fuzz.layouts.variation import applied
 from fuzz.screening import can_screen
@@ -29,6 +31,7 @@ from sim.outcome import LIMIT, Outcome, Runnable
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import InvalidWorld
+from worldgen.random_streams import RandomStream
 from worldgen.world import Witness, World
 
 SMALL = "small"
@@ -40,11 +43,23 @@ _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
 # Times the witness's steps after which a run that has not arrived is examined; then after twice as
 # many.
 _FIRST_LOOK = 6
+# Kinds of worlds on a user's map.
+_KINDS_IN_TURN = (
+    Kind.WINDOW,
+    Kind.BOX,
+    Kind.WINDOW,
+    Kind.PERSON,
+    Kind.WINDOW,
+    Kind.DOOR,
+    Kind.WINDOW,
+    Kind.PIECE,
+)
 
 
 def fits(config: CampaignConfig) -> bool:
-    """Return True if the strategy suits a campaign: it takes one robot in worlds of its own."""
-    return config.robots == 1 and config.fixed_map is None and can_screen(config.scenario)
+    """Return True if the strategy suits a campaign: it takes one robot, whose map stays as it is."""
+    has_windows = config.fixed_map is None or not config.fixed_map.is_dynamic
+    return config.robots == 1 and has_windows and can_screen(config.scenario)
 
 
 def search(task: SearchTask) -> None:
@@ -135,7 +150,7 @@ class _Unit:
             seed = self._stream.next64() & 0xFFFFFFFF
             scenario = self._task.scenario(seed, self._stream.choice(self._task.config.time_steps))
             own = self._stream.child("world", number)
-            world = small_world(own, number, self._values, scenario.run.time_step)
+            world = self._world(own, number, scenario.run.time_step)
             if world is None:
                 continue
             try:
@@ -143,9 +158,21 @@ class _Unit:
             except InvalidWorld:
                 # The drawn robot does not fit at the start.
                 continue
+            if self._task.config.fixed_map is not None:
+                kind = kind_of(world, self._task.config.fixed_map)
+                self._triage.result.tried[kind.value] += 1
             found = {group for group, _ in self._triage.result.failures}
             if found - self._known.keys() or self._spent >= _SECONDS:
                 return
+
+    def _world(self, rng: RandomStream, number: int, time_step: float) -> World | None:
+        """Return a small world, or a window or variation of the user's map."""
+        config = self._task.config
+        if config.fixed_map is None:
+            return small_world(rng, number, self._values, time_step)
+        step = config.fixed_map.robot_speed * config.time_steps[0]
+        variations = variations_of(config.fixed_map, step)
+        return variations.draw(_KINDS_IN_TURN[number % len(_KINDS_IN_TURN)], rng)
 
     def prove_suspects(self) -> None:
         """Give the best suspect of each new cause its whole budget, and prove its failure.

@@ -13,6 +13,8 @@ from sim.trace import Trace
 from worldgen.support.arrays import Ints
 from worldgen.world import World
 
+# Words of a state that are its pose.
+_POSE = 3
 # Robot radii. A robot that has stayed in a smaller box for half of its run goes nowhere.
 _CONFINED = 4.0
 # Cells by which a robot must get closer to its target in the second half of its run.
@@ -23,7 +25,7 @@ class Symptom(IntEnum):
     """Why a run is suspect, the most reliable first."""
 
     RECURS = 0
-    """It comes back to a pose with which it has begun the same moves before."""
+    """It is back at a pose of the second half of its run, or repeats its moves from nearly there."""
     CONFINED = 1
     """It stays in a small box."""
     NO_PROGRESS = 2
@@ -41,9 +43,10 @@ def symptom_of(world: World, episode: Episode) -> Symptom | None:
     seen = behaviour_of(world, episode)
     if trace is None or seen is None:
         return None
-    if seen.recurs:
-        return Symptom.RECURS
     half = slice(trace.steps // 2, None)
+    poses = trace.states[half, :_POSE]
+    if seen.recurs or (poses[:-1] == poses[-1]).all(axis=1).any():
+        return Symptom.RECURS
     extent = max(float(np.ptp(trace.x[half])), float(np.ptp(trace.y[half])))
     if extent <= _CONFINED * world.robot_radius:
         return Symptom.CONFINED

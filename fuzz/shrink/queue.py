@@ -14,13 +14,19 @@ from fuzz.simplicity import FailureOrder
 from fuzz.unit.deadline import Deadline
 from fuzz.unit.result import FailureKey
 from sim.clock.controller_time import Effort
-from sim.clock.stopping import OutOfTime, check_time, stopping_when
+from sim.clock.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
 from worldgen.errors import WorldgenError
 
 # Number of failures of each cause that are shrunk: three are shown, and the first one found rarely
 # leads to the smallest.
 MOST_SHRUNK = 4
+
+SHRINKING_SECONDS = 30.0
+"""Seconds of a slow controller's steps for shrinking one failure without a time limit.
+
+A campaign of units would otherwise spend most of its time on it, up to an hour.
+"""
 
 
 @dataclass(frozen=True)
@@ -136,7 +142,11 @@ def _by_size(job: ShrinkJob) -> tuple[int, FailureOrder]:
 
 
 def shrunk_or_same(
-    failure: Failure, *, seconds: float | None = None, end: float = math.inf
+    failure: Failure,
+    *,
+    seconds: float | None = None,
+    end: float = math.inf,
+    most_steps: float = math.inf,
 ) -> Shrinking:
     """Return the shrunk failure with its boundaries.
 
@@ -147,19 +157,26 @@ def shrunk_or_same(
         seconds: Time limit, after which the best result so far is used.
         end: Time by :func:`fuzz.unit.deadline.now`: if the result isn't proved by then, the
             failure stays unchanged.
+        most_steps: Limit on the steps of shrinking, after which the best result so far is the
+            result.
     """
     began = Effort.so_far()
     as_loaded(failure.record.controller)
-    return replace(_shrunk_or_same(failure, seconds, end), effort=began.since())
+    made = _shrunk_or_same(failure, seconds, end, most_steps)
+    return replace(made, effort=began.since())
 
 
-def _shrunk_or_same(failure: Failure, seconds: float | None, end: float) -> Shrinking:
+def _shrunk_or_same(
+    failure: Failure, seconds: float | None, end: float, most_steps: float
+) -> Shrinking:
     try:
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()
-            made = shrink(failure, seconds=seconds)
+            made = shrink(failure, seconds=seconds, most_steps=most_steps)
+            # A limit on the steps gives the same result whenever it is reached, and so is final.
             if not made.complete:
-                return Shrinking(made.failure, complete=False)
+                is_final = seconds is None and not is_out_of_time()
+                return Shrinking(made.failure, complete=is_final)
             try:
                 return Shrinking(with_boundaries(made.failure, failure))
             except OutOfTime:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -37,6 +38,8 @@ _FEWEST_STEPS = 2_000
 # makes with the budget above, two thirds are in runs that never end.
 _LONGER_LOOP = 2
 _FEWEST_IN_HASTE = 200
+# Runs that shrinking may take, however slow the controller is.
+_FEWEST_RUNS = 50
 # Details that do not apply to the new world.
 _OF_THE_OLD_WORLD = (
     "boundaries",
@@ -80,6 +83,7 @@ def shrink(
     failure: Failure,
     *,
     seconds: float | None = None,
+    most_steps: float = math.inf,
     progress: Progress | None = None,
     keep_on_interrupt: bool = False,
 ) -> Shrunk:
@@ -92,6 +96,8 @@ def shrink(
         failure: The failure to shrink.
         seconds: Stop after this time with the best result so far. If omitted, the amount of work
             does not depend on the clock.
+        most_steps: Stop after about this many steps with the best result so far; each run counts as
+            many as the failure takes.
         progress: Called with each simpler world.
         keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
 
@@ -101,7 +107,8 @@ def shrink(
     Raises:
         InvalidParameter: If it does not fail, or no longer fails.
     """
-    reducer = _Reducer(failure, None if seconds is None else time.monotonic() + seconds, progress)
+    deadline = None if seconds is None else time.monotonic() + seconds
+    reducer = _Reducer(failure, deadline, most_steps, progress)
     try:
         reducer.run()
     except KeyboardInterrupt:
@@ -154,16 +161,21 @@ def shrink_class(
 class _Reducer:
     """Holds the simplest case so far, so that the deadline or Ctrl-C can stop it at any time."""
 
-    def __init__(self, failure: Failure, deadline: float | None, progress: Progress | None) -> None:
+    def __init__(
+        self, failure: Failure, deadline: float | None, most_steps: float, progress: Progress | None
+    ) -> None:
         self._failure = failure
         self._deadline = deadline
         self._progress = progress
-        self._still_fails = _judge(failure)
-        if deadline is not None:
+        steps = _steps_to_fail(failure)
+        self._most_runs = max(most_steps / max(steps, 1), _FEWEST_RUNS)
+        self._still_fails = _judge(failure, steps)
+        # A campaign limits the steps for a slow controller; with a time limit, its runs have shown it.
+        if most_steps < math.inf or (deadline is not None and _is_slow(failure)):
             self._still_fails.tried_budget = _budget_in_haste(failure)
         self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
         constraint = Constraint.recorded(failure.record.details)
-        self._trying = Trying(self._still_fails, deadline, constraint)
+        self._trying = Trying(self._still_fails, self._is_over, constraint)
         # The last case that was confirmed, and its failure.
         self._made: tuple[Case, Failure] | None = None
         self._left = _NOT_CHECKED
@@ -183,6 +195,12 @@ class _Reducer:
                     self._left = ()
                     return
                 self._best = self._begin
+
+    def _is_over(self) -> bool:
+        """Return True if the time is over, or enough runs are made."""
+        if self._still_fails.simulations >= self._most_runs:
+            return True
+        return self._deadline is not None and time.monotonic() > self._deadline
 
     def _stopping(self) -> contextlib.AbstractContextManager[None]:
         """Let the deadline end even the current trial, which can be long with a slow controller."""
@@ -248,7 +266,7 @@ class _Reducer:
         return replace(made, record=replace(made.record, details=details))
 
     def _judged_in_time(self, candidate: World) -> World | None:
-        if self._deadline is not None and time.monotonic() > self._deadline:
+        if self._is_over():
             raise TimeoutError
         return self._still_fails(candidate, self._best.scenario)
 
@@ -296,8 +314,12 @@ class _Reducer:
         return failure_of(proved, self._best.scenario, oracle, steps=budget)
 
 
-def _judge(failure: Failure) -> StillFails:
+def _judge(failure: Failure, steps: int) -> StillFails:
     """Return a judge that agrees that the original fails.
+
+    Args:
+        failure: The original.
+        steps: Number of steps after which it is certain.
 
     Raises:
         InvalidParameter: If it does not fail.
@@ -311,7 +333,7 @@ def _judge(failure: Failure) -> StillFails:
         cause = cause_of_run(failure.world, failure.run(), others)
     # Try a generous budget first. With more steps an overlap may end as a tunnel; then use the
     # recorded budget.
-    more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
+    more = _MORE_STEPS * steps + _FEWEST_STEPS
     for budget in (min(more, MAX_STEPS), options.steps):
         still_fails = StillFails.of(failure, budget, cause=cause)
         if still_fails(failure.world.bare) is not None:
@@ -331,14 +353,18 @@ def _judge(failure: Failure) -> StillFails:
     )
 
 
+def _is_slow(failure: Failure) -> bool:
+    origin = origin_of(CONTROLLERS.get(failure.record.controller))
+    return origin is not None and origin.answers.is_trusted
+
+
 def _budget_in_haste(failure: Failure) -> int | None:
-    """Return a budget in which most loops of simpler worlds end; ``None`` if it isn't worth it.
+    """Return a budget in which most loops of simpler worlds end; ``None`` if there is no loop.
 
     The check that nothing can be removed has the full budget, so what this misses is made up for.
     """
     loop = failure.evidence
-    origin = origin_of(CONTROLLERS.get(failure.record.controller))
-    if not isinstance(loop, LoopEvidence) or origin is None or not origin.answers.is_trusted:
+    if not isinstance(loop, LoopEvidence):
         return None
     return _LONGER_LOOP * (loop.entry + loop.period) + _FEWEST_IN_HASTE
 

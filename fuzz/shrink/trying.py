@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from fuzz.facts.proofs import certified
 from fuzz.oracles import VERDICT
@@ -46,7 +45,7 @@ class Trying:
 
     Args:
         still_fails: The exact judge.
-        deadline: Time by ``time.monotonic``, s; ``None`` for none.
+        is_over: Returns True once no further edit may be tried.
         constraint: What an edit must not change.
 
     Attributes:
@@ -54,12 +53,12 @@ class Trying:
     """
 
     def __init__(
-        self, still_fails: StillFails, deadline: float | None, constraint: Constraint
+        self, still_fails: StillFails, is_over: Callable[[], bool], constraint: Constraint
     ) -> None:
         self.careful = False
         self._constraint = constraint
         self._still_fails = still_fails
-        self._deadline = deadline
+        self._is_over = is_over
         self._quick_is_enough = still_fails.oracle == VERDICT and still_fails.is_proved_by_the_run
         run = still_fails.scenario.run
         # The core can't compute the cells to cover in an edited world.
@@ -71,7 +70,7 @@ class Trying:
         The case has no certificate.
 
         Raises:
-            TimeoutError: If the deadline has passed.
+            TimeoutError: If no further edit may be tried.
         """
         # A pass proposes only edits of cells, or no edits of cells at all.
         cells = [edit for edit in edits if isinstance(edit, CellEdit)]
@@ -79,7 +78,7 @@ class Trying:
         at = begin
         # Try edits in order, many at a time if the core can run them.
         while at < len(edits):
-            if self._deadline is not None and time.monotonic() > self._deadline:
+            if self._is_over():
                 raise TimeoutError
             if runs is None:
                 edit = edits[at]

@@ -35,7 +35,7 @@ class CampaignConfig(SearchOptions):
         families: Families and other strategies to search with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
-        fixed_map: A map on which only its robots' starts, headings, targets and radii vary.
+        fixed_map: A map to search on: poses on it, windows of it, and variations of them.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
         robots: Number of robots in each world.
         fixes_time_step: Whether the user gave the time step, so that every failure must have it.

@@ -52,9 +52,10 @@ class CampaignOptions(SearchOptions):
         motion: Motion model: swept, endpoint or stepped.
         task: Reach the target, or cover every cell whose centre the robot can reach.
         families: Generate worlds with this family only; may be repeated.
-        strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
-            a family; may be repeated. docs/explanation/search.md describes them.
-        world: Search on this map; only its robots' starts, targets and radii vary.
+        strategies: Search with this strategy only: native, archive, small, boundary, features,
+            sealed, or a family; may be repeated. docs/explanation/search.md describes them.
+        world: Search on this map: with other starts, targets and radii, in windows around its narrow
+            places, and with doors closed, boxes, people and moved pieces of the walls.
         vary: Choose robot_radius, robot_speed, time_step, an option of the motion model or a field
             of your class at random from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]

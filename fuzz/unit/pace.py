@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from sim.controllers import CompiledController, Controller, ProcessController, VectorController
@@ -44,6 +45,14 @@ class Pace:
     def run(self) -> float:
         """Seconds of a typical run."""
         return self.reset + _STEPS * self.step
+
+    def steps_in(self, seconds: float) -> float:
+        """Return how many steps a piece of work may take; no limit unless the controller is slow.
+
+        Without a time limit, the work that a slow controller gets depends on its pace instead of
+        the clock, so that the result depends only on the seed.
+        """
+        return seconds / self.step if self.is_slow else math.inf
 
     @property
     def slower(self) -> int:

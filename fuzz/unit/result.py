@@ -68,6 +68,8 @@ class UnitResult:
         steps: Number of steps simulated.
         verdicts: Counts of verdicts in screening; if the target is walled off, ``breach`` for a
             robot that got there, ``sealed`` for one that did not.
+        tried: Numbers of worlds drawn on the user's map, by kind
+            (:class:`fuzz.layouts.map_windows.Kind`).
         failures: By key, the smallest failure, with witness, evidence and cause.
         first_met: By key, when the unit first met such a failure.
         judged: Number of runs that did not arrive and were judged: proved to be failures, or known
@@ -86,6 +88,7 @@ class UnitResult:
     worlds: int = 0
     steps: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
+    tried: Counter[str] = field(default_factory=Counter)
     judged: int = 0
     failures: dict[FailureKey, Failure] = field(default_factory=dict)
     first_met: dict[FailureKey, FirstMet] = field(default_factory=dict, compare=False)

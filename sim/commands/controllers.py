@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_list, json_option
+from worldgen.cli.output import emit_list, json_option, say
 
 if TYPE_CHECKING:
     from sim.controllers.base import Controller
@@ -37,14 +37,21 @@ _WORDS = {
 def controllers(name: str | None, as_json: bool) -> None:
     """List the controllers, and what each of them senses.
 
-    With NAME, such as bug2 or ./mine.py:Robot, list only that one.
+    With NAME, such as bug2 or ./mine.py:Robot, list only that one, and the fields of a class.
     """
     from sim.controllers.catalogue import CONTROLLERS
+    from sim.controllers.fields import describe_fields
+    from sim.scenario import Scenario
 
     names = CONTROLLERS.names() if name is None else [name]
     rows = [_facts(one, CONTROLLERS.get(one)) for one in names]
+    fields = () if name is None else Scenario(name).fields
+    if name is not None:
+        rows[0]["fields"] = {one.name: one.default for one in fields}
     columns = {"name": "controller", "in_words": "senses", "about": "what it does"}
     emit_list("controllers", rows, columns, as_json=as_json)
+    if fields and not as_json:
+        say(f"its name sets its fields: {describe_fields(fields)}")
 
 
 def _facts(name: str, controller: Controller) -> dict[str, Any]:

@@ -123,15 +123,19 @@ class Answers:
             self.ends = {}
 
     def lend(
-        self, controller: Any, drive: Callable[[Any], T], *, proves: bool
+        self,
+        controller: Any,
+        drive: Callable[[Any], T],
+        *,
+        proved_if: Callable[[], bool] | None = None,
     ) -> tuple[T, bool | None]:
         """Run, and reuse answers where they are known.
 
         Args:
             controller: The controller, after its ``reset``.
             drive: Runs to the end; takes the function that acts.
-            proves: Whether the run proves a loop, so that it may only reuse what such a run has
-                computed before.
+            proved_if: For a run that proves a loop, which only reuses what such a run has computed
+                before: returns at its end whether others may reuse it so.
 
         Returns:
             The result of the run; and whether the controller's attributes would be as at the start,
@@ -146,7 +150,7 @@ class Answers:
         if begun is None or sys.gettrace() is not None or are_reads_noted():
             return drive(timed(controller.act)), None
         kind = _RunByHistory if self.by_history else _Run
-        run = kind(self, controller, begun, proves=proves and not _leaves_proofs.get())
+        run = kind(self, controller, begun, None if _leaves_proofs.get() else proved_if)
         try:
             result = drive(run.act)
         except Exception:
@@ -212,12 +216,16 @@ class _Run:
     """One run that reuses answers."""
 
     def __init__(
-        self, answers: Answers, controller: Any, begun: HiddenState, *, proves: bool
+        self,
+        answers: Answers,
+        controller: Any,
+        begun: HiddenState,
+        proved_if: Callable[[], bool] | None,
     ) -> None:
         self._answers = answers
         self._controller = controller
         self._begun = begun
-        self._proves = proves
+        self._proved_if = proved_if
         self._proved: set[bytes] = set()
         self._act = timed(controller.act)
         # A plan, or an option, is part of what decides an answer.
@@ -234,7 +242,7 @@ class _Run:
         if answers.is_off or answers.by_history:
             return self._act(seen, memory)
         key = _key(self._state, seen, memory)
-        found = answers.find(key, proved_only=self._proves)
+        found = answers.find(key, proved_only=self._proved_if is not None)
         if found is not None and not answers.is_to_check():
             self._has_reused = True
             return marshal.loads(found)
@@ -270,7 +278,8 @@ class _Run:
             self._answers.go_by_history()
             self._begin_again()
         else:
-            self._answers.end_run(self._proved)
+            is_proved = self._proved_if is not None and self._proved_if()
+            self._answers.end_run(self._proved if is_proved else set())
         return None
 
     def _begin_again(self) -> None:
@@ -287,7 +296,7 @@ class _Run:
             known = self._answers.known(key)
             if known not in (None, plain):
                 self._differ()
-            if self._proves:
+            if self._proved_if is not None:
                 self._proved.add(key)
             self._answers.add(key, plain, seconds)
         return answer
@@ -307,9 +316,13 @@ class _RunByHistory(_Run):
     """
 
     def __init__(
-        self, answers: Answers, controller: Any, begun: HiddenState, *, proves: bool
+        self,
+        answers: Answers,
+        controller: Any,
+        begun: HiddenState,
+        proved_if: Callable[[], bool] | None,
     ) -> None:
-        super().__init__(answers, controller, begun, proves=proves)
+        super().__init__(answers, controller, begun, proved_if)
         self._past: list[tuple[Any, Any, bytes]] = []
         self._acts = answers.is_to_check()
 
@@ -319,7 +332,7 @@ class _RunByHistory(_Run):
         if answers.is_off:
             return self._act(seen, memory)
         self._state = key = _key(self._state, seen, memory)
-        found = None if self._acts else answers.find(key, proved_only=self._proves)
+        found = None if self._acts else answers.find(key, proved_only=self._proved_if is not None)
         if found is not None:
             self._past.append((seen, memory, found))
             return marshal.loads(found)

@@ -84,7 +84,7 @@ def state_survives_reset(controller: str, places: Iterable[str]) -> Message:
 
 
 def runs_differ(controller: str, sources: Iterable[str]) -> Message:
-    """Return the message about a controller whose equal runs differ.
+    """Return the message about a controller that depends on more than a run begins with.
 
     Args:
         controller: The controller's name.
@@ -98,8 +98,8 @@ def runs_differ(controller: str, sources: Iterable[str]) -> Message:
         remedy = "let nothing but its observation and its memory decide what it does"
     return Message(
         "runs-differ",
-        "equal runs of {controller} differ, and failures that do not repeat are dropped: it uses "
-        "{sources!l}",
+        "{controller} uses {sources!l}, so equal runs of it may differ: its loops cannot be proved, "
+        "and failures that do not repeat are dropped",
         remedy,
         controller=controller,
         sources=sorted(sources),

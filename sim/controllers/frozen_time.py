@@ -44,9 +44,11 @@ class FrozenTime:
     Args:
         seed: Seed of the run.
         time_step: Duration of a step, s.
+        only_watches: True to show the real clock and real chance, and only note what is read.
     """
 
-    def __init__(self, seed: int, time_step: float) -> None:
+    def __init__(self, seed: int, time_step: float, *, only_watches: bool = False) -> None:
+        self.only_watches = only_watches
         self._seed = seed
         self._time_step = time_step
         self._now = 0.0
@@ -83,13 +85,18 @@ class FrozenTime:
         originals = {id(getattr(place, name)): new for place, name, new in replaced}
         self._places = [(vars(place), name, new) for place, name, new in replaced]
         # ``from time import monotonic`` has made a name of its own.
+        parts = (controller, *getattr(controller, "made_of", ()))
+        modules = [one for part in parts for one in modules_of_user(type(part))]
         self._places += [
             (vars(module), name, originals[id(value)])
-            for module in modules_of_user(type(controller))
+            for module in dict.fromkeys(modules)
             for name, value in vars(module).items()
             if id(value) in originals
         ]
         self._real = [place[name] for place, name, _ in self._places]
+        if self.only_watches:
+            yield
+            return
         kept = random.getstate(), np.random.get_state()
         random.seed(self._seed)
         np.random.seed(self._seed % 2**32)
@@ -112,6 +119,8 @@ class FrozenTime:
             call: The function.
             is_step: Whether each call is a step of the run.
         """
+        if self.only_watches:
+            return call
 
         def frozen(*arguments: Any) -> Any:
             if is_step:
@@ -125,6 +134,22 @@ class FrozenTime:
                 self._thaw()
 
         return frozen
+
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Note what is read in this block, which has all steps of the run.
+
+        What is read is real, so the names may stay replaced between the steps.
+        """
+        if not self.only_watches:
+            yield
+            return
+        self._steps = 1
+        try:
+            self._freeze()
+            yield
+        finally:
+            self._thaw()
 
     # Neither is interrupted: half of the names would stay replaced.
 
@@ -145,26 +170,28 @@ class FrozenTime:
         return threading.get_ident() != self._thread or caller.startswith(_OURS)
 
     def _is_meant(self, source: str) -> bool:
-        """Return True if the caller of a replaced function is not ours, and note where it is."""
+        """Note where the caller of a replaced function is, unless it is ours.
+
+        Return True if it is to get something else than the real clock or real chance.
+        """
         if self._is_ours(3):
             return False
+        # What ``reset`` reads is the same in every run.
+        self._readings += self._steps > 0
         caller = sys._getframe(2)
         if all(not known.startswith(f"{source} (") for known in self._sources):
             place = f"{Path(caller.f_code.co_filename).name}:{caller.f_lineno}"
             self._sources[f"{source} ({place})"] = None
-        return True
+        return not self.only_watches
 
     def _read(self) -> float:
         self._read_here += 1
         if self._read_here > _READINGS:
             self._now += _PER_READING
-        # What ``reset`` reads is the same in every run.
-        self._readings += self._steps > 0
         return self._now
 
     def _next_seed(self) -> int:
         self._made += 1
-        self._readings += self._steps > 0
         return (self._seed + self._made * 0x9E3779B97F4A7C15) & MASK64
 
     def _replacements(self) -> list[tuple[Any, str, Any]]:
@@ -194,7 +221,7 @@ class FrozenTime:
 
     def _sleep(self, real: Callable[[float], None]) -> Callable[[float], None]:
         def sleep(seconds: float, /) -> None:
-            if self._is_ours():
+            if self.only_watches or self._is_ours():
                 real(seconds)
             else:
                 self._now += max(float(seconds), 0.0)

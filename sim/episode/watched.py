@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import math
 import sys
@@ -162,6 +163,8 @@ def watched_part(
                 return None
             with counted_module(module) as code:
                 watcher = _Watcher(again, code, first)
+                if options.frozen_time and origin_of(controller) is not None:
+                    watcher.renew_with(functools.partial(_another, controller, module))
                 watched: Any = watcher
                 run = prepare(world, watched, replace(options, steps=episode.steps))
                 outcome = run.run(episode.steps, find_loop=False, record=True)
@@ -193,7 +196,6 @@ class _Watcher:
     """A controller that lets another one act, and watches it."""
 
     def __init__(self, inner: Any, code: CountedCode, first: int) -> None:
-        self._inner = inner
         self._now = code.counts
         self._unpacked = _unpacked(code)
         read = frozenset[str]().union(*(one.fields for one in code.functions))
@@ -204,12 +206,32 @@ class _Watcher:
         self._latest: dict[str, object] = {}
         self._since: dict[str, int] = {}
         self._seen: dict[str, StateValues] = {}
+        self._watch(inner)
+
+    def _watch(self, inner: Any) -> None:
+        self._inner = inner
+        self.made_of = (inner,)
         for method in _METHODS:
             if hasattr(inner, method):
                 setattr(self, method, self._watching(getattr(inner, method)))
         for declared in _DECLARED:
             if hasattr(inner, declared):
                 setattr(self, declared, getattr(inner, declared))
+
+    def renew_with(self, make: Callable[[], Any]) -> None:
+        """Watch another controller from its reset on, as a run with frozen time does.
+
+        Args:
+            make: Returns another one.
+        """
+        reset = self._inner.reset
+
+        @functools.wraps(reset)
+        def renewed(*world: World) -> Any:
+            self._watch(make())
+            return self._inner.reset(*world)
+
+        self.reset = renewed
 
     def _watching(self, act: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         def watched(observation: Any, memory: Any) -> Any:

@@ -10,7 +10,8 @@ import copy
 import re
 from bdb import BdbQuit
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from functools import partial
 from types import SimpleNamespace, TracebackType
 from typing import Any
 
@@ -58,7 +59,9 @@ class ControllerHost:
         shows_memory: Whether its memory can be seen, so that its loops can be found.
         start_speed: Speed during the first step, m/s.
         thesis_rule: See :class:`~sim.controllers.base.CompiledController`.
-        sources: What it read in its last run with frozen time that otherwise differs from run to run.
+        sources: What it read in its last run with frozen time, or in the last that was watched, that
+            differs from run to run.
+        has_read_clock: Whether a step of that run read a clock, or made a generator without a seed.
     """
 
     in_core = False
@@ -74,6 +77,7 @@ class ControllerHost:
         self.sources: tuple[str, ...] = ()
         # Whether the latest run would have left no state, if its answers were reused.
         self._unchanged: bool | None = None
+        self.has_read_clock = False
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
@@ -96,22 +100,31 @@ class ControllerHost:
             )
 
     @contextmanager
-    def freezing(self, options: RunOptions, seed: int | None = None) -> Iterator[None]:
+    def freezing(
+        self, options: RunOptions, seed: int | None = None, *, watches: bool = False
+    ) -> Iterator[None]:
         """Let it see simulated time and seeded chance in this block, if the run's options say so.
 
         Args:
             options: Options of the run.
             seed: The run's seed, if it isn't the options'.
+            watches: Whether to note in any case whether a step reads the clock.
         """
-        if not options.frozen_time:
+        is_watched = watches and self.in_python and not self.acts_for_many
+        if not (options.frozen_time or is_watched):
             yield
             return
-        self._frozen = FrozenTime(options.seed if seed is None else seed, options.time_step)
+        self._frozen = FrozenTime(
+            options.seed if seed is None else seed,
+            options.time_step,
+            only_watches=not options.frozen_time,
+        )
         try:
             with self._frozen.run(self.controller):
                 yield
         finally:
             self.sources = self._frozen.sources
+            self.has_read_clock = self._frozen.was_read
             self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:
@@ -123,7 +136,7 @@ class ControllerHost:
         """
         shown = world if self.plans else None
         self._unchanged = None
-        if self._frozen is not None:
+        if self._frozen is not None and not self._frozen.only_watches:
             # Generators that ``__init__`` makes begin again with each run.
             origin = origin_of(self.controller)
             if origin is not None:
@@ -142,7 +155,8 @@ class ControllerHost:
 
         ``None`` if not all of it can be seen, or earlier runs have changed it.
         """
-        if self.has_read_clock:
+        # A clock is a state, too. Its runs with one robot are compared by another clock instead.
+        if self._frozen is not None and self._frozen.was_read:
             return None
         state = hidden_state(self.controller)
         return None if has_shared_state_changed(self.controller, state) else state
@@ -157,11 +171,6 @@ class ControllerHost:
             return self._unchanged
         return hidden_state(self.controller) == begun
 
-    @property
-    def has_read_clock(self) -> bool:
-        """Whether a step of the run has read simulated time, which never recurs."""
-        return self._frozen is not None and self._frozen.was_read
-
     def driver(self, memory: Memory, settings: Any) -> Driver:
         """Return it in the form in which the core calls it.
 
@@ -171,31 +180,38 @@ class ControllerHost:
         """
         return Driver(None, memory, settings)
 
-    def drive(self, stops: Stops, memory: Memory, *, proves: bool = False) -> Memory:
+    def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act wherever a run stops, and return its memory after the last step.
 
-        Answers of a slow class are reused where they are known.
+        Answers of a slow class are reused where they are known. A watched run proves a loop, so it
+        reuses only what such a run has computed.
 
         Args:
             stops: The run.
             memory: Its memory, from :meth:`begin`.
-            proves: Whether the run proves a loop; see :meth:`sim.controllers.answers.Answers.lend`.
 
         Raises:
             AnswersDiffer: If the run must be repeated.
         """
-        # Frozen time shows which step it is, and is the same in no two.
-        is_reusable = self.in_python and self._frozen is None
+        frozen = self._frozen
+        proves = frozen is not None and frozen.only_watches
+        # Simulated time shows which step it is, and is the same in no two.
+        is_reusable = self.in_python and (frozen is None or proves)
+
+        def drive(act: Callable[..., Any], *, is_measured: bool) -> Memory:
+            with nullcontext() if frozen is None else frozen.watching():
+                return act_in_core(act, stops, memory, is_measured=is_measured)
+
         origin = origin_of(self.controller) if is_reusable else None
         if origin is None or origin.answers.is_off:
-            return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+            return drive(self.act, is_measured=self.in_python)
         try:
-            memory, self._unchanged = origin.answers.lend(
+            after, self._unchanged = origin.answers.lend(
                 self.controller,
-                lambda act: act_in_core(act, stops, memory, is_measured=False),
-                proves=proves,
+                partial(drive, is_measured=False),
+                proved_if=(lambda: not frozen.was_read) if frozen is not None else None,
             )
-            return memory
+            return after
         except AnswersDiffer:
             # The next run must begin as this one did; the object itself is renewed then.
             kind = type(self.controller)
@@ -261,7 +277,7 @@ class ManyHost(ControllerHost):
 
     acts_for_many = True
 
-    def drive(self, stops: Stops, memory: Memory, *, proves: bool = False) -> Memory:
+    def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act for the only robot, whose memory the core keeps."""
         workspace = Workspace(stops.episode)
         seen = workspace.observation[np.newaxis]

@@ -56,7 +56,10 @@ def with_memory_drift(evidence: BudgetEvidence, trace: Trace) -> BudgetEvidence:
         return evidence
 
     memory = trace.states[half + entry :, trace.memory_at :].view(np.float64)
-    change = memory[period:] - memory[:-period]
+    # Infinities, such as a distance that is not known yet, differ by nan.
+    with np.errstate(invalid="ignore"):
+        change = memory[period:] - memory[:-period]
+    change = np.where(memory[period:] == memory[:-period], 0.0, change)
     scale = np.maximum(1.0, np.abs(memory[:-period]))
     # Written so that nan fails the comparison.
     if not (np.abs(change) <= _ROUNDING * scale).all() or not change.any():

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
+from sim.clock.controller_time import count_differences
 from sim.controllers.base import CompiledController, Controller, robot_for
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct
@@ -21,7 +22,14 @@ from sim.controllers.noise import is_noisy
 from sim.controllers.shared.guarded import CoreMemory
 from sim.evidence import BudgetEvidence
 from sim.kernels import layout
-from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
+from sim.options.run import (
+    COVER,
+    MAX_RECORDED,
+    TIME_STEPS,
+    RunOptions,
+    check_recordable,
+    check_step_length,
+)
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.controller_host import ControllerHost, host_of
 from sim.runners.core_calls import (
@@ -209,9 +217,25 @@ class LatticeRun:
         return self._run(steps, find_loop=find_loop, record=record, digest=digest)[0]
 
     def _run(
-        self, steps: int, *, find_loop: bool, record: bool, digest: bool, proves: bool = False
+        self,
+        steps: int,
+        *,
+        find_loop: bool,
+        record: bool,
+        digest: bool = True,
+        watches: bool = False,
+        options: RunOptions | None = None,
     ) -> tuple[Outcome, CoreEpisode | None]:
-        """Run once; there is no episode if the controller failed before it began."""
+        """Run once; there is no episode if the controller failed before it began.
+
+        Args:
+            steps: As for :meth:`run`, like the next three.
+            find_loop: See there.
+            record: See there.
+            digest: See there.
+            watches: Whether to note whether a step of a Python class reads the clock.
+            options: Other options for the clock that it sees.
+        """
         self.settings.steps = steps
         self.settings.digest = int(digest)
         self.settings.find_loop = self.search if find_loop else lib.WG_NO_LOOP
@@ -222,9 +246,9 @@ class LatticeRun:
             self.arena,
             self.settings,
             self.world,
-            self.options,
+            self.options if options is None else options,
             record=record,
-            proves=proves,
+            watches=watches,
         )
         return self.outcome_of(*ended), ended.episode
 
@@ -271,19 +295,28 @@ class LatticeRun:
         elif entry + 2 * period > MAX_RECORDED:
             # Too long to record, and no recording was requested, so the budget decides.
             return None
-        whole, _ = self._run(
-            entry + 2 * period, find_loop=False, record=True, digest=True, proves=True
-        )
+        whole, _ = self._run(entry + 2 * period, find_loop=False, record=True, watches=True)
         if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None
         states = whole.trace.states
         if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
+            return None
+        sources = self.host.sources
+        if self.host.has_read_clock and not self._is_the_same_by_another_clock(whole.trace):
+            # No state recurs while a clock runs that it heeds.
+            count_differences(sources)
             return None
         outcome = self.run(entry + period, find_loop=False, record=record)
         # State outside the memory must be the same at both ends of the second period.
         if not outcome.complete:
             return None
         return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
+
+    def _is_the_same_by_another_clock(self, trace: Trace) -> bool:
+        """Return True if a controller's run does not depend on the clock that it reads."""
+        hurried = replace(self.options, frozen_time=True, time_step=TIME_STEPS[1])
+        other, _ = self._run(trace.steps, find_loop=False, record=True, options=hurried)
+        return other.trace is not None and np.array_equal(other.trace.states, trace.states)
 
     def with_confinement(self, evidence: BudgetEvidence, outcome: Outcome) -> BudgetEvidence:
         """Add to a recorded run's evidence that its poses repeat and its memory nearly does.

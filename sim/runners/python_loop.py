@@ -50,7 +50,7 @@ def run_in_python(
     options: RunOptions,
     *,
     record: bool,
-    proves: bool = False,
+    watches: bool = False,
 ) -> PythonRun:
     """Run an episode; whatever the controller raises ends it as a crash.
 
@@ -63,11 +63,11 @@ def run_in_python(
         world: The world, for a controller that plans first.
         options: Options of the run.
         record: Whether to keep every state.
-        proves: Whether the run proves a loop; see :meth:`ControllerHost.drive`.
+        watches: Whether to note whether a step reads the clock.
     """
     while True:
         with contextlib.suppress(AnswersDiffer):
-            return _run(host, arena(), settings, world, options, record=record, proves=proves)
+            return _run(host, arena(), settings, world, options, record=record, watches=watches)
 
 
 def _run(
@@ -78,14 +78,14 @@ def _run(
     options: RunOptions,
     *,
     record: bool,
-    proves: bool,
+    watches: bool,
 ) -> PythonRun:
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)
     begun: HiddenState | None = None
     fault: ControllerError | None = None
     host.start()
-    with only_results_on_stdout(), host.freezing(options):
+    with only_results_on_stdout(), host.freezing(options, watches=watches):
         try:
             with Faults(host), working("running the controller", often=True) as work:
                 memory = host.begin(world)
@@ -100,10 +100,10 @@ def _run(
                 report = episode.report
                 work.say(lambda: f"step {report.steps:,} of at most {settings.steps:,}")
                 stops = Stops(ffi, lib, "wg_episode", episode.c, episode)
-                host.drive(stops, memory, proves=proves)
+                host.drive(stops, memory)
         except ControllerError as error:
             fault = error
-        complete = begun is not None and not host.has_read_clock and host.is_unchanged(begun)
+        complete = begun is not None and host.is_unchanged(begun)
     if episode is None or not len(rows):
         return PythonRun(episode, None, complete, fault)
 

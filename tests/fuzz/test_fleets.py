@@ -19,7 +19,8 @@ from fuzz.facts.proofs import certified
 from fuzz.facts.signature import Standoff, standoff
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
-from fuzz.search.drawn import explore, strategy_worlds
+from fuzz.search.drawn import explore, poses_on, strategy_worlds
+from fuzz.search.fleets import fleet_worlds
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
@@ -467,7 +468,7 @@ def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> 
 
 def test_most_draws_of_many_robots_keep_them_apart() -> None:
     open_map = World(np.zeros((40, 40), bool), Pose(1.0, 1.0), Target(3.0, 3.0, 0.05))
-    drawn = worlds_from(strategy_worlds("map", open_map, robots=12), 40)
+    drawn = worlds_from(fleet_worlds(poses_on(open_map), 12, open_map), 40)
     assert len(drawn) >= 30
     assert {len(world.robots) for world in drawn} == {12}
 

@@ -150,7 +150,7 @@ def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
             seconds[0] += 1
         spent.append(seconds[0] - began)
 
-    def explained(failure, is_over):
+    def explained(failure, is_over, most_steps):
         with stopping_when(is_over):
             wait()
 

@@ -1,13 +1,18 @@
 """The pace of a controller: measured with a budget, usual without, and what it makes of a unit."""
 
+import math
 import time
 
 import pytest
 
 from fuzz.campaign.configure import configure
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
+from fuzz.failure import ShrinkState
+from fuzz.overview.counterfactual import counterfactuals
 from fuzz.search.native import unit_size_of
 from fuzz.search.plan import Prices, prices_of
+from fuzz.shrink.queue import shrunk_or_same
+from fuzz.triage.judging import failure_of
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.options import CampaignOptions
 from fuzz.unit.pace import Pace
@@ -15,6 +20,7 @@ from sim.controllers.examples.python import Example
 from sim.episode.try_out import step_times
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
+from worldgen import generate
 from worldgen.errors import InvalidParameter
 
 PYTHON = "sim.controllers.examples.python:Example"
@@ -108,3 +114,28 @@ def test_a_batch_of_a_slow_controller_takes_a_second_or_two(pace):
 def test_a_pace_that_is_no_time_is_refused(pace):
     with raises(InvalidParameter, "wrong-type" if pace == "fast" else "out-of-range"):
         CampaignOptions(controller="bug2", pace=pace)
+
+
+def test_only_a_slow_controller_has_a_limit_on_what_shrinking_and_explaining_may_take():
+    assert Pace(1e-6).steps_in(30.0) == math.inf
+    assert Pace(0.01).steps_in(30.0) == 3000.0
+
+
+@pytest.mark.gate
+def test_shrinking_that_ends_at_its_limit_of_steps_is_final_and_the_same_again():
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    one, two = (shrunk_or_same(failure, most_steps=1.0) for _ in range(2))
+    assert one.complete and one.failure.shrinking == ShrinkState.CUT_SHORT
+    assert one.failure.world.solid_cells < failure.world.solid_cells
+    assert one.failure.dumps() == two.failure.dumps()
+
+
+def test_an_explanation_reports_how_far_it_is_and_ends_at_its_limit_of_steps():
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    seen = []
+    found = counterfactuals(
+        failure, most_steps=20_000, progress=lambda done, of: seen.append((done, of))
+    )
+    assert not found.is_complete
+    assert [done for done, _ in seen] == [*range(1, found.runs + 1)]
+    assert all(of >= done for done, of in seen)

@@ -1,5 +1,6 @@
 """The fields of a controller's class are options in its name."""
 
+import json
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -166,3 +167,12 @@ def test_a_scenario_reads_and_changes_fields():
     assert Scenario.parse(changed.label()) == changed
     with raises(InvalidParameter, "unknown-name", name="nothing"):
         scenario.with_option("nothing", 1)
+
+
+def test_the_list_of_controllers_names_the_fields_of_a_class():
+    shown = worldgen("controllers", f"{HERE}:Plain").out
+    assert shown.endswith("fields: bias: float = 0.5, wide: bool = False, limit: float = 2.0\n")
+    (row,) = json.loads(worldgen("controllers", f"{HERE}:Plain", "--json").out)["controllers"]
+    assert row["fields"] == {"bias": 0.5, "wide": False, "limit": 2.0}
+    (row,) = json.loads(worldgen("controllers", "bug2", "--json").out)["controllers"]
+    assert row["fields"] == {}

@@ -20,13 +20,24 @@ from sim.clock import controller_time
 from sim.clock.controller_time import UNKNOWN_SOURCE, Effort
 from sim.episode.differences import _examined, count_sources, note_difference
 from tests.helpers.command_line import worldgen
-from tests.helpers.halls import hall
+from tests.helpers.halls import cup, hall
 from tests.helpers.raising import raises
 from worldgen import write_world
 from worldgen.errors import InvalidParameter
 
 HERE = "tests.sim.test_frozen_time"
 SEEN = []
+MINE = """import random
+from time import monotonic
+
+class Dice:
+    def __init__(self):
+        self.dice = random.Random()
+    def reset(self): return ()
+    def act(self, observation, memory):
+        turn = self.dice.random() + monotonic()
+        return (0.5, turn % 1.0), memory
+"""
 
 
 class Controller:
@@ -124,6 +135,17 @@ class Rounds(Controller):
         return 512 / 65536 * 2 * np.pi / 0.015
 
 
+class Timer(Controller):
+    """Circles for a quarter of an hour."""
+
+    def reset(self):
+        self.until = time.time() + 900.0
+        return ()
+
+    def turn(self, observation):
+        return 512 / 65536 * 2 * np.pi / 0.015 if time.time() < self.until else 0.0
+
+
 class Fails(Controller):
     def turn(self, observation):
         raise ValueError(time.time())
@@ -188,9 +210,18 @@ def test_nothing_stays_frozen(seen):
     assert random.getstate() == before and moment is datetime.datetime and time.time() > 1e9
 
 
-def test_a_robot_that_reads_the_clock_is_never_proved_to_loop():
-    real, frozen = (run(Rounds, frozen_time=frozen, steps=4000) for frozen in (False, True))
-    assert (real.verdict, frozen.verdict) == ("loop", "stalled")
+@pytest.mark.parametrize("frozen_time", [False, True])
+def test_a_clock_that_decides_moves_makes_no_loop_and_any_other_does(frozen_time, tmp_path):
+    verdicts = [run(kind, frozen_time=frozen_time, steps=4000).verdict for kind in (Rounds, Timer)]
+    assert verdicts == ["loop", "stalled"]
+
+
+def test_run_names_the_clock_that_keeps_a_loop_from_being_proved(tmp_path):
+    write_world(hall(), tmp_path / "w.grid")
+    run_of = ("run", tmp_path / "w.grid", "--controller")
+    noted = worldgen(*run_of, f"{HERE}:Timer").err
+    assert "uses time.time() (test_frozen_time.py:" in noted and "+frozen_time" in noted
+    assert "time.time()" not in worldgen(*run_of, f"{HERE}:Rounds").err
 
 
 def test_a_failure_by_clock_and_chance_repeats_with_frozen_time(tmp_path):
@@ -246,3 +277,13 @@ class Many:
 
     def act_many(self, observation, memory):
         return Command(1.0, 0.0), memory
+
+
+@pytest.mark.gate
+def test_explain_shows_the_lines_of_a_run_with_frozen_time(tmp_path):
+    (tmp_path / "mine.py").write_text(MINE)
+    name = f"{tmp_path}/mine.py:Dice+frozen_time"
+    failure = failure_of(certified(cup()), Scenario.parse(name))
+    failure.write(tmp_path / "f.grid")
+    shown = worldgen("explain", "--trust", tmp_path / "f.grid").out
+    assert "x     9 |" in shown and "turn = self.dice.random() + monotonic()" in shown

@@ -74,6 +74,7 @@ def facts(world: World) -> str:
     ]
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
+        parts += world.provenance.changed
     if world.failure is not None:
         parts.append(f"{world.failure.who}: {world.failure.outcome}")
     return printable("; ".join(parts))

@@ -96,6 +96,9 @@ class DaskExecutor:
     def stop(self) -> None:
         """Do nothing: work in progress is cancelled at the end."""
 
+    def go_on(self) -> None:
+        """Do nothing, as :meth:`stop` does."""
+
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C was pressed.
 

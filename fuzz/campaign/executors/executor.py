@@ -43,6 +43,9 @@ class Executor(Protocol):
     def stop(self) -> None:
         """Tell work in progress to end with its results so far, without waiting for it."""
 
+    def go_on(self) -> None:
+        """Do further work after :meth:`stop`."""
+
     def __enter__(self) -> Self:
         """Start what is needed."""
 

@@ -104,6 +104,9 @@ class InlineExecutor:
     def stop(self) -> None:
         """Do nothing: no work is in progress when this can be called."""
 
+    def go_on(self) -> None:
+        """Do nothing, as :meth:`stop` does."""
+
     def __enter__(self) -> Self:
         """Hold back Ctrl-C from here on, and count what this process runs."""
         count_in(self._counters)
@@ -151,6 +154,10 @@ class ProcessExecutor:
     def stop(self) -> None:
         """Tell all processes to end."""
         self._stopped_at.value = now()
+
+    def go_on(self) -> None:
+        """Let further work run; units that were told to end have deadlines of their own."""
+        self._stopped_at.value = math.inf
 
     def __enter__(self) -> Self:
         """Prepare to start processes, the first when it is needed."""

@@ -62,6 +62,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     failures: Annotated[list[_FailureId], _Rows]
     first_met: Annotated[list[FirstMet], _Rows]
     elites: Annotated[list[StoredElite], _Rows]
+    tried: Annotated[dict[_Name, UnitCount], _Rows] = {}
 
     @classmethod
     def of(cls, unit: int, result: UnitResult, seconds: float) -> UnitRecord:
@@ -82,6 +83,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
                 (cell, elite.layout.hex(), elite.quality, elite.verdict)
                 for cell, elite in result.elites.items()
             ],
+            tried=dict(result.tried),
         )
 
     def result(self, failure: Callable[[str], Failure]) -> UnitResult:
@@ -96,6 +98,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
             worlds=self.worlds,
             steps=self.steps,
             verdicts=Counter(self.verdicts),
+            tried=Counter(self.tried),
             judged=self.judged,
             met=Counter({(group, verdict): count for group, verdict, count in self.met}),
             failures={one.key: one for one in failures},

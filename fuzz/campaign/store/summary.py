@@ -111,6 +111,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
             run of the campaign.
         differs_by: What makes equal runs of the controller differ, in the last run.
         verdicts: Counts of each verdict in screening.
+        tried: Worlds drawn on the user's map, by kind.
         met: Counts of each cause.
         known: The same, for known causes.
         strategies: Totals of each strategy.
@@ -136,6 +137,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     survives_reset: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     differs_by: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     verdicts: dict[str, _Count] = {}
+    tried: dict[str, _Count] = {}
     met: dict[str, _Count] = {}
     known: dict[str, _Count] = {}
     strategies: Annotated[list[StrategyYield], _Rows] = []

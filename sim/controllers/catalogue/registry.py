@@ -98,7 +98,8 @@ class ControllerRegistry(Registry[Controller]):
 
         Those of a user's class are its fields, so this loads its file.
         """
-        if is_library_name(name):
+        # A name that is not registered may be a program's, whose own error is better.
+        if is_library_name(name) or (":" not in name and name not in self.entry_points()):
             return (LEARNED,)
         found = self.get(name)
         variants: Variants | None = getattr(found, "variants", None)
