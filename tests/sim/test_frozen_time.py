@@ -17,8 +17,7 @@ from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay
 from sim import Command, RunOptions, Scenario, simulate
 from sim.clock import controller_time
-from sim.clock.controller_time import Effort
-from sim.controllers.contract import UNKNOWN_SOURCE
+from sim.clock.controller_time import UNKNOWN_SOURCE, Effort
 from sim.episode.differences import _examined, count_sources, note_difference
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import cup, hall
