@@ -76,7 +76,7 @@ class Prices:
 # Python class gets to close its loop, fewer for a slow one, but no fewer than a run's budget.
 _PROOF_RUNS = 4
 _PROOF_STEPS = 60_000
-_FEWEST_STEPS = 4_000
+_FEWEST_STEPS = 2_000
 # Milliseconds of a proof, in addition to its steps.
 _PROOF_COST = 8.0
 # Fraction of a step's time that the search adds to it.
