@@ -142,7 +142,7 @@ class _Unit:
         self._alike: Counter[tuple[str, str]] = Counter()
         # Failures of earlier units, by cause.
         self._known = Counter(group for group, _ in task.memory.failures)
-        # Most loops show in the state. If a controller hides memory, they do not.
+        # A loop that seems to recur is none if the controller hides memory, as its first run shows.
         self._finds_loops = True
 
     def screen(self) -> None:
@@ -221,7 +221,9 @@ class _Unit:
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
 
     def _run(self, trial: _Trial, steps: int) -> Outcome:
-        return trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        outcome = trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        self._finds_loops &= outcome.complete
+        return outcome
 
     def _suspect(self, cause: Cause, found: _Suspect) -> None:
         """Keep a suspect if it is the best of a new cause."""
@@ -238,7 +240,6 @@ class _Unit:
         verdict = first_look(outcome)
         if verdict == Verdict.LOOP and not outcome.complete:
             # It may only seem to repeat itself, so run again without ending there.
-            self._finds_loops = False
             outcome = self._run(trial, trial.options.steps)
             verdict = first_look(outcome)
         if verdict not in (Verdict.LOOP, UNDECIDED):
