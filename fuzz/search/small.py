@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzz.cause import Cause
+from fuzz.facts.proofs import certified
 from fuzz.failure import MOST_SHOWN
 from fuzz.layouts.map_variations import variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
@@ -158,7 +159,12 @@ class _Unit:
             if world is None:
                 continue
             try:
-                self._try(*applied(self._values, world, scenario), number)
+                world, scenario = applied(self._values, world, scenario)
+                # Another robot needs a witness of its own, which decides the budget.
+                proved = world if world.certificate else certified(world)
+                if proved is None:
+                    continue
+                self._try(proved, scenario, number)
             except InvalidWorld:
                 # The drawn robot does not fit at the start.
                 continue
