@@ -19,7 +19,7 @@ from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.small_worlds import small_world
 from fuzz.layouts.variation import applied
 from fuzz.screening import can_screen
-from fuzz.search.suspects import Symptom, symptom_of
+from fuzz.search.suspects import symptom_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.triage import UNDECIDED, first_look
@@ -113,15 +113,13 @@ class _Suspect(NamedTuple):
     """A run that will hardly arrive.
 
     Args:
-        symptom: Why; reliable symptoms come first.
-        budget: Steps that its proof takes.
+        price: Steps that a proof takes, multiplied if the symptom often deceives.
         number: Its place among the unit's worlds.
         steps: Steps so far.
         trial: The run.
     """
 
-    symptom: Symptom
-    budget: int
+    price: int
     number: int
     steps: int
     trial: _Trial
@@ -221,7 +219,8 @@ class _Unit:
             symptom = symptom_of(world, episode)
             if symptom is not None:
                 cause = cause_of_run(world, episode)
-                self._suspect(cause, _Suspect(symptom, options.steps, number, steps, trial))
+                price = options.steps * (1 + symptom)
+                self._suspect(cause, _Suspect(price, number, steps, trial))
                 break
             steps *= 2
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
