@@ -40,7 +40,7 @@ _RARELY = 3  # rounds
 # Steps that it takes to drive straight through the worlds of the first round, and how many each
 # round adds.
 _FIRST_STEPS = (16, 32)
-_MORE_STEPS = 3
+_MORE_STEPS = 2
 _MOST_STEPS = 300
 # Sides of families' worlds, cells. Smaller ones have no room for what makes the family.
 _SMALLEST_SIDE = 10
@@ -51,7 +51,7 @@ _LONGEST = 40
 # Radius of a robot for which a family's usual cells suit its passages, cells.
 _USUAL_RADIUS = DEFAULT_ROBOT_RADIUS / DEFAULT_CELL_SIZE
 # A world may take this many times the steps that it was made for; other draws replace longer ones.
-_MOST_TIMES = 2.5
+_MOST_TIMES = 2.0
 _DRAWS = 4
 
 # Half the width of a gap or slot, robot radii: from what hardly fits to what two robots share.

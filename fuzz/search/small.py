@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzz.cause import Cause
+from fuzz.facts.proofs import certified
 from fuzz.failure import MOST_SHOWN
 from fuzz.layouts.map_variations import variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.small_worlds import small_world
 from fuzz.layouts.variation import applied
 from fuzz.screening import can_screen
-from fuzz.search.suspects import Symptom, symptom_of
+from fuzz.search.suspects import symptom_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.triage import UNDECIDED, first_look
@@ -112,15 +113,13 @@ class _Suspect(NamedTuple):
     """A run that will hardly arrive.
 
     Args:
-        symptom: Why; reliable symptoms come first.
-        budget: Steps that its proof takes.
+        price: Steps that a proof takes, multiplied if the symptom often deceives.
         number: Its place among the unit's worlds.
         steps: Steps so far.
         trial: The run.
     """
 
-    symptom: Symptom
-    budget: int
+    price: int
     number: int
     steps: int
     trial: _Trial
@@ -142,7 +141,7 @@ class _Unit:
         self._alike: Counter[tuple[str, str]] = Counter()
         # Failures of earlier units, by cause.
         self._known = Counter(group for group, _ in task.memory.failures)
-        # Most loops show in the state. If a controller hides memory, they do not.
+        # A loop that seems to recur is none if the controller hides memory, as its first run shows.
         self._finds_loops = True
 
     def screen(self) -> None:
@@ -158,7 +157,12 @@ class _Unit:
             if world is None:
                 continue
             try:
-                self._try(*applied(self._values, world, scenario), number)
+                world, scenario = applied(self._values, world, scenario)
+                # Another robot needs a witness of its own, which decides the budget.
+                proved = world if world.certificate else certified(world)
+                if proved is None:
+                    continue
+                self._try(proved, scenario, number)
             except InvalidWorld:
                 # The drawn robot does not fit at the start.
                 continue
@@ -215,13 +219,16 @@ class _Unit:
             symptom = symptom_of(world, episode)
             if symptom is not None:
                 cause = cause_of_run(world, episode)
-                self._suspect(cause, _Suspect(symptom, options.steps, number, steps, trial))
+                price = options.steps * (1 + symptom)
+                self._suspect(cause, _Suspect(price, number, steps, trial))
                 break
             steps *= 2
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
 
     def _run(self, trial: _Trial, steps: int) -> Outcome:
-        return trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        outcome = trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        self._finds_loops &= outcome.complete
+        return outcome
 
     def _suspect(self, cause: Cause, found: _Suspect) -> None:
         """Keep a suspect if it is the best of a new cause."""
@@ -238,7 +245,6 @@ class _Unit:
         verdict = first_look(outcome)
         if verdict == Verdict.LOOP and not outcome.complete:
             # It may only seem to repeat itself, so run again without ending there.
-            self._finds_loops = False
             outcome = self._run(trial, trial.options.steps)
             verdict = first_look(outcome)
         if verdict not in (Verdict.LOOP, UNDECIDED):

@@ -1,6 +1,7 @@
 """Slow controllers are searched in small worlds, in runs that end early and claim nothing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -110,6 +111,12 @@ def test_only_slow_controllers_begin_with_small_worlds():
     quick = CampaignConfig(Scenario(EXAMPLE))
     assert [planned_strategy(slow, unit, SearchState()) for unit in range(3)] == ["small"] * 3
     assert "small" not in strategies_for(quick, SearchState())
+
+
+def test_the_smallest_budget_follows_the_pace():
+    slow = CampaignConfig(Scenario(EXAMPLE), measured=SLOW)
+    budgets = [one.scenario.fewest_steps for one in (slow, replace(slow, measured=None))]
+    assert budgets == [1_000, 4_000]
 
 
 def test_several_robots_have_no_small_worlds():
