@@ -185,6 +185,14 @@ FAULTS = (
         ("tests/sim/test_fields.py",),
     ),
     Fault(
+        "reused-confirmation",
+        "the second run that confirms a failure calls the controller",
+        "fuzz/triage/judging.py",
+        "origin.answers.forget(proofs_only=is_loop)",
+        "pass",
+        ("tests/sim/test_answers.py",),
+    ),
+    Fault(
         "fast-audit",
         "an audit finds every move that is faster than the robot",
         "sim/audit/judge.py",
