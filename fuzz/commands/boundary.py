@@ -76,6 +76,8 @@ def boundary(
 
     # Find the value to start from.
     subject = _subject(path, controller, motion, time_step, seed)
+    if name in AXES and name.replace("-", "_") in {one.name for one in subject.scenario.fields}:
+        note(f"note: --axis {name} is the robot's or the run's; rename the field {name} to vary it")
     axis = AXES.get(name) or axis_of_field(subject.scenario, name.replace("-", "_"))
     start = axis.index(subject)
     if start is None:
