@@ -123,7 +123,9 @@ class Campaign(Goal[Progress]):
         state = self.state
         failed = not_arrived(dict(state.verdicts))
         tried = state.worlds + more.worlds
-        if not self._schedule.is_ready or not (tried or state.until):
+        # Without a time limit, the first unit loads what it needs.
+        has_begun = tried or state.until or not self._schedule.is_unlimited
+        if not self._schedule.is_ready or not has_begun:
             phase = Phase.PREPARING
         else:
             phase = Phase.SEARCHING if self._scheduler.units else Phase.SHRINKING

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from concurrent.futures import wait
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from msgspec import structs
 
@@ -42,10 +43,13 @@ from fuzz.unit.constraint import Constraint
 from fuzz.unit.deadline import now
 from fuzz.unit.live import not_arrived
 from fuzz.unit.pace import Pace
+from sim.clock.controller_time import Effort, count_differences, count_survivors
 from sim.clock.stopping import OutOfTime, stopping_when
+from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode.differences import note_difference
 from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError
+from worldgen.plugins.workers import LISTEN
 
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
 # units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
@@ -71,6 +75,12 @@ _SECONDS_TO_EXPLAIN = 20.0
 # they show are no longer shrunk; the rest is for explanations.
 _NATURAL_TIME = 0.6
 _SHRINKING_TIME = 0.75
+
+# Seconds after the end in which explanations may still arrive.
+_GRACE = 1.0
+
+# A cause, its clearest failure, the failures that were shrunk, by id, and what that took.
+_Explained: TypeAlias = tuple[CauseResult, Failure | None, dict[str, Failure], Effort]
 
 
 @dataclass(frozen=True)
@@ -126,10 +136,9 @@ def build_overview(
         state: Its results.
         conclusion: Known failures, and the time limit.
         natural: True to run natural worlds. An interrupted campaign does not.
-        executor: Whose workers run them; this process if omitted.
+        executor: Whose workers run them and explain the causes; this process if omitted.
         release: Called when the workers are no longer needed.
     """
-    began = time.monotonic()
     at = now()
     seconds = conclusion.seconds
 
@@ -151,28 +160,35 @@ def build_overview(
             executor,
         )
         causes = with_natural(causes, runs.causes)
-    release()
 
     # Find the clearest world of each cause, and its dependencies.
-    as_found: dict[str, Failure] = {}
-
-    def shrunk(failure: Failure) -> Failure:
-        if not config.shrink:
-            return failure
-        as_found[failure.id] = failure
-        return _shrunk(failure, until, config.pace)
-
-    until = None if seconds is None else began + _SHRINKING_TIME * seconds
-    causes, examples = with_worlds(
-        causes,
-        lambda cause: (
-            _in_search(cause, state, conclusion.known)
-            or _in_natural_world(cause, natural_cases, conclusion.known, shrunk, config.constraint)
-        ),
-        None if seconds is None else began + seconds,
-        with_code=conclusion.with_code,
-        most_steps=config.pace.steps_in(_SECONDS_TO_EXPLAIN),
-    )
+    until = None if seconds is None else at + _SHRINKING_TIME * seconds
+    sources = {
+        one.cause: _FailuresOf(
+            config,
+            conclusion.known,
+            _in_search(one.cause, state, conclusion.known),
+            natural_cases.get(one.cause),
+            until,
+        )
+        for one in causes
+    }
+    end = None if seconds is None else at + seconds
+    most_steps = config.pace.steps_in(_SECONDS_TO_EXPLAIN)
+    if executor is None:
+        causes, examples = with_worlds(
+            causes,
+            lambda cause: sources[cause](cause),
+            end,
+            with_code=conclusion.with_code,
+            most_steps=most_steps,
+            clock=now,
+        )
+        as_found = {id_: one for source in sources.values() for id_, one in source.as_found.items()}
+    else:
+        call = partial(_explain_one, with_code=conclusion.with_code, most_steps=most_steps)
+        causes, examples, as_found = _shared_out(executor, call, causes, sources, end)
+    release()
 
     files = files_of(
         state.best.values(), [one for one in examples.values() if not conclusion.known.has(one)]
@@ -189,6 +205,111 @@ def build_overview(
     originals = [as_found[one.original] for one in examples.values() if one.original in as_found]
     result = CampaignResult(causes=causes, natural=runs, comparison=comparison)
     return Overview(result, files, examples, originals)
+
+
+@dataclass
+class _FailuresOf:
+    """Returns the failures of a campaign that have a cause.
+
+    Args:
+        config: The campaign's definition.
+        known: Failures that are known.
+        searched: Those that the search found.
+        natural: The simplest natural world with the cause, used if there are none.
+        until: When shrinking it must end, by :func:`fuzz.unit.deadline.now`.
+        as_found: Failures that were shrunk, by id.
+    """
+
+    config: CampaignConfig
+    known: Baseline
+    searched: list[Failure]
+    natural: Case | None
+    until: float | None
+    as_found: dict[str, Failure] = field(default_factory=dict)
+
+    def __call__(self, cause: Cause) -> list[Failure]:
+        if self.searched or self.natural is None:
+            return self.searched
+        constraint = self.config.constraint
+        return _in_natural_world(cause, self.natural, self.known, self._shrunk, constraint)
+
+    def _shrunk(self, failure: Failure) -> Failure:
+        if not self.config.shrink:
+            return failure
+        self.as_found[failure.id] = failure
+        return _shrunk(failure, self.until, self.config.pace)
+
+
+def _shared_out(
+    executor: Executor,
+    call: Callable[..., _Explained],
+    causes: Sequence[CauseResult],
+    sources: Mapping[Cause, _FailuresOf],
+    end: float | None,
+) -> tuple[list[CauseResult], dict[Cause, Failure], dict[str, Failure]]:
+    """Let workers choose a failure to look at for each cause, and explain the first few.
+
+    Return the causes, these failures, and those that were shrunk, by id.
+
+    Raises:
+        KeyboardInterrupt: After Ctrl-C.
+    """
+    executor.go_on()
+    # Causes wait for each other if there are more of them than workers, and share the time.
+    rounds = -(-len(causes) // max(executor.room - 1, 1))
+    begins = now()
+    futures = []
+    for number, cause in enumerate(causes):
+        until = None
+        if end is not None:
+            turn = number * rounds // len(causes) + 1
+            until = begins + (end - begins) * turn / rounds
+        explains = number < _MOST_EXPLAINED
+        futures.append(executor.submit(call, cause, sources[cause.cause], until, explains=explains))
+    # A worker that is stuck in a step is not waited for.
+    late = math.inf if end is None else end + _GRACE
+    while wait(futures, LISTEN).not_done and now() < late:
+        executor.listen()
+    executor.listen()
+    results = []
+    examples: dict[Cause, Failure] = {}
+    as_found: dict[str, Failure] = {}
+    for cause, future in zip(causes, futures, strict=True):
+        result, example, originals, effort = (
+            future.result() if future.done() else (cause, None, {}, Effort())
+        )
+        results.append(result)
+        as_found |= originals
+        if example is not None:
+            examples[cause.cause] = example
+        # What was noticed there counts here.
+        count_survivors(effort.survivors)
+        count_differences(effort.differences)
+    return results, examples, as_found
+
+
+def _explain_one(
+    cause: CauseResult,
+    source: _FailuresOf,
+    end: float | None,
+    *,
+    explains: bool,
+    with_code: bool,
+    most_steps: float,
+) -> _Explained:
+    """Choose a failure to look at for one cause, and perhaps explain it; a worker does this."""
+    began = Effort.so_far()
+    as_loaded(source.config.scenario.controller)
+    (result,), examples = with_worlds(
+        [cause],
+        source,
+        end,
+        most=int(explains),
+        with_code=with_code,
+        most_steps=most_steps,
+        clock=now,
+    )
+    return result, examples.get(cause.cause), source.as_found, began.since()
 
 
 def families_of(config: CampaignConfig) -> list[str]:
@@ -251,6 +372,7 @@ def with_worlds(
     failures_of: Callable[[Cause], Sequence[Failure]],
     end: float | None = None,
     *,
+    most: int = _MOST_EXPLAINED,
     with_code: bool = True,
     most_steps: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
@@ -261,6 +383,7 @@ def with_worlds(
         causes: The causes, the worst first.
         failures_of: Returns the failures that have a cause.
         end: When there is no more time, by ``clock``; if omitted, the amount of work is fixed.
+        most: Number of causes to explain.
         with_code: False to leave out what runs inside the controller.
         most_steps: Limit on the steps of one explanation without a time limit.
         clock: Returns seconds.
@@ -271,7 +394,7 @@ def with_worlds(
     results = []
     examples = {}
     all_causes = list(causes)
-    most = min(len(all_causes), _MOST_EXPLAINED)
+    most = min(len(all_causes), most)
     for number, cause in enumerate(all_causes):
         own = failures_of(cause.cause)
         # One cause must not take the time of the others.
@@ -329,7 +452,7 @@ def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[Fail
 
 def _in_natural_world(
     cause: Cause,
-    examples: Mapping[Cause, Case],
+    case: Case,
     known: Baseline,
     shrunk: Callable[[Failure], Failure],
     constraint: Constraint,
@@ -338,9 +461,7 @@ def _in_natural_world(
 
     Both as it was found and, if that keeps the cause, shrunk. Without a file if it is known.
     """
-    if cause not in examples:
-        return []
-    world, scenario = examples[cause]
+    world, scenario = case
     try:
         failure = failure_of(world, scenario, found_by=NATURAL, **constraint.details())
         if failure is None:
@@ -360,10 +481,10 @@ def _in_natural_world(
 
 
 def _shrunk(failure: Failure, until: float | None, pace: Pace) -> Failure:
-    """Return a failure shrunk as far as the time allows, by ``time.monotonic``."""
+    """Return a failure shrunk as far as the time allows, by :func:`fuzz.unit.deadline.now`."""
     if until is None:
         return shrunk_or_same(failure, most_steps=pace.steps_in(SHRINKING_SECONDS)).failure
-    left = until - time.monotonic()
+    left = until - now()
     if left <= 0.0:
         return failure
     # The result takes a little longer to be proved.
@@ -456,6 +577,7 @@ def explained(
                 effort=1.0 if is_bounded else _EFFORT,
                 most_steps=math.inf if is_bounded else most_steps,
                 most_runs=_MOST_CELLS / failure.world.walls.size,
+                in_haste=is_bounded,
             )
     except (WorldgenError, OutOfTime):
         return None

@@ -32,6 +32,7 @@ from fuzz.triage.diagnosis import cause_of_run
 from fuzz.unit.deadline import Deadline
 from sim.clock.controller_time import Effort, count_differences, count_survivors
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
+from sim.controllers.answers import leaving_proofs
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario
@@ -134,12 +135,35 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
     return [name for name in chosen if name in names or ":" in name]
 
 
+@dataclass(frozen=True)
+class NaturalTime:
+    """The time for natural worlds, by :func:`fuzz.unit.deadline.now`.
+
+    Args:
+        early: When no more are run.
+        end: When even the first few are not.
+        needed: Number of these.
+    """
+
+    early: float = math.inf
+    end: float = math.inf
+    needed: int = 0
+
+    def __call__(self, finished: int) -> bool:
+        """Return True if no more should be run, given the number of those that are finished."""
+        end = self.end if finished < self.needed else self.early
+        return Deadline(end, end).to_begin_is_over()
+
+
+_NO_LIMIT = NaturalTime()
+
+
 def natural_runs(
     scenario: Scenario,
     families: Sequence[str],
     count: int,
     seed: int,
-    is_over: Callable[[int], bool] = lambda _: False,
+    is_over: Callable[[int], bool] = _NO_LIMIT,
     vary: Sequence[Variation] = (),
     executor: Executor | None = None,
 ) -> tuple[NaturalResult, dict[Cause, Case]]:
@@ -194,26 +218,6 @@ class _Finished(NamedTuple):
     case: Case | None = None
 
 
-@dataclass(frozen=True)
-class NaturalTime:
-    """The time for natural worlds, by :func:`fuzz.unit.deadline.now`.
-
-    Args:
-        early: When no more are run.
-        end: When even the first few are not.
-        needed: Number of these.
-    """
-
-    early: float = math.inf
-    end: float = math.inf
-    needed: int = 0
-
-    def __call__(self, finished: int) -> bool:
-        """Return True if no more should be run, given the number of those that are finished."""
-        end = self.end if finished < self.needed else self.early
-        return Deadline(end, end).to_begin_is_over()
-
-
 def _shared_out(
     executor: Executor,
     call: Callable[[range, int], tuple[dict[int, _Finished], Effort]],
@@ -246,7 +250,6 @@ def _shared_out(
         if is_over(len(finished)):
             over_since = min(over_since, time.monotonic())
             if time.monotonic() - over_since > _GRACE:
-                executor.stop()
                 return finished
         for future in wait(waiting, LISTEN, FIRST_COMPLETED).done:
             waiting.remove(future)
@@ -301,7 +304,8 @@ def _run_worlds(
             with stopping_when(partial(is_over, ran)):
                 check_time()
                 case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
-                done[number] = _Finished() if case is None else _finished(family, case)
+                with leaving_proofs():
+                    done[number] = _Finished() if case is None else _finished(family, case)
         except OutOfTime:
             break
         except WorldgenError:

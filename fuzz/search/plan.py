@@ -72,12 +72,13 @@ class Prices:
     run: float = 0.0
 
 
-# Milliseconds of a step with a Python class, and of a proof, which runs it about four times, for up
-# to 7,500 steps.
-_PYTHON_STEP = 3e-3
-_PYTHON_PROOF = 80.0
+# A proof runs a quick class about four times, each for as many steps as it gets to close its loop.
+_PROOF_RUNS = 4
+_PROOF_STEPS = 60_000
 # Steps of a proof where each is expensive: the witness's budget twice, or a loop several times.
 _COSTLY_PROOF = 3_000
+# Milliseconds of a proof, in addition to its steps.
+_PROOF_COST = 8.0
 # Fraction of a step's time that the search adds to it.
 _ADDED = 0.25
 
@@ -86,9 +87,13 @@ def prices_of(config: CampaignConfig) -> Prices:
     """Return the prices of a campaign's work."""
     if config.pace.slower == 1:
         return Prices()
-    step = 1e3 * (1.0 + _ADDED) * config.pace.step
-    proof = _COSTLY_PROOF * step if config.pace.is_slow else _PYTHON_PROOF * (step / _PYTHON_STEP)
-    return Prices(step=step, proof=max(Prices.proof, proof), run=1e3 * config.pace.reset)
+    pace = config.pace
+    steps = _COSTLY_PROOF if pace.is_slow else _PROOF_RUNS * (_PROOF_STEPS // pace.slower)
+    return Prices(
+        step=1e3 * (1.0 + _ADDED) * pace.step,
+        proof=_PROOF_COST + 1e3 * steps * pace.step,
+        run=1e3 * pace.reset,
+    )
 
 
 def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:

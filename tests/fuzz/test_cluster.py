@@ -103,7 +103,7 @@ def corpus(campaign, each=lambda event: None):
         each(event)
     return {
         kind: found.dumps() for kind, found in campaign.state.best.items()
-    }, campaign.state.finds[-1].steps
+    }, campaign.state.finds[-1][0].steps
 
 
 @pytest.mark.nightly

@@ -9,6 +9,7 @@ import pytest
 from msgspec import structs
 
 from fuzz.campaign.configure import configure
+from fuzz.campaign.executors import InlineExecutor, ProcessExecutor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Find, resume
@@ -92,6 +93,42 @@ def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
 def test_natural_worlds_end_with_the_time_and_say_so():
     runs, _ = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda _: True)
     assert runs.worlds == 0 and not runs.complete
+
+
+@pytest.mark.gate
+def test_natural_worlds_are_the_same_whoever_runs_them():
+    with ProcessExecutor(2) as executor:
+        shared = natural_runs(Scenario("bug2"), ["trap", "maze"], 30, seed=3, executor=executor)
+    assert shared == natural_runs(Scenario("bug2"), ["trap", "maze"], 30, seed=3)
+
+
+@pytest.mark.gate
+def test_a_campaign_concludes_the_same_with_workers():
+    options = CampaignOptions(controller="turn-right", motion="endpoint", examples=8)
+    config = configure(options, seed=1)
+    campaign = Campaign(config, units=2)
+    for _ in campaign.run():
+        pass
+    alone = build_overview(config, campaign.state, Conclusion())
+    with ProcessExecutor(2) as executor:
+        shared = build_overview(config, campaign.state, Conclusion(), executor=executor)
+    assert plain(shared.result) == plain(alone.result)
+    assert shared.result.causes and shared.files.keys() == alone.files.keys()
+
+
+class LosesTheThird(InlineExecutor):
+    """Returns the third world unfinished."""
+
+    def submit(self, work, /, *args, **kwargs):
+        future = super().submit(work, *args, **kwargs)
+        future.result()[0].pop(2, None)
+        return future
+
+
+def test_worlds_after_one_that_was_not_finished_do_not_count():
+    with LosesTheThird() as executor:
+        runs, _ = natural_runs(Scenario("bug2"), ["trap"], 6, seed=3, executor=executor)
+    assert runs.worlds == 2 and not runs.complete
 
 
 def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
@@ -209,7 +246,7 @@ def test_a_world_whose_cause_changes_while_it_is_shrunk_is_shown_as_found(monkey
 
     def files(smaller):
         return building._in_natural_world(
-            Cause.STANDS_STILL, {Cause.STANDS_STILL: case}, Baseline(), smaller, Constraint()
+            Cause.STANDS_STILL, case, Baseline(), smaller, Constraint()
         )
 
     (as_found,) = files(lambda _: other)

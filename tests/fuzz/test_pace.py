@@ -1,11 +1,14 @@
 """The pace of a controller: measured with a budget, usual without, and what it makes of a unit."""
 
+import contextlib
 import math
 import time
+from dataclasses import replace
 
 import pytest
 
 from fuzz.campaign.configure import configure
+from fuzz.campaign.store import Budget, begin, resume, with_stored_pace
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
 from fuzz.failure import ShrinkState
 from fuzz.overview.counterfactual import counterfactuals
@@ -139,3 +142,18 @@ def test_an_explanation_reports_how_far_it_is_and_ends_at_its_limit_of_steps():
     assert not found.is_complete
     assert [done for done, _ in seen] == [*range(1, found.runs + 1)]
     assert all(of >= done for done, of in seen)
+
+
+def test_the_same_campaign_again_keeps_the_pace_with_which_it_began(tmp_path):
+    first = CampaignConfig(Scenario(PYTHON), seed=1, measured=Pace(0.004))
+    with contextlib.closing(begin(first, tmp_path, Budget(seconds=9.0)).store):
+        pass
+    now = replace(first, measured=Pace(0.005, 0.01))
+    assert with_stored_pace(now, tmp_path) == first
+    assert with_stored_pace(replace(now, measured=None), tmp_path) == first
+    other = replace(now, seed=2)
+    assert with_stored_pace(other, tmp_path) == other
+    assert with_stored_pace(now, tmp_path / "empty") == now
+    again = resume(tmp_path)
+    again.store.close()
+    assert again.config.measured == Pace(0.004)
