@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fuzz.layouts.map_windows import Box, Kind, Windows
+from fuzz.layouts.map_windows import Box, Ends, Kind, Windows
 from fuzz.layouts.narrow_places import NarrowPlace
 from worldgen.files.grid import world_digest
 from worldgen.random_streams import RandomStream
@@ -82,13 +82,15 @@ class MapVariations:
             Kind.BOX: self._obstacle,
             Kind.PERSON: self._obstacle,
             Kind.PIECE: self._moved_piece,
+            Kind.POSE: self._pose,
         }
 
     def draw(self, kind: Kind, rng: RandomStream) -> World | None:
         """Return a world of a kind, or failing that a plain window; ``None`` if the map has none.
 
         Args:
-            kind: The kind; for ``POSE``, a plain window.
+            kind: The kind. ``POSE`` needs no narrow place, and fits on a map that is too small for
+                a window.
             rng: The source of randomness.
         """
         maker = self._makers.get(kind, self._window)
@@ -105,6 +107,20 @@ class MapVariations:
         if place is None or ends is None:
             return None
         return self._windows.world(kind, self._windows.around_place(place), ends, rng)
+
+    def _pose(self, kind: Kind, rng: RandomStream) -> World | None:
+        """Return a window around open floor, or a start and a target anywhere."""
+        windows = self._windows
+        place = windows.open_place(windows.part, windows.ground, rng)
+        if place is None:
+            return None
+        ends = windows.ends_at(place, rng)
+        if ends is not None:
+            return windows.world(kind, windows.around_place(place), ends, rng)
+        target = windows.open_place(windows.part, windows.ground, rng)
+        if target is None or (target.row, target.column) == (place.row, place.column):
+            return None
+        return windows.world(kind, windows.part, Ends(place.nodes[0], target.nodes[0]), rng)
 
     def _narrow_place(self, rng: RandomStream) -> NarrowPlace | None:
         places = self._windows.places

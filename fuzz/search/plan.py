@@ -50,6 +50,7 @@ _WORLD_COST = {
     BOUNDARY: 0.5,
 }  # ms per world, in addition to its steps
 _FAMILY_COST = 4.0  # ms per world of a family, in addition to its steps
+_NO_WORLDS = 1e-3  # the first estimate of a strategy whose units ran no world; leaves it the floor
 _AT_FIRST = 1000.0  # the first estimate has the weight of this many ms of work
 
 # The golden ratio times 2**64. Its multiples, modulo 2**64, are spread as evenly as possible over
@@ -153,4 +154,5 @@ def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
     found = brought.variants + _FAILURE * brought.failures
     worlds = brought.worlds * (_WORLD_COST.get(name, _FAMILY_COST) + prices.run)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof
-    return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)
+    prior = _NO_WORLDS if brought.units and not brought.worlds else _PRIOR.get(name, 1.0)
+    return (prior + found) / (_AT_FIRST + cost)

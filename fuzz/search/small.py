@@ -155,6 +155,10 @@ class _Unit:
             own = self._stream.child("world", number)
             world = self._world(own, number, scenario.run.time_step)
             if world is None:
+                # Drawing takes time, too, so that a map without any world does not take all of it.
+                self._spent += _OWN
+                if self._spent >= _SECONDS:
+                    return
                 continue
             try:
                 world, scenario = applied(self._values, world, scenario)
@@ -180,7 +184,8 @@ class _Unit:
             return small_world(rng, number, self._values, time_step)
         step = config.fixed_map.robot_speed * config.time_steps[0]
         variations = variations_of(config.fixed_map, step)
-        return variations.draw(_KINDS_IN_TURN[number % len(_KINDS_IN_TURN)], rng)
+        kind = _KINDS_IN_TURN[number % len(_KINDS_IN_TURN)]
+        return variations.draw(kind, rng) or variations.draw(Kind.POSE, rng)
 
     def prove_suspects(self) -> None:
         """Give the best suspect of each new cause its whole budget, and prove its failure.

@@ -92,6 +92,33 @@ def test_an_open_map_has_no_narrow_place_and_its_variations_are_still_drawn():
     assert box is not None and kind_of(box, empty) == Kind.BOX
 
 
+def without_windows(height: int, width: int, radius: float) -> World:
+    """Return a map of open floor, one row or a few, in which no place is narrow."""
+    middle = 0.05 + CELL * (height // 2)
+    ends = Pose(0.15, middle), Target(CELL * width - 0.15, middle, 0.05)
+    return World(np.zeros((height, width), bool), *ends, CELL, radius)
+
+
+@pytest.mark.parametrize(
+    ("height", "width", "radius"), [(1, 60, 0.045), (1, 30, 0.05), (4, 4, 0.1)]
+)
+def test_a_slow_controller_is_searched_on_a_map_without_windows(height, width, radius):
+    world = without_windows(height, width, radius)
+    variations = MapVariations(Windows(world, 0.05))
+    assert variations.draw(Kind.WINDOW, RandomStream(1)) is None
+    pose = variations.draw(Kind.POSE, RandomStream(1))
+    assert check_certificate(pose).valid and kind_of(pose, world) == Kind.POSE
+    result = run_unit(config(measured=Pace(1e-2), fixed_map=world), 0)
+    assert result.strategy == "small" and result.tried["pose"] > 0
+
+
+def test_a_unit_ends_on_a_map_without_any_world(monkeypatch):
+    draws = []
+    monkeypatch.setattr(MapVariations, "draw", lambda *args: draws.append(args))
+    result = run_unit(config(measured=Pace(1e-2)), 0)
+    assert result.worlds == 0 and len(draws) < 1_000
+
+
 @pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.POSE])
 def test_each_kind_has_a_witness_and_the_robot_of_the_map(variations, kind):
     worlds = drawn(variations, kind)
@@ -198,9 +225,8 @@ def test_kinds_are_counted_in_words():
 
 
 def config(**changes) -> CampaignConfig:
-    return CampaignConfig(
-        Scenario("turn-left").with_run(time_step=0.1), fixed_map=office(), examples=40, **changes
-    )
+    settings = {"fixed_map": office(), "examples": 40, **changes}
+    return CampaignConfig(Scenario("turn-left").with_run(time_step=0.1), **settings)
 
 
 def test_a_unit_counts_every_world_that_it_tried():

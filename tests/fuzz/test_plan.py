@@ -50,6 +50,14 @@ def test_no_strategy_starves():
     assert shares(nothing, much)[0] == pytest.approx(0.15)
 
 
+def test_a_strategy_that_runs_no_world_loses_its_first_estimate():
+    memory = SearchState({"small": StrategyYield("small", units=3)})
+    before, after = (
+        strategy_shares(("small", "map"), known, Prices())[0] for known in (SearchState(), memory)
+    )
+    assert before > 0.8 and after == pytest.approx(0.15, abs=0.01)
+
+
 def test_shares_add_up_to_the_budget():
     names = strategies_for(CONFIG, SearchState())
     assert sum(strategy_shares(names, SearchState(), Prices(step=1e-2))) == pytest.approx(1.0)
