@@ -123,12 +123,14 @@ class Campaign(Goal[Progress]):
         state = self.state
         failed = not_arrived(dict(state.verdicts))
         tried = state.worlds + more.worlds
+        to_shrink = self._scheduler.others_in_progress + len(self._queue)
         # Without a time limit, the first unit loads what it needs.
         has_begun = tried or state.until or not self._schedule.is_unlimited
         if not self._schedule.is_ready or not has_begun:
             phase = Phase.PREPARING
         else:
-            phase = Phase.SEARCHING if self._scheduler.units else Phase.SHRINKING
+            only_shrinks = to_shrink and not self._scheduler.is_searching
+            phase = Phase.SHRINKING if only_shrinks else Phase.SEARCHING
         elapsed = self._schedule.elapsed()
         effort = state.effort
         handed_in = self._handed_in.worlds
@@ -137,7 +139,7 @@ class Campaign(Goal[Progress]):
             tried,
             state.steps + more.steps,
             failed + more.failed,
-            len(self._scheduler.others) + len(self._queue),
+            to_shrink,
             elapsed,
             rate=60.0 * (handed_in + more.worlds) / elapsed if elapsed else 0.0,
             cost=effort.seconds / handed_in if handed_in else 0.0,

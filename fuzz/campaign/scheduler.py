@@ -95,6 +95,8 @@ class Scheduler:
         # Units that workers have, or whose results wait to be merged, by number; and other work.
         self.units: dict[int, Work[Any]] = {}
         self.others: list[Work[Any]] = []
+        # Work that is being handed out. A single worker is this process, which does it meanwhile.
+        self._begun: Work[Any] | None = None
         # Number of the next unit to hand out, and of the next one to merge.
         self.next_unit = 0
         self.next_merged = 0
@@ -105,6 +107,18 @@ class Scheduler:
     def has_more_units(self) -> bool:
         """True unless the number of units is limited and all are handed out."""
         return self._limit is None or self.next_unit < self._limit
+
+    @property
+    def is_searching(self) -> bool:
+        """True while units are in progress, or wait to be merged."""
+        begun = self._begun
+        return bool(self.units) or (begun is not None and begun.is_unit)
+
+    @property
+    def others_in_progress(self) -> int:
+        """Number of pieces of other work in progress."""
+        begun = self._begun
+        return len(self.others) + (begun is not None and not begun.is_unit)
 
     def run(self, goal: Goal[EventT]) -> Generator[EventT, None, None]:
         """Work until the goal is reached, the time is over, or nothing is left to do.
@@ -119,12 +133,14 @@ class Scheduler:
                     # Give each free worker something to do.
                     while self._has_room() and (work := goal.next_work()) is not None:
                         if not work.future.done():
+                            self._begun = work
                             with self.schedule.doing(work.is_unit, not work.is_unit):
                                 call = work.call
                                 work.future = executor.submit(
                                     call.func, *call.args, **call.keywords
                                 )
                         self._keep(work)
+                        self._begun = None
                     if not (self.units or self.others):
                         break
                     # Merge what is finished.

@@ -440,7 +440,8 @@ class CampaignSession:
         """Describe the campaign in a few words."""
         live = self._campaign.live()
         if live.phase == Phase.PREPARING:
-            return "loading the simulator in each process"
+            examining = "" if self._config.fixed_map is None else " and examining the map"
+            return f"loading the simulator in each process{examining}"
         state = self._campaign.state
         shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""

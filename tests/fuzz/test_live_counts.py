@@ -41,7 +41,40 @@ def test_a_campaign_counts_nothing_until_it_has_tried_something_and_each_run_onc
         pass
     live = campaign.live()
     assert (live.worlds, live.steps) == (campaign.state.worlds, campaign.state.steps)
-    assert live.phase == "shrinking" and live.failed > 0
+    assert live.failed > 0
+
+
+class Watched(InlineExecutor):
+    """Notes the campaign's activity during each piece of work."""
+
+    def __init__(self):
+        super().__init__()
+        self.seen = []
+
+    def submit(self, work, /, *args, **kwargs):
+        def watched():
+            result = work(*args, **kwargs)
+            live = self.campaign.live()
+            self.seen.append((work.__name__, str(live.phase), live.shrinking > 0))
+            return result
+
+        return super().submit(watched)
+
+
+def test_a_single_worker_is_searching_during_its_units_and_shrinking_only_failures():
+    config = configure(
+        CampaignOptions(controller="turn-right", families=("trap",), examples=8, shrink=True), 1
+    )
+    executor = Watched()
+    executor.campaign = Campaign(config, units=2, executor=executor)
+    for _ in executor.campaign.run():
+        pass
+    searching = ("run_unit", "searching", False)
+    assert executor.seen[0] == searching
+    others = {one for one in executor.seen if one[0] != "run_unit"}
+    assert others == {("shrunk_or_same", "shrinking", True)}
+    units = {one[:2] for one in executor.seen if one[0] == "run_unit"}
+    assert units == {searching[:2]}
 
 
 def count_one_and_wait(answer):
