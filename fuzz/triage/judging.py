@@ -153,7 +153,13 @@ def judge(
     if found is None:
         return JudgedRun(None, is_settled=True)
     if not _holds(trial, found) or not _comes_again(trial, found, oracle):
-        return JudgedRun(None, is_settled=False)
+        if known is None:
+            return JudgedRun(None, is_settled=False)
+        # A run of the search may end later than a fresh one, which looks for a loop, or earlier.
+        # Only two fresh runs show whether the controller does the same again.
+        return judge(
+            world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, **details
+        )
     # Only what follows needs these modules, so a replay does not load them.
     from fuzz.facts.hazards import hazard_details  # noqa: PLC0415
 
@@ -225,7 +231,8 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
             origin.answers.forget(proofs_only=is_loop)
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
-        if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
+        is_fresh = trial.known is None
+        if not is_same and is_fresh and Verdict.HANG not in (again.verdict, trial.episode.verdict):
             count_sources(trial.world, trial.controller, trial.options)
         return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)

@@ -11,13 +11,17 @@ from fuzz.layouts.small_worlds import small_world
 from fuzz.search.plan import planned_strategy, strategies_for
 from fuzz.search.registry import check_strategy
 from fuzz.search.suspects import Symptom, symptom_of
+from fuzz.triage.judging import judge
 from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import Deadline
 from fuzz.unit.pace import Pace
 from fuzz.unit.result import SearchState
 from sim import Command, simulate
+from sim.clock.controller_time import Effort
+from sim.episode import episode_of, prepare
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
@@ -61,6 +65,22 @@ class Straight:
     def act(self, seen, _memory):
         turn = (seen.target_heading - seen.heading + math.pi) % (2 * math.pi) - math.pi
         return Command(seen.top_speed, turn / seen.time_step), ()
+
+
+class Keeping(Straight):
+    """Drives back after a bump, and keeps count of that to itself."""
+
+    def reset(self):
+        self.left = 0
+        return ()
+
+    def act(self, seen, memory):
+        if seen.bump:
+            self.left = 8
+        if not self.left:
+            return super().act(seen, memory)
+        self.left -= 1
+        return Command(0.5 * seen.top_speed, 1.0 if seen.bump else 0.0), ()
 
 
 def worlds(numbers, values=None, time_step=0.015):
@@ -156,6 +176,29 @@ def test_a_run_that_is_no_loop_spends_the_budget_of_its_witness(name):
     assert failure.options.steps == max(math.ceil(50 * duration / 0.015), 1_000) < 4_000
     assert failure.scenario.options(failure.world) == failure.options
     assert replay(failure).confirmed
+
+
+def test_a_class_that_keeps_its_state_to_itself_is_not_said_to_change_between_runs():
+    result = run_unit(config(f"{HERE}:Keeping", Pace(1e-4)), 1)
+    assert result.failures and result.worlds > 10
+    assert not result.effort.differences
+
+
+def test_a_run_that_was_ended_without_a_look_for_loops_is_done_again():
+    scenario = Scenario(f"{HERE}:Straight")
+    world = next(
+        one
+        for one in worlds(range(2 * ROUND))
+        if simulate(one, scenario.controller).verdict == "loop"
+    )
+    options = scenario.options(world)
+    run = prepare(world, scenario.controller, options)
+    outcome = run.run(options.steps, find_loop=False, record=True)
+    known = replace(episode_of(run, world, outcome, options), verdict=Verdict.STALLED)
+    began = Effort.so_far()
+    judged = judge(world, scenario, known=known)
+    assert judged.failure is not None and judged.failure.verdict == "loop"
+    assert not began.since().differences
 
 
 def test_what_is_known_well_is_not_proved_again():
