@@ -8,6 +8,7 @@ Everything outside the grid is solid.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -146,6 +147,24 @@ class Provenance:
         changed = self.params.get("changed")
         is_from_map = self.family in ("import", "map")
         return tuple(map(str, changed)) if is_from_map and isinstance(changed, list) else ()
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """X and y, m, of the grid's lower-left corner in the frame of the map that it is from, or 0."""
+        origin = self.params.get("origin")
+        if (
+            self.family in ("import", "export", "map")
+            and isinstance(origin, list)
+            and len(origin) == 2
+            # An integer may be beyond the range of a float64.
+            and all(
+                isinstance(value, int | float) and abs(value) <= sys.float_info.max
+                for value in origin
+            )
+        ):
+            x, y = (float(value) for value in origin if isinstance(value, int | float))
+            return x, y
+        return 0.0, 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks.real.planting import PURPOSES, Robot, write
+from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
 from sim import simulate
 from sim.verdict import Verdict
@@ -35,7 +36,7 @@ class Row:
     Args:
         first: CPU seconds until a failure was stored that ``replay`` confirms and that the correct
             controller does not have; None if there was none.
-        stored: CPU seconds until any failure was stored.
+        stored: CPU seconds until any failure was stored that is not a hazard.
         seconds: CPU seconds in all, those of its processes included.
         worlds: Worlds that it counted.
         calls: Calls of ``act`` by purpose.
@@ -108,9 +109,14 @@ def campaign(
     # The padding changes no run, so failures are replayed without it.
     write(robot, folder, faulty=faulty)
     base = write(robot, folder / "correct", faulty=False)
-    row.stored = min(stored.values(), default=None)
-    for file in sorted(stored, key=lambda file: stored[file])[:_MOST_REPLAYED]:
-        if _is_confirmed(file) and (not faulty or _arrives(file, base)):
+    failures = {
+        file: Failure.of(read_world(file)) for file in sorted(stored, key=stored.__getitem__)
+    }
+    # A fire that the robot cannot sense says nothing about it, and fuzz does not count it either.
+    files = [file for file, failure in failures.items() if not is_hazard(failure)]
+    row.stored = stored[files[0]] if files else None
+    for file in files[:_MOST_REPLAYED]:
+        if _is_confirmed(file) and (not faulty or _arrives(failures[file], base)):
             row.first = stored[file]
             break
     return row
@@ -167,6 +173,5 @@ def _is_confirmed(file: Path) -> bool:
     return done.returncode == 0 and json.loads(done.stdout)["confirmed"] == 1
 
 
-def _arrives(file: Path, controller: str) -> bool:
-    failure = Failure.of(read_world(file))
+def _arrives(failure: Failure, controller: str) -> bool:
     return simulate(failure.world, controller, failure.options).verdict == Verdict.REACHED

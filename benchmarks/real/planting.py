@@ -157,7 +157,7 @@ ROBOTS = {
                 "It turns too little at an outer corner, so it loses the wall, and meets "
                 "another one or the same one again."
             ),
-            words=("loses the wall", "outer corner", "circle", "around the same"),
+            words=("loses the wall", "outer corner", "leaves a wall and comes back", "circle"),
             arrives=0.85,
         ),
         Robot(

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
+from fuzz.layouts.variation import map_provenance
 from sim.scenario import Scenario
 from worldgen.generation import generate
 from worldgen.parameters import find_parameter
@@ -50,6 +51,7 @@ class Axis:
             such number.
         at: Returns the subject with another value, or raises if it cannot be made.
         quantity: Name by which a campaign's constraint may fix the number; empty if none can.
+        is_whole: Whether its values are whole numbers.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Axis:
     index: Callable[[Subject], int | None]
     at: Callable[[Subject, float], Subject]
     quantity: str = ""
+    is_whole: bool = False
 
 
 def three_digits(index: int) -> float:
@@ -80,9 +83,10 @@ def _with_radius(subject: Subject, value: float) -> Subject:
 
     It keeps the witness if that has enough clearance.
     """
-    return replace(
-        subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None)
-    )
+    world = subject.world
+    made = map_provenance(world)
+    changed = replace(world, robot_radius=value, provenance=made, failure=None)
+    return replace(subject, world=changed)
 
 
 def _with_speed(subject: Subject, value: float) -> Subject:
@@ -95,7 +99,8 @@ def _with_speed(subject: Subject, value: float) -> Subject:
     if isinstance(witness, Witness):
         times = witness.times * (world.robot_speed / value)
         witness = None if world.is_dynamic else replace(witness, times=times)
-    changed = replace(world, robot_speed=value, certificate=witness, provenance=None, failure=None)
+    made = map_provenance(world)
+    changed = replace(world, robot_speed=value, certificate=witness, provenance=made, failure=None)
     return replace(subject, world=changed)
 
 
@@ -106,7 +111,8 @@ def _with_time_step(subject: Subject, value: float) -> Subject:
 def _with_heading(subject: Subject, value: float) -> Subject:
     world = subject.world
     start = replace(world.start, heading=math.radians(value))
-    return replace(subject, world=replace(world, start=start, provenance=None, failure=None))
+    changed = replace(world, start=start, provenance=map_provenance(world), failure=None)
+    return replace(subject, world=changed)
 
 
 def _depth(subject: Subject) -> int | None:
@@ -163,7 +169,8 @@ def axis_of_field(scenario: Scenario, name: str) -> Axis:
         return Axis(name, "", low, high, value, lambda _: index_of_own, with_field, name)
 
     if field.kind is int:
-        return with_index(int(own), -_MOST_WHOLE, _MOST_WHOLE, float)
+        whole = with_index(int(own), -_MOST_WHOLE, _MOST_WHOLE, float)
+        return replace(whole, is_whole=True)
     if own == 0.0:
         return with_index(0, -_MOST_WHOLE, _MOST_WHOLE, lambda index: index / 100)
     low, high = index_of(1e-9), index_of(1e9)

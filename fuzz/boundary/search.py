@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -92,12 +93,15 @@ class BoundaryRuns:
         return None if ran is None else BoundaryRun(index, value, *ran)
 
 
-def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome | Episode] | None:
+def run_subject(
+    subject: Subject, spare: float = 0.0, multiple: float = math.inf
+) -> tuple[Subject, Outcome | Episode] | None:
     """Run a scenario with the budget of a fresh proof that its target can be reached.
 
     Args:
         subject: The scenario; its world's own witness is used if it is wide enough.
         spare: Fraction by which a wider robot must also be able to get there.
+        multiple: Limit on the budget, as a multiple of the witness's time.
 
     Returns:
         The scenario with the witness in its world, and how the run ended; ``None`` if the target is
@@ -108,6 +112,9 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome 
         if world is None:
             return None
         options = subject.scenario.options(world)
+        if isinstance(world.certificate, Witness) and multiple < math.inf:
+            most = math.ceil(multiple * world.certificate.duration / options.time_step)
+            options = replace(options, steps=max(1, min(options.steps, most)))
         controller = CONTROLLERS.get(subject.scenario.controller)
         outcome: Outcome | Episode
         if world.is_fleet:

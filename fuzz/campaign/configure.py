@@ -104,7 +104,8 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
         if seconds is None or config.measured is not None:
             return config
-        spent = step_times(scenario, at_most=_TO_MEASURE * seconds)
+        begins_on = None if fixed_map is None else fixed_map.alone(1)
+        spent = step_times(scenario, at_most=_TO_MEASURE * seconds, world=begins_on)
     pace = spent and measured_pace(CONTROLLERS.get(scenario.controller), *spent)
     return replace(config, measured=pace)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,10 +59,10 @@ def boundary(
     """Find the radius, speed, heading or field at which failures begin.
 
     Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
-    1 to 65 cells), and narrows each change down to two neighbouring values. It misses an outcome
-    that changes twice between two of the values. Exits with 0 if the robot arrives at every value
-    at which the target can be reached, with 1 otherwise. Ctrl-C reports the values run so far and
-    exits with 130.
+    1 to 65 cells; whole numbers: at least 32 more and less), and narrows each change down to two
+    neighbouring values. It misses an outcome that changes twice between two of the values. Exits
+    with 0 if the robot arrives at every value at which the target can be reached, with 1 otherwise.
+    Ctrl-C reports the values run so far and exits with 130.
     """
     from fuzz.boundary import AXES, axis_of_field
     from fuzz.find import AxisScan
@@ -75,6 +76,8 @@ def boundary(
 
     # Find the value to start from.
     subject = _subject(path, controller, motion, time_step, seed)
+    if name in AXES and name.replace("-", "_") in {one.name for one in subject.scenario.fields}:
+        note(f"note: --axis {name} is the robot's or the run's; rename the field {name} to vary it")
     axis = AXES.get(name) or axis_of_field(subject.scenario, name.replace("-", "_"))
     start = axis.index(subject)
     if start is None:
@@ -145,6 +148,11 @@ def _scanned(axis: Axis, start: int) -> range:
     value = axis.value(start)
     # Around zero, half and twice the value are the value itself.
     least, most = sorted((value / _FACTOR, value * _FACTOR)) if value else (-1.0, 1.0)
+    if axis.is_whole:
+        # Twice a small number is near, and a count is never negative.
+        floor = 0.0 if value >= 0.0 else -math.inf
+        least = max(min(least, value - _POINTS // 2), floor)
+        most = max(most, value + _POINTS // 2)
     indices = range(axis.low, axis.high + 1)
     low = indices[bisect.bisect_left(indices, least, key=axis.value)]
     high = indices[bisect.bisect_right(indices, most, key=axis.value) - 1]

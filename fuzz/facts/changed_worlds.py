@@ -18,6 +18,7 @@ from fractions import Fraction
 import numpy as np
 
 from fuzz.facts.contacts import nearest_walls, walls_at_the_end
+from sim.controllers.answers import leaving_proofs
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import is_process_name
 from sim.episode import simulate
@@ -89,7 +90,8 @@ class OtherWorlds:
     def arrives(self, world: World) -> bool:
         """Return True if the robot arrives in a world."""
         try:
-            return simulate(world, self.controller, self.options).verdict in ARRIVALS
+            with leaving_proofs():
+                return simulate(world, self.controller, self.options).verdict in ARRIVALS
         except WorldgenError:
             # The changed robot does not fit at the start, or its wheels would not fit the robot.
             return False
@@ -143,7 +145,8 @@ class _RunInRoom:
         for heading in _HEADINGS:
             room = self._room(heading)
             try:
-                trace = simulate(room, self.controller, self.options, record=True).trace
+                with leaving_proofs():
+                    trace = simulate(room, self.controller, self.options, record=True).trace
             except WorldgenError:
                 # Its options do not fit such a room.
                 return False

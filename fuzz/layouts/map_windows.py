@@ -37,8 +37,9 @@ _FEWEST_RADII = 10.0
 _MOST_RADII = 40.0
 # The shortest path is at most this share of the longest, so that there are places to choose from.
 _SHORTEST = 0.5
-# Longest side, in cells, of the part of a map that is examined: 2,000 take some seconds.
-_LONGEST_SIDE = 2_000
+# Longest side, in cells, of the part of a map that is examined. This many take two seconds and
+# 200 MB.
+_LONGEST_SIDE = 1_500
 _HEADINGS = 16
 # Parameter of the provenance that names the kind.
 _KIND = "variation"
@@ -315,11 +316,11 @@ class Windows:
             changed.append(f"window of {width} x {height} cells at {self.describe(*box.corner)}")
         params: dict[str, Value] = {**made.params, _KIND: kind.value, "changed": list(changed)}
         # The window's corner is somewhere else in the frame of the original map.
-        origin = made.params.get("origin", [0.0, 0.0])
-        if (box.top or box.left) and isinstance(origin, list):
-            shift = (box.left * self.cell, box.top * self.cell)
+        if box.top or box.left:
+            x, y = made.origin
             params["origin"] = [
-                round(float(str(at)) + by, 9) for at, by in zip(origin, shift, strict=True)
+                round(x + box.left * self.cell, 9),
+                round(y + box.top * self.cell, 9),
             ]
         return replace(made, params=params, metrics={})
 

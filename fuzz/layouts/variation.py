@@ -151,7 +151,7 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
         seconds: float = TIME_STEP.parse(word, "run")
         return seconds
     field = next((one for one in scenario.fields if one.name == name), None)
-    if field is not None:
+    if field is not None and name not in _OF_THE_ROBOT:
         value: Value = field.parse(word, scenario.controller)
         return value
     if name not in _OF_THE_ROBOT:

@@ -577,6 +577,7 @@ def explained(
                 effort=1.0 if is_bounded else _EFFORT,
                 most_steps=math.inf if is_bounded else most_steps,
                 most_runs=_MOST_CELLS / failure.world.walls.size,
+                in_haste=is_bounded,
             )
     except (WorldgenError, OutOfTime):
         return None

@@ -8,11 +8,12 @@ only if the target is still provably reachable, so no change makes the world eas
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,11 +32,12 @@ from fuzz.failure import Failure
 from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue import own_words
+from sim.controllers.instances import origin_of
 from sim.controllers.learning import LEARNED
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
-from sim.verdict import ARRIVALS
+from sim.verdict import ARRIVALS, OUT_OF_BUDGET
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import Parameter, with_options
 from worldgen.support.plain_text import alternatives
@@ -48,6 +50,14 @@ _AXES = ("heading", "radius", "speed", "time-step")
 # Number of indices of an axis to search on either side: half a turn, and a factor of about four.
 _REACH = {"heading": 180}
 _REACH_OF_NUMBERS = 512
+
+# The kinds of changes in the order of a report.
+_ORDER = ("cell", "memory", "event", "option", "field", *_AXES)
+
+# The witness's times of an early run in haste, and limits on the cells and on the other changes
+# that get one: together these runs take as long as four that do not arrive in the full budget.
+_EARLY = 8.0
+_MOST_EARLY = 12
 
 # Limit on the solid cells that are freed one by one, those nearest to the repeated part of the path
 # first. A shrunk failure has a dozen; in a world of thousands the wall that matters is close to the
@@ -230,6 +240,7 @@ def counterfactuals(
     effort: float = 1.0,
     most_steps: float = math.inf,
     most_runs: float = math.inf,
+    in_haste: bool = False,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
@@ -242,6 +253,9 @@ def counterfactuals(
         effort: Fraction of the usual number of steps that it may take.
         most_steps: Limit on these steps, for a slow controller.
         most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
+        in_haste: Whether time may run out before a slow controller has run with each change. Then
+            short runs with the changes that tell most come first, and what they leave open last;
+            without such an end, the answer is the same.
         progress: Called after each run with the number of runs so far, and about how many are made
             in all.
 
@@ -261,12 +275,21 @@ def counterfactuals(
         )
     search = _ChangedRuns(subject, effort, most_steps, most_runs, progress)
     changes: list[Change] = []
-    try:
-        for change in _changes(search, failure.run()):
+    tries: list[_Try] = []
+    is_complete = False
+    with contextlib.suppress(_OutOfStepsError, OutOfTime):
+        episode = failure.run()
+        origin = origin_of(CONTROLLERS.get(subject.scenario.controller))
+        is_slow = origin is not None and origin.answers.is_trusted
+        tries = [*_tries(subject, episode)] if in_haste and is_slow else []
+        makes = _changes_in_haste(search, tries) if tries else _changes(search, episode)
+        for change in makes:
             changes.append(change)
-    except (_OutOfStepsError, OutOfTime):
-        return Counterfactuals(tuple(changes), search.runs, is_complete=False)
-    return Counterfactuals(tuple(changes), search.runs, is_complete=not search.is_cut)
+        is_complete = not search.is_cut
+    # In haste, the order of a report is not that of the runs.
+    order = [one.change for one in tries]
+    changes.sort(key=lambda one: (_ORDER.index(one.what), order.index(one) if one in order else 0))
+    return Counterfactuals(tuple(changes), search.runs, is_complete)
 
 
 class _OutOfStepsError(Exception):
@@ -303,11 +326,19 @@ class _ChangedRuns:
 
     def arrives(self, subject: Subject) -> bool:
         """Return True if the robot arrives, and does nothing else that is wrong."""
-        ran = run_subject(subject)
+        return bool(self.arrives_within(math.inf, subject))
+
+    def arrives_within(self, multiple: float, subject: Subject) -> bool | None:
+        """Return the same for a shorter budget, a multiple of the witness's time.
+
+        ``None`` if the run is over before that shows.
+        """
+        ran = run_subject(subject, multiple=multiple)
         if ran is None:
             return False
         self._count(ran[1].steps)
-        return ran[1].verdict in ARRIVALS
+        is_short = multiple < math.inf and ran[1].verdict in OUT_OF_BUDGET
+        return None if is_short else ran[1].verdict in ARRIVALS
 
     def boundary(self, name: str) -> Change | None:
         """Return the nearest value of an axis at which the robot arrives, if there is one."""
@@ -373,30 +404,75 @@ class _ChangedRuns:
             raise _OutOfStepsError
 
 
+class _Try(NamedTuple):
+    """A change to try: the robot may arrive in the changed scenario."""
+
+    change: Change
+    subject: Subject
+
+
 def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     """Yield the changes after which the robot arrives, in the order of a report."""
-    subject = search.subject
-    for ix, iy in _solid_cells(subject, episode):
-        walls = subject.world.walls.copy()
-        walls[iy, ix] = False
-        if search.arrives(_with_world(subject, walls=walls)):
-            yield Change("cell", [ix, iy])
-    yield from _memory_changes(search, episode)
-    yield from _event_changes(search)
-    yield from _option_changes(search)
+    yield from _helpful(search, _tries(search.subject, episode))
     yield from _field_changes(search)
+    yield from _boundaries(search)
+
+
+def _changes_in_haste(search: _ChangedRuns, tries: Sequence[_Try]) -> Iterator[Change]:
+    """Yield the same changes, those first that cost little and tell most."""
+    cells = [one for one in tries if one.change.what == "cell"]
+    restarts = [one for one in tries if one.change.what == "memory"]
+    others = [one for one in tries if one.change.what not in ("cell", "memory")]
+
+    # Most robots that arrive do so soon. The answers of the others are known when they run longer.
+    left = []
+    for one in cells[:_MOST_EARLY] + restarts[:1] + others[:_MOST_EARLY]:
+        arrives = search.arrives_within(_EARLY, one.subject)
+        if arrives:
+            yield one.change
+        elif arrives is None:
+            left.append(one)
+        if one.change.what == "memory" and not arrives:
+            left += restarts[1:]
+    yield from _field_changes(search)
+    yield from _boundaries(search)
+    yield from _helpful(search, left + cells[_MOST_EARLY:] + others[_MOST_EARLY:])
+
+
+def _helpful(search: _ChangedRuns, tries: Iterable[_Try]) -> Iterator[Change]:
+    """Yield those changes after which the robot arrives."""
+    cleared = False
+    for one in tries:
+        # Of the places where the memory is cleared, the first is enough.
+        is_needless = one.change.what == "memory" and cleared
+        if not is_needless and search.arrives(one.subject):
+            cleared |= one.change.what == "memory"
+            yield one.change
+
+
+def _boundaries(search: _ChangedRuns) -> Iterator[Change]:
     for name in _AXES:
         change = search.boundary(name)
         if change is not None:
             yield change
 
 
-def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
-    """Yield the first place of the loop from which a robot without memory arrives.
+def _tries(subject: Subject, episode: Episode) -> Iterator[_Try]:
+    """Yield the changes to try one by one, in the order of a report."""
+    for ix, iy in _solid_cells(subject, episode):
+        walls = subject.world.walls.copy()
+        walls[iy, ix] = False
+        yield _Try(Change("cell", [ix, iy]), _with_world(subject, walls=walls))
+    yield from _restarts(subject, episode)
+    yield from _events(subject)
+    yield from _options(subject)
 
-    Then the robot's memory, not its place, keeps it in the loop.
+
+def _restarts(subject: Subject, episode: Episode) -> Iterator[_Try]:
+    """Yield places of the loop from which a robot starts without memory.
+
+    If it arrives from one, its memory, not its place, keeps it in the loop.
     """
-    subject = search.subject
     loop = episode.evidence
     trace = episode.trace
     # In a world that changes, the walls would be different after a new start.
@@ -414,35 +490,32 @@ def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     every = max(1.0, len(steps) / _MOST_RESTARTS)
     for step in steps[np.arange(0, len(steps), every).astype(int)].tolist():
         pose = [float(values[step]) for values in (trace.x, trace.y, trace.heading)]
-        if search.arrives(_with_world(subject, start=Pose(*pose))):
-            yield Change("memory", list(pose))
-            return
+        yield _Try(Change("memory", list(pose)), _with_world(subject, start=Pose(*pose)))
 
 
-def _event_changes(search: _ChangedRuns) -> Iterator[Change]:
-    timeline = search.subject.world.timeline
+def _events(subject: Subject) -> Iterator[_Try]:
+    timeline = subject.world.timeline
     for number, event in enumerate(timeline):
         if number == _MOST_EVENTS:
             return
-        if search.arrives(_with_world(search.subject, timeline=timeline.without(number))):
-            yield Change("event", [event.ix, event.iy], event.time)
+        change = Change("event", [event.ix, event.iy], event.time)
+        yield _Try(change, _with_world(subject, timeline=timeline.without(number)))
 
 
-def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
-    scenario = search.subject.scenario
+def _options(subject: Subject) -> Iterator[_Try]:
+    scenario = subject.scenario
     given = scenario.run.changed()
     for name, value in given.items():
         others = {key: kept for key, kept in given.items() if key != name}
         usual = scenario.with_run(**switch_sets(scenario.run.motion, others))
-        if search.arrives(replace(search.subject, scenario=usual)):
-            yield Change("option", name, value)
+        yield _Try(Change("option", name, value), replace(subject, scenario=usual))
     # A controller may have options of its own. What it learned is not one of them.
     base, words = own_words(scenario.controller)
     for name, text in words.items():
         kept = {key: word for key, word in words.items() if key != name}
         plain = replace(scenario, controller=with_options(base, kept))
-        if name != LEARNED and search.arrives(replace(search.subject, scenario=plain)):
-            yield Change("option", name, text or True)
+        if name != LEARNED:
+            yield _Try(Change("option", name, text or True), replace(subject, scenario=plain))
 
 
 def _field_changes(search: _ChangedRuns) -> Iterator[Change]:

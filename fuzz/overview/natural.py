@@ -32,6 +32,7 @@ from fuzz.triage.diagnosis import cause_of_run
 from fuzz.unit.deadline import Deadline
 from sim.clock.controller_time import Effort, count_differences, count_survivors
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
+from sim.controllers.answers import leaving_proofs
 from sim.controllers.catalogue.renewal import as_loaded
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario
@@ -303,7 +304,8 @@ def _run_worlds(
             with stopping_when(partial(is_over, ran)):
                 check_time()
                 case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
-                done[number] = _Finished() if case is None else _finished(family, case)
+                with leaving_proofs():
+                    done[number] = _Finished() if case is None else _finished(family, case)
         except OutOfTime:
             break
         except WorldgenError:

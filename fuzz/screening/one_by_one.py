@@ -13,6 +13,7 @@ from fuzz._core import ffi, lib
 from fuzz.screening.batch import REPORT_FIELDS, Batch, Seat
 from fuzz.screening.in_core import MOST_HANGS
 from sim.clock.stopping import OutOfTime, is_out_of_time
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import own_attributes
 from sim.options.run import RunOptions
@@ -81,6 +82,13 @@ class OneByOne:
 
     def _look(self, n: int) -> None:
         """Run the controller in a world, and keep watching it for a while if that reveals more."""
+        while True:
+            with contextlib.suppress(AnswersDiffer):
+                self._run_once(n)
+                return
+            lib.wg_seat_open(self._seat.c, n)
+
+    def _run_once(self, n: int) -> None:
         self._host.start()
         seat = None
         try:

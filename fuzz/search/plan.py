@@ -72,11 +72,11 @@ class Prices:
     run: float = 0.0
 
 
-# A proof runs a controller about four times, for a multiple of the witness's steps: as many as a
-# Python class gets to close its loop, fewer for a slow one, but no fewer than a run's budget.
+# A proof runs a quick class about four times, each for as many steps as it gets to close its loop.
 _PROOF_RUNS = 4
 _PROOF_STEPS = 60_000
-_FEWEST_STEPS = 2_000
+# Steps of a proof where each is expensive: the witness's budget twice, or a loop several times.
+_COSTLY_PROOF = 3_000
 # Milliseconds of a proof, in addition to its steps.
 _PROOF_COST = 8.0
 # Fraction of a step's time that the search adds to it.
@@ -88,7 +88,7 @@ def prices_of(config: CampaignConfig) -> Prices:
     if config.pace.slower == 1:
         return Prices()
     pace = config.pace
-    steps = _PROOF_RUNS * max(_PROOF_STEPS // pace.slower, _FEWEST_STEPS)
+    steps = _COSTLY_PROOF if pace.is_slow else _PROOF_RUNS * (_PROOF_STEPS // pace.slower)
     return Prices(
         step=1e3 * (1.0 + _ADDED) * pace.step,
         proof=_PROOF_COST + 1e3 * steps * pace.step,
@@ -109,7 +109,10 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return (*small, "map", *((BOUNDARY,) if has_subject else ()))
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    return (*small, *native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
+    # In worlds of fire a robot mostly waits, and burns in ways that it may not sense. Natural worlds
+    # have some, too.
+    drawn = tuple(name for name in _DRAWN if not small or name != "fire")
+    return (*small, *native, *drawn, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
 def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> str:

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzz.cause import Cause
+from fuzz.facts.proofs import certified
 from fuzz.failure import MOST_SHOWN
 from fuzz.layouts.map_variations import variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.small_worlds import small_world
 from fuzz.layouts.variation import applied
 from fuzz.screening import can_screen
-from fuzz.search.suspects import Symptom, symptom_of
+from fuzz.search.suspects import symptom_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.triage import UNDECIDED, first_look
@@ -40,9 +41,10 @@ _SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
 _OWN = 3e-3  # s of ours for each world
 _USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
 _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
-# Times the witness's steps after which a run that has not arrived is examined; then after twice as
-# many.
+# Times the witness's steps after which a run that has not arrived is examined, and the fewest
+# steps; then after twice as many. Robots turn, or swing in, before they drive the shortest ways.
 _FIRST_LOOK = 6
+_FIRST_STEPS = 64
 # Kinds of worlds on a user's map.
 _KINDS_IN_TURN = (
     Kind.WINDOW,
@@ -65,8 +67,11 @@ def fits(config: CampaignConfig) -> bool:
 def search(task: SearchTask) -> None:
     """Run small worlds one after another, and prove the first failure of each cause."""
     unit = _Unit(task)
-    unit.screen()
-    unit.prove_suspects()
+    try:
+        unit.screen()
+        unit.prove_suspects()
+    finally:
+        unit.count_rest()
 
 
 @dataclass(frozen=True)
@@ -108,15 +113,13 @@ class _Suspect(NamedTuple):
     """A run that will hardly arrive.
 
     Args:
-        symptom: Why; reliable symptoms come first.
-        budget: Steps that its proof takes.
+        price: Steps that a proof takes, multiplied if the symptom often deceives.
         number: Its place among the unit's worlds.
         steps: Steps so far.
         trial: The run.
     """
 
-    symptom: Symptom
-    budget: int
+    price: int
     number: int
     steps: int
     trial: _Trial
@@ -138,7 +141,7 @@ class _Unit:
         self._alike: Counter[tuple[str, str]] = Counter()
         # Failures of earlier units, by cause.
         self._known = Counter(group for group, _ in task.memory.failures)
-        # Most loops show in the state. If a controller hides memory, they do not.
+        # A loop that seems to recur is none if the controller hides memory, as its first run shows.
         self._finds_loops = True
 
     def screen(self) -> None:
@@ -154,7 +157,12 @@ class _Unit:
             if world is None:
                 continue
             try:
-                self._try(*applied(self._values, world, scenario), number)
+                world, scenario = applied(self._values, world, scenario)
+                # Another robot needs a witness of its own, which decides the budget.
+                proved = world if world.certificate else certified(world)
+                if proved is None:
+                    continue
+                self._try(proved, scenario, number)
             except InvalidWorld:
                 # The drawn robot does not fit at the start.
                 continue
@@ -179,13 +187,20 @@ class _Unit:
 
         Once a failure of a new cause is proved, the unit ends, so that the failure is stored.
         """
-        for cause, suspect in sorted(self._suspects.items(), key=lambda one: one[1][:-1]):
+        in_order = sorted(self._suspects, key=lambda cause: self._suspects[cause][:-1])
+        for cause in in_order:
             if {group for group, _ in self._triage.result.failures} - self._known.keys():
-                self._leave(suspect.steps, cause)
-                continue
+                return
             check_time()
-            trial = suspect.trial
-            self._take(trial, self._run(trial, trial.options.steps))
+            trial = self._suspects[cause].trial
+            outcome = self._run(trial, trial.options.steps)
+            del self._suspects[cause]
+            self._take(trial, outcome)
+
+    def count_rest(self) -> None:
+        """Count the runs that were not examined, also if the unit's time ran out."""
+        for cause, suspect in self._suspects.items():
+            self._leave(suspect.steps, cause)
         for kind, count in self._alike.items():
             self._triage.count_alike(*kind, count)
 
@@ -193,7 +208,7 @@ class _Unit:
         """Run until the robot arrives or fails, or will hardly arrive."""
         options = scenario.options(world)
         trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
-        steps = _FIRST_LOOK * trial.witness_steps
+        steps = max(_FIRST_LOOK * trial.witness_steps, _FIRST_STEPS)
         while True:
             steps = min(steps, options.steps)
             outcome = self._run(trial, steps)
@@ -204,13 +219,16 @@ class _Unit:
             symptom = symptom_of(world, episode)
             if symptom is not None:
                 cause = cause_of_run(world, episode)
-                self._suspect(cause, _Suspect(symptom, options.steps, number, steps, trial))
+                price = options.steps * (1 + symptom)
+                self._suspect(cause, _Suspect(price, number, steps, trial))
                 break
             steps *= 2
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
 
     def _run(self, trial: _Trial, steps: int) -> Outcome:
-        return trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        outcome = trial.run.run(steps, find_loop=self._finds_loops, record=True)
+        self._finds_loops &= outcome.complete
+        return outcome
 
     def _suspect(self, cause: Cause, found: _Suspect) -> None:
         """Keep a suspect if it is the best of a new cause."""
@@ -227,7 +245,6 @@ class _Unit:
         verdict = first_look(outcome)
         if verdict == Verdict.LOOP and not outcome.complete:
             # It may only seem to repeat itself, so run again without ending there.
-            self._finds_loops = False
             outcome = self._run(trial, trial.options.steps)
             verdict = first_look(outcome)
         if verdict not in (Verdict.LOOP, UNDECIDED):

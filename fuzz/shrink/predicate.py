@@ -14,6 +14,7 @@ from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.judging import oracle_of
 from sim.controllers import CONTROLLERS, Controller
+from sim.controllers.answers import leaving_proofs
 from sim.episode import prepare, simulate
 from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, JointLoopEvidence, WallEvidence
 from sim.options.run import RunOptions
@@ -66,6 +67,8 @@ class StillFails:
             kind of a stalled run, the bucket of a crash; empty for any.
         cause: The cause to keep as well; ``None`` for any.
         rule: Name of a user's oracle's kind of violation, which is kept as well; else empty.
+        tried_budget: Steps for the first attempt at a candidate of such a verdict, which may miss
+            some that fail; the budget if omitted.
     """
 
     scenario: Scenario
@@ -75,6 +78,7 @@ class StillFails:
     manner: str = ""
     cause: Cause | None = None
     rule: str = ""
+    tried_budget: int | None = None
     simulations: int = 0
 
     @classmethod
@@ -122,7 +126,9 @@ class StillFails:
     @property
     def least_budget(self) -> int:
         """Smallest budget of any candidate, in steps."""
-        return self.budget if self.is_proved_by_the_run else self.scenario.fewest_steps
+        if self.is_proved_by_the_run:
+            return self.tried_budget or self.budget
+        return self.scenario.fewest_steps
 
     @functools.cached_property
     def controller(self) -> Controller:
@@ -138,7 +144,8 @@ class StillFails:
         """
         scenario = scenario or self.scenario
         try:
-            return self._failing(candidate, scenario)
+            with leaving_proofs():
+                return self._failing(candidate, scenario)
         except (InvalidWorld, InvalidParameter):
             return None
 
@@ -158,7 +165,8 @@ class StillFails:
 
         It needs no certificate if the run itself proves the verdict.
         """
-        return self._has_cause(candidate, scenario.options(candidate, self.least_budget))
+        with leaving_proofs():
+            return self._has_cause(candidate, scenario.options(candidate, self.least_budget))
 
     def _has_cause(self, world: World, options: RunOptions) -> bool:
         if self.cause is None:

@@ -22,8 +22,10 @@ from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.judging import failure_of
 from fuzz.unit.constraint import Constraint
 from sim.clock.stopping import OutOfTime, stopping_when
+from sim.controllers import CONTROLLERS
+from sim.controllers.instances import origin_of
 from sim.episode import simulate
-from sim.evidence import WallEvidence
+from sim.evidence import LoopEvidence, WallEvidence
 from sim.options.run import MAX_STEPS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
@@ -32,6 +34,10 @@ from worldgen.world import Value, World
 # A simpler world may need more steps than the original until it fails.
 _MORE_STEPS = 4
 _FEWEST_STEPS = 2_000
+# The same for attempts with a slow controller and a time limit. Of the calls that such an attempt
+# makes with the budget above, two thirds are in runs that never end.
+_LONGER_LOOP = 2
+_FEWEST_IN_HASTE = 200
 # Runs that shrinking may take, however slow the controller is.
 _FEWEST_RUNS = 50
 # Details that do not apply to the new world.
@@ -164,6 +170,9 @@ class _Reducer:
         steps = _steps_to_fail(failure)
         self._most_runs = max(most_steps / max(steps, 1), _FEWEST_RUNS)
         self._still_fails = _judge(failure, steps)
+        # A campaign limits the steps for a slow controller; with a time limit, its runs have shown it.
+        if most_steps < math.inf or (deadline is not None and _is_slow(failure)):
+            self._still_fails.tried_budget = _budget_in_haste(failure)
         self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
         constraint = Constraint.recorded(failure.record.details)
         self._trying = Trying(self._still_fails, self._is_over, constraint)
@@ -342,6 +351,22 @@ def _judge(failure: Failure, steps: int) -> StillFails:
         by=by,
         reach="walled off" if still_fails.breach else "reachable",
     )
+
+
+def _is_slow(failure: Failure) -> bool:
+    origin = origin_of(CONTROLLERS.get(failure.record.controller))
+    return origin is not None and origin.answers.is_trusted
+
+
+def _budget_in_haste(failure: Failure) -> int | None:
+    """Return a budget in which most loops of simpler worlds end; ``None`` if there is no loop.
+
+    The check that nothing can be removed has the full budget, so what this misses is made up for.
+    """
+    loop = failure.evidence
+    if not isinstance(loop, LoopEvidence):
+        return None
+    return _LONGER_LOOP * (loop.entry + loop.period) + _FEWEST_IN_HASTE
 
 
 def _steps_to_fail(failure: Failure) -> int:

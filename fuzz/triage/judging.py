@@ -15,12 +15,13 @@ from typing import NamedTuple
 from fuzz.facts.crash_bucket import FACTS, NAMED
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
-from sim.controllers import CompiledController
+from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue.renewal import as_loaded
+from sim.controllers.instances import origin_of
 from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
-from sim.episode.differences import count_sources
-from sim.evidence import evidence_table
+from sim.episode.differences import count_sources, note_difference
+from sim.evidence import LoopEvidence, evidence_table
 from sim.motion import MOTIONS
 from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
@@ -144,6 +145,10 @@ def judge(
     if longer != options and (late or episode.verdict in OUT_OF_BUDGET):
         trial = Trial.recorded(world, scenario.controller, options)
 
+    # Here a world is known in which this may be seen again, and named.
+    if (origin := origin_of(CONTROLLERS.get(scenario.controller))) and origin.answers.differ:
+        note_difference(world, scenario.controller, options)
+
     found = oracle.check(trial)
     if found is None:
         return JudgedRun(None, is_settled=True)
@@ -214,6 +219,10 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
     if isinstance(controller, CompiledController) and not is_library_name(trial.controller):
         return True
     if oracle.by_verdict:
+        # The controller must really act again: in the two periods that prove a loop, or always.
+        if (origin := origin_of(controller)) is not None:
+            is_loop = isinstance(trial.episode.evidence, LoopEvidence)
+            origin.answers.forget(proofs_only=is_loop)
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
         if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):

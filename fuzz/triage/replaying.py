@@ -9,7 +9,10 @@ from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.oracles import Trial, Violation
 from fuzz.triage.judging import oracle_of, repeatable, violation_in
-from sim.episode import Episode
+from sim.controllers.catalogue.renewal import as_loaded
+from sim.controllers.instances import origin_of
+from sim.episode import Episode, prepare
+from sim.evidence import LoopEvidence
 from sim.motion import MOTIONS
 from sim.verdict import ARRIVALS
 from worldgen.errors import WorldgenError
@@ -55,6 +58,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
         )
     try:
         oracle = oracle_of(failure)
+        _retrace(failure)
         trial = Trial.recorded(failure.world, record.controller, options)
         found = violation_in(trial, oracle)
     except WorldgenError as error:
@@ -65,6 +69,19 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     if found is not None and found.evidence is not None:
         episode = replace(episode, evidence=found.evidence)
     return Replay(episode.verdict, not reason, reason, episode)
+
+
+def _retrace(failure: Failure) -> None:
+    """Let a slow class act for the two periods that prove its loop, and no longer.
+
+    The runs that follow search for the loop as if it were unknown, but reuse the answers.
+    """
+    loop = failure.evidence
+    controller = as_loaded(failure.record.controller)
+    origin = origin_of(controller)
+    if isinstance(loop, LoopEvidence) and origin is not None and not origin.answers.is_off:
+        run = prepare(failure.world, controller, failure.options)
+        run.prove(loop.entry, loop.period, record=False)
 
 
 def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> str:

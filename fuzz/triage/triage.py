@@ -148,8 +148,9 @@ class Triage:
             self.count_alike(verdict, cause, 1)
             return ""
         self._examined[verdict, cause] += 1
-        # An undecided run may not be a failure at all, and is the most expensive to prove.
-        if verdict == UNDECIDED:
+        # An undecided run may not be a failure at all, and is the most expensive to prove, unless it
+        # has already spent the witness's budget.
+        if verdict == UNDECIDED and details.get("known") is None:
             with contextlib.suppress(OutOfTime):
                 check_time()
                 return self._proved(world, scenario, verdict, cause, details)

@@ -10,7 +10,7 @@ from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
 from fuzz.unit.pace import Pace, usual_pace
 from sim.controllers import CONTROLLERS
-from sim.options.run import FEWEST_COSTLY_STEPS, RunOptions
+from sim.options.run import FEWEST_COSTLY_STEPS, FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Value, World
 
@@ -54,9 +54,10 @@ class CampaignConfig(SearchOptions):
     measured: Pace | None = None
 
     def __post_init__(self) -> None:
-        if self.measured is not None and self.measured.is_slow:
-            scenario = replace(self.scenario, fewest_steps=FEWEST_COSTLY_STEPS)
-            object.__setattr__(self, "scenario", scenario)
+        is_slow = self.measured is not None and self.measured.is_slow
+        fewest = FEWEST_COSTLY_STEPS if is_slow else FEWEST_STEPS
+        if self.scenario.fewest_steps != fewest:
+            object.__setattr__(self, "scenario", replace(self.scenario, fewest_steps=fewest))
 
     @property
     def units_of_a_round(self) -> int:

@@ -39,6 +39,8 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
+# Steps, 400 MB with a memory of 5,000 numbers: a run of a class that is recorded in any case.
+_RECORDED = 10_000
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
@@ -213,15 +215,15 @@ def _simulated(
     from sim.clock.controller_time import Effort
     from sim.controllers.catalogue import CONTROLLERS
     from sim.controllers.catalogue.renewal import survivors_found
-    from sim.episode.run import RECORDED_AT_ONCE, simulate
+    from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
     from sim.runners.controller_host import host_of
 
     began = Effort.so_far()
     options = [one.options(world, steps) for one in scenarios]
-    # Only a recording shows that the memory of a class drifts. Its own code takes far longer.
+    # Only a recording shows that the memory of a class drifts.
     in_python = host_of(CONTROLLERS.get(scenarios[0].controller)).in_python
-    record = record or (in_python and options[0].steps <= RECORDED_AT_ONCE)
+    record = record or (in_python and options[0].steps <= _RECORDED)
     if world.is_fleet:
         names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
         episode: Episode = simulate_fleet(world, names, options, record=record)

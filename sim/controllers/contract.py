@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.clock.controller_time import UNKNOWN_SOURCE
 from sim.controllers.controller_error import ControllerError, rule_of
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
@@ -21,7 +22,6 @@ from worldgen.support.plain_text import shown
 
 # Characters of an answer that are quoted.
 _LONGEST_ANSWER = 200
-UNKNOWN_SOURCE = "something that changes between runs, such as a file or another process"
 _RETURN = "end {} with: return Command(speed, turn_rate), memory"
 _MEMORY = "return a tuple of numbers whose length never changes, such as () or (0.0, 1.0)"
 

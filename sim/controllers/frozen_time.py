@@ -23,11 +23,13 @@ from sim.clock.stopping import unbreakable
 from sim.controllers.hidden_state import modules_of_user
 from worldgen.domain import MASK64
 
-# A loop that waits for the clock would never end if it stood still. So after this many readings in
-# a step, which are more than a step needs to measure something, each further one takes a while: a
-# planner that may think for 20 ms gets some forty rounds.
+# Each reading in a step after the first takes a moment, so that no duration is zero: code that
+# measures itself divides by it. A loop that waits for the clock would take forever that way. So after
+# this many readings, which are more than a step needs to measure something, each further one takes
+# longer: a planner that may think for 20 ms gets some forty rounds.
 _READINGS = 16
-_PER_READING = 0.001  # s
+_PER_READING = 1e-6  # s
+_PER_LATE_READING = 1e-3  # s
 
 _OURS = ("sim.", "fuzz.", "worldgen.", "worldgen_plugins.")
 # Clocks that count from an arbitrary moment, so that one time fits them all.
@@ -38,8 +40,9 @@ _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
 class FrozenTime:
     """The clock and the chance that a controller sees in one run.
 
-    In a step, the clock shows the number of the step times the time step. ``random`` and NumPy's
-    own generator begin with the run's seed, and so does every generator that is made without one.
+    In a step, the clock shows the number of the step times the time step, and a microsecond more
+    with each further reading. ``random`` and NumPy's own generator begin with the run's seed, and so
+    does every generator that is made without one.
 
     Args:
         seed: Seed of the run.
@@ -186,8 +189,8 @@ class FrozenTime:
 
     def _read(self) -> float:
         self._read_here += 1
-        if self._read_here > _READINGS:
-            self._now += _PER_READING
+        if self._read_here > 1:
+            self._now += _PER_READING if self._read_here <= _READINGS else _PER_LATE_READING
         return self._now
 
     def _next_seed(self) -> int:

@@ -81,6 +81,11 @@ class SharedVariables:
         except Exception:  # noqa: BLE001 - anything that cannot be pickled cannot be copied
             return None
 
+    def is_current(self, kind: type) -> bool:
+        """Return True if all variables have the copied values."""
+        now = SharedVariables.of(kind)
+        return now is not None and now.data == self.data
+
     def restore(self, kind: type) -> bool:
         """Set all variables back; return False if that is not possible."""
         now = SharedVariables.of(kind)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from sim.controllers.answers import Answers
 from sim.controllers.hidden_state import SharedVariables
 from worldgen.plugins.registry import user_code
 
@@ -24,6 +25,7 @@ class InstanceOrigin:
         loaded: The variables of its classes and modules before the first instance was made;
             ``None`` if they cannot be copied.
         fields: The fields that its name sets, such as ``lookahead=0.2``.
+        answers: What its instances have answered so far.
     """
 
     name: str
@@ -33,6 +35,7 @@ class InstanceOrigin:
     varying: set[str] = field(default_factory=set)
     loaded: SharedVariables | None = None
     fields: str = ""
+    answers: Answers = field(default_factory=Answers)
 
     def another(self) -> Any:
         """Return another instance."""

@@ -91,6 +91,11 @@ def noting_reads() -> Iterator[Reads]:
         _noted.reset(token)
 
 
+def are_reads_noted() -> bool:
+    """Return True inside :func:`noting_reads`."""
+    return _noted.get() is not None
+
+
 @contextmanager
 def ignoring_pickles() -> Iterator[None]:
     """Do not count pickling as reading, as when the simulator compares states."""

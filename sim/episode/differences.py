@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sim.clock.controller_time import count_differences
+from sim.clock.controller_time import UNKNOWN_SOURCE, count_differences
 from sim.controllers.catalogue.renewal import as_loaded
-from sim.controllers.contract import UNKNOWN_SOURCE
 from sim.episode.run import simulate
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions

@@ -31,9 +31,9 @@ from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "area_of", "episode_of", "prepare", "simulate", "wall_evidence"]
 
-RECORDED_AT_ONCE = 100_000
-"""Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
-recording is needed, so that they need not run twice."""
+# Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
+# recording is needed, so that they need not run twice.
+_RECORDED_AT_ONCE = 100_000
 
 
 def simulate(
@@ -78,7 +78,7 @@ def simulate(
     # to run again, and record only the steps that the verdict needs.
     run = prepare(world, found, options, lean=lean)
     name = named[0]
-    at_once = record and options.steps <= RECORDED_AT_ONCE and not host_of(found).in_core
+    at_once = record and options.steps <= _RECORDED_AT_ONCE and not host_of(found).in_core
     decided = decide(
         run,
         options.steps,

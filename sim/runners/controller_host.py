@@ -11,6 +11,7 @@ import re
 from bdb import BdbQuit
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from types import SimpleNamespace, TracebackType
 from typing import Any
 
@@ -19,6 +20,7 @@ import numpy as np
 from sim._core import ffi
 from sim.clock.controller_time import timed
 from sim.clock.stopping import OutOfTime, breakable, in_time
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.base import CompiledController, Memory, VectorController, wants_world
 from sim.controllers.catalogue.renewal import has_shared_state_changed, renew_and_reset
 from sim.controllers.contract import flat_memory
@@ -73,6 +75,8 @@ class ControllerHost:
         self.controller = controller
         self._frozen: FrozenTime | None = None
         self.sources: tuple[str, ...] = ()
+        # Whether the latest run would have left no state, if its answers were reused.
+        self._unchanged: bool | None = None
         self.has_read_clock = False
         self.plans = not self.acts_for_many and wants_world(controller)
 
@@ -131,6 +135,7 @@ class ControllerHost:
             renew: Whether to use a new instance if earlier runs have left something in this one.
         """
         shown = world if self.plans else None
+        self._unchanged = None
         if self._frozen is not None and not self._frozen.only_watches:
             # Generators that ``__init__`` makes begin again with each run.
             origin = origin_of(self.controller)
@@ -156,6 +161,16 @@ class ControllerHost:
         state = hidden_state(self.controller)
         return None if has_shared_state_changed(self.controller, state) else state
 
+    def is_unchanged(self, begun: HiddenState) -> bool:
+        """Return True if a run has left its state outside its memory as it was.
+
+        Args:
+            begun: That state, from :meth:`hidden`.
+        """
+        if self._unchanged is not None:
+            return self._unchanged
+        return hidden_state(self.controller) == begun
+
     def driver(self, memory: Memory, settings: Any) -> Driver:
         """Return it in the form in which the core calls it.
 
@@ -166,9 +181,43 @@ class ControllerHost:
         return Driver(None, memory, settings)
 
     def drive(self, stops: Stops, memory: Memory) -> Memory:
-        """Let it act wherever a run stops, and return its memory after the last step."""
-        with nullcontext() if self._frozen is None else self._frozen.watching():
-            return act_in_core(self.act, stops, memory, is_measured=self.in_python)
+        """Let it act wherever a run stops, and return its memory after the last step.
+
+        Answers of a slow class are reused where they are known. A watched run proves a loop, so it
+        reuses only what such a run has computed.
+
+        Args:
+            stops: The run.
+            memory: Its memory, from :meth:`begin`.
+
+        Raises:
+            AnswersDiffer: If the run must be repeated.
+        """
+        frozen = self._frozen
+        proves = frozen is not None and frozen.only_watches
+        # Simulated time shows which step it is, and is the same in no two.
+        is_reusable = self.in_python and (frozen is None or proves)
+
+        def drive(act: Callable[..., Any], *, is_measured: bool) -> Memory:
+            with nullcontext() if frozen is None else frozen.watching():
+                return act_in_core(act, stops, memory, is_measured=is_measured)
+
+        origin = origin_of(self.controller) if is_reusable else None
+        if origin is None or origin.answers.is_off:
+            return drive(self.act, is_measured=self.in_python)
+        try:
+            after, self._unchanged = origin.answers.lend(
+                self.controller,
+                partial(drive, is_measured=False),
+                proved_if=(lambda: not frozen.was_read) if frozen is not None else None,
+            )
+            return after
+        except AnswersDiffer:
+            # The next run must begin as this one did; the object itself is renewed then.
+            kind = type(self.controller)
+            if origin.loaded is not None and not origin.loaded.is_current(kind):
+                origin.loaded.restore(kind)
+            raise
 
     @property
     def act(self) -> Callable[..., Any]:
@@ -292,8 +341,9 @@ def host_of(controller: Any) -> ControllerHost:
 class Faults:
     """A block in which a controller acts: whatever it raises becomes a :class:`ControllerError`.
 
-    Even SystemExit does. Ctrl-C, leaving the debugger, the end of the time and a program that cannot
-    start within its memory limit say nothing about the controller, and pass.
+    Even SystemExit does. Ctrl-C, leaving the debugger, the end of the time, a run that must be
+    repeated and a program that cannot start within its memory limit say nothing about the
+    controller, and pass.
 
     Args:
         host: The host of the controller.
@@ -312,7 +362,7 @@ class Faults:
         _trace: TracebackType | None,
     ) -> None:
         if error is None or isinstance(
-            error, ControllerError | KeyboardInterrupt | OutOfTime | WantsMemory
+            error, AnswersDiffer | ControllerError | KeyboardInterrupt | OutOfTime | WantsMemory
         ):
             return
         if isinstance(error, BdbQuit):

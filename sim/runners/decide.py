@@ -65,7 +65,9 @@ def decide(
     if outcome.ending == Verdict.LOOP:
         if record:
             check_recordable(outcome.entry + outcome.period)
-        proof = run.prove(outcome.entry, outcome.period, record=record)
+        # Without its whole state, no recurrence is a proof, and a second run need not try.
+        hides_memory = not getattr(outcome, "complete", True)
+        proof = None if hides_memory else run.prove(outcome.entry, outcome.period, record=record)
         if proof is None:
             # The controller hides memory that it does not declare, so only the budget decides. The
             # runs so far may have changed that memory.

@@ -243,7 +243,7 @@ class LatticeRun:
             return self._run_compiled(record)
         ended = run_in_python(
             self.host,
-            self.arena(),
+            self.arena,
             self.settings,
             self.world,
             self.options if options is None else options,

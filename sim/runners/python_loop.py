@@ -5,13 +5,16 @@ The core stops in each step to let the controller act.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim._core import ffi, lib
+from sim.controllers.answers import AnswersDiffer
 from sim.controllers.controller_error import ControllerError
-from sim.controllers.hidden_state import HiddenState, hidden_state
+from sim.controllers.hidden_state import HiddenState
 from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import CoreArena, CoreEpisode, most_points
@@ -41,7 +44,7 @@ class PythonRun(NamedTuple):
 
 def run_in_python(
     host: ControllerHost,
-    arena: CoreArena,
+    arena: Callable[[], CoreArena],
     settings: Any,
     world: World,
     options: RunOptions,
@@ -55,13 +58,28 @@ def run_in_python(
 
     Args:
         host: The controller's host.
-        arena: Surroundings at the start.
+        arena: Returns the surroundings at the start.
         settings: WgSettings, as for a compiled controller.
         world: The world, for a controller that plans first.
         options: Options of the run.
         record: Whether to keep every state.
         watches: Whether to note whether a step reads the clock.
     """
+    while True:
+        with contextlib.suppress(AnswersDiffer):
+            return _run(host, arena(), settings, world, options, record=record, watches=watches)
+
+
+def _run(
+    host: ControllerHost,
+    arena: CoreArena,
+    settings: Any,
+    world: World,
+    options: RunOptions,
+    *,
+    record: bool,
+    watches: bool,
+) -> PythonRun:
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)
     begun: HiddenState | None = None
@@ -81,10 +99,11 @@ def run_in_python(
                     episode.record(rows[1:], path)
                 report = episode.report
                 work.say(lambda: f"step {report.steps:,} of at most {settings.steps:,}")
-                host.drive(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
+                stops = Stops(ffi, lib, "wg_episode", episode.c, episode)
+                host.drive(stops, memory)
         except ControllerError as error:
             fault = error
-        complete = begun is not None and hidden_state(host.controller) == begun
+        complete = begun is not None and host.is_unchanged(begun)
     if episode is None or not len(rows):
         return PythonRun(episode, None, complete, fault)
 

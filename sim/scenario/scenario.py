@@ -160,7 +160,7 @@ class Scenario:
         Raises:
             InvalidParameter: If there is no such option, or the value is out of range.
         """
-        if name in {one.name for one in self.fields}:
+        if name not in WORDS_OF_A_RUN and name in {one.name for one in self.fields}:
             base, words = own_words(self.controller)
             changed = with_options(base, {**words, name: str(value)})
             return replace(self, controller=same_origin(self.controller, changed))

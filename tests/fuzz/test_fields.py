@@ -108,6 +108,11 @@ def test_boundary_varies_a_field(tmp_path):
     stretches = json.loads(result.out)["stretches"]
     assert (stretches[0]["outcome"], stretches[0]["last"]) == ("arrives", 2.0)
     assert stretches[1]["outcome"] == "fails" and stretches[1]["first"] == 2.01
+    result = worldgen(*command, "--axis", "tries", "--json")
+    ends = [
+        (one["outcome"], one["first"], one["last"]) for one in json.loads(result.out)["stretches"]
+    ]
+    assert ends == [("fails", 0.0, 5.0), ("arrives", 6.0, 35.0)]
     refused = worldgen(*command, "--axis", "bia")
     assert refused.error_code == "unknown-name"
     assert refused.err.splitlines()[-1].endswith("--axis bias")

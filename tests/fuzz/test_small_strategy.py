@@ -1,6 +1,7 @@
 """Slow controllers are searched in small worlds, in runs that end early and claim nothing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from fuzz.search.registry import check_strategy
 from fuzz.search.suspects import Symptom, symptom_of
 from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.deadline import Deadline
 from fuzz.unit.pace import Pace
 from fuzz.unit.result import SearchState
 from sim import Command, simulate
@@ -111,6 +113,12 @@ def test_only_slow_controllers_begin_with_small_worlds():
     assert "small" not in strategies_for(quick, SearchState())
 
 
+def test_the_smallest_budget_follows_the_pace():
+    slow = CampaignConfig(Scenario(EXAMPLE), measured=SLOW)
+    budgets = [one.scenario.fewest_steps for one in (slow, replace(slow, measured=None))]
+    assert budgets == [1_000, 4_000]
+
+
 def test_several_robots_have_no_small_worlds():
     with raises(InvalidParameter, "strategy-for-one-robot"):
         check_strategy("small", Scenario(EXAMPLE), robots=2)
@@ -159,9 +167,23 @@ def test_what_is_known_well_is_not_proved_again():
     assert not again.failures and again.verdicts["undecided"] == again.worlds > 0
 
 
-def run(controller, steps, walls=None):
-    empty = World(np.zeros((8, 30), bool), Pose(0.35, 0.35, 0.0), Target(2.6, 0.35, 0.05))
-    world = empty if walls is None else walls
+class SoonOver(Deadline):
+    """Is over in the second run."""
+
+    looks = 0
+
+    def to_begin_is_over(self):
+        SoonOver.looks += 1
+        return SoonOver.looks > 10
+
+
+def test_a_unit_that_is_cut_counts_its_suspects():
+    result = run_unit(config(f"{HERE}:Counting"), 0, deadline=SoonOver())
+    assert result.cut and result.verdicts["undecided"] == result.worlds == 1
+
+
+def run(controller, steps):
+    world = World(np.zeros((8, 30), bool), Pose(0.35, 0.35, 0.0), Target(2.6, 0.35, 0.05))
     return world, simulate(world, controller, steps=steps, record=True)
 
 

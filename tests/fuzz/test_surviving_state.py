@@ -10,8 +10,8 @@ from fuzz.regression.answer import State, answer
 from fuzz.triage.judging import failure_of
 from sim import simulate
 from sim.clock import controller_time
+from sim.clock.controller_time import UNKNOWN_SOURCE
 from sim.controllers import CONTROLLERS
-from sim.controllers.contract import UNKNOWN_SOURCE
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import cup, hall

@@ -136,7 +136,7 @@ def test_a_home_folder_of_nobody_is_code_2(controller, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["explain", "w.grid", "--budget", "3"], "there is no option --budget\n"),
+        (["show", "w.grid", "--budget", "3"], "there is no option --budget\n"),
         (["run", "w.grid", "--contoller", "bug2"], "; did you mean --controller?\n"),
         (["fuzz", "--unit", "3"], "; did you mean --units?\n"),
     ],

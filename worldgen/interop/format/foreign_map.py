@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import hashlib
 import stat
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -32,7 +31,6 @@ MAX_FILE_BYTES = 256 << 20
 # Families of the provenance of an imported map, and of the sidecar of an exported one.
 IMPORTED = "import"
 EXPORTED = "export"
-_LARGEST = sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -122,18 +120,7 @@ class ForeignMap:
 
 def origin_of(world: World) -> tuple[float, float]:
     """Return x and y, m, of the grid's lower-left corner in the imported map's frame, or 0."""
-    made = world.provenance
-    is_foreign = made is not None and made.family in (IMPORTED, EXPORTED)
-    origin = made.params.get("origin") if made is not None and is_foreign else None
-    if (
-        isinstance(origin, list)
-        and len(origin) == 2
-        # An integer may be beyond the range of a float64.
-        and all(isinstance(value, int | float) and abs(value) <= _LARGEST for value in origin)
-    ):
-        x, y = (float(value) for value in origin if isinstance(value, int | float))
-        return x, y
-    return 0.0, 0.0
+    return (0.0, 0.0) if world.provenance is None else world.provenance.origin
 
 
 @contextmanager
