@@ -7,6 +7,7 @@ decision of the controller does it.
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -112,12 +113,14 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
     if found is None or not any(found.counts):
         return None
     ran = [one for one in found.code.functions if _runs(one, found)]
+    names = Counter(one.name for one in found.code.functions)
     return Inside(
         file=shown(found.code.file.name),
         part=part.words,
         lines=_excerpt(found, ran),
         unused=[
-            one.name
+            # Several classes of a file have an ``act``.
+            one.name if names[one.name] == 1 else f"{one.name} (line {one.first})"
             for one in found.code.functions
             if one not in ran and one.name not in _AT_THE_START
         ],

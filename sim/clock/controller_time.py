@@ -104,6 +104,21 @@ def count_differences(names: Iterable[str]) -> None:
     _differences.update(dict.fromkeys(names, time.perf_counter()))
 
 
+def count_hang(before: float, began: float) -> None:
+    """Count the time of steps that were interrupted as the controller's own: the last one hung.
+
+    Args:
+        before: What :func:`own_seconds` was before the steps.
+        began: When they began, by ``time.perf_counter``.
+    """
+    _spent[0] = before + time.perf_counter() - began
+
+
+def own_seconds() -> float:
+    """Return the seconds spent in controllers' own code, over the life of this process."""
+    return _spent[0]
+
+
 def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:
     """Wrap a function so that its time counts as a controller's own.
 

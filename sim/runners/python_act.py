@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 import math
 import struct
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 from sim._core import ffi, lib
-from sim.clock.controller_time import MEASURED_EVERY, timed
-from sim.clock.stopping import breakable, portions
+from sim.clock.controller_time import MEASURED_EVERY, count_hang, own_seconds, timed
+from sim.clock.stopping import OutOfTime, breakable, portions
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.contract import flat_memory, no_command, no_memory
 
@@ -78,7 +79,15 @@ def act_in_core(
     tools = (act, first, measured, tuple.__new__, Observation, Command, tuple, float, settled)
     address = _address(ffi, stops.acting)
     for most in portions():
-        memory = _act_in_python(address, tools, memory, most)
+        before = own_seconds()
+        began = time.perf_counter()
+        try:
+            memory = _act_in_python(address, tools, memory, most)
+        except OutOfTime:
+            # Few steps are measured, and hardly ever the one that hangs.
+            if is_measured:
+                count_hang(before, began)
+            raise
         if stops.acting.over:
             break
     return memory

@@ -107,6 +107,14 @@ def test_lines_that_run_in_the_last_part_are_counted_and_the_others_named(robot)
     assert found.unused == ["never_called"]
 
 
+def test_functions_of_one_name_that_never_run_are_named_with_their_lines(robot):
+    others = "\n\nclass Other{}:\n    def act(self, observation, memory):\n        return 0\n"
+    found = seen(robot(BOUNCES + "".join(others.format(one) for one in (1, 2))))
+    assert found.unused[0] == "never_called"
+    assert [one.partition(" (line ")[0] for one in found.unused[1:]] == ["act", "act"]
+    assert len(set(found.unused)) == 3
+
+
 def test_a_statement_of_several_lines_has_one_count_and_a_header_none(robot):
     found = seen(robot(BOUNCES))
     counts = [times_of(found, text) for text in ("return Command(", "turn / observation.time")]
