@@ -7,6 +7,7 @@ import pytest
 from sim import Command, RunOptions, simulate
 from sim.clock import controller_time as module
 from sim.clock.controller_time import Effort, timed
+from sim.clock.stopping import OutOfTime
 from sim.episode import prepare
 from worldgen import generate
 
@@ -63,6 +64,28 @@ def test_measured_steps_of_a_python_class_count_for_all(calls, seconds, clock):
     of_reset = 1.0
     work = lambda: run.run(calls, find_loop=False, record=False, digest=False)  # noqa: E731
     assert own_time_of(work) == of_reset + seconds
+
+
+class Hangs(Ahead):
+    """Is interrupted after a hundred seconds of its third step."""
+
+    def act(self, observation, memory):
+        if memory[0] == 2:
+            for _ in range(100):
+                module.time.perf_counter()
+            raise OutOfTime
+        return Command(observation.top_speed), (memory[0] + 1,)
+
+    def reset(self):
+        return (0,)
+
+
+def test_a_step_that_is_interrupted_counts_although_it_is_not_measured(clock):
+    def work():
+        with pytest.raises(OutOfTime):
+            simulate(generate("corridor", 1), Hangs(), steps=50)
+
+    assert 100.0 <= own_time_of(work) < 120.0
 
 
 def test_runs_of_a_compiled_controller_do_not(clock):
