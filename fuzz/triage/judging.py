@@ -152,7 +152,7 @@ def judge(
     found = oracle.check(trial)
     if found is None:
         return JudgedRun(None, is_settled=True)
-    if not _holds(trial, found) or not _comes_again(trial, found, oracle):
+    if not _holds(trial, found) or not _comes_again(trial, found, oracle, is_fresh=known is None):
         if known is None:
             return JudgedRun(None, is_settled=False)
         # A run of the search may end later than a fresh one, which looks for a loop, or earlier.
@@ -216,8 +216,15 @@ def _options_elsewhere(trial: Trial, scenario: Scenario) -> RunOptions:
     return replace(options, steps=min(options.steps, few))
 
 
-def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
-    """Return True if a second run has the same result, which a file needs in order to replay."""
+def _comes_again(trial: Trial, found: Violation, oracle: Oracle, *, is_fresh: bool) -> bool:
+    """Return True if a second run has the same result, which a file needs in order to replay.
+
+    Args:
+        trial: The first run.
+        found: What the oracle finds in it.
+        oracle: The oracle.
+        is_fresh: False for a run of the search, which may end otherwise than a second one.
+    """
     if not found.is_repeatable:
         return True
     # A compiled controller is deterministic by construction, but a library may keep state.
@@ -231,8 +238,8 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
             origin.answers.forget(proofs_only=is_loop)
         again = trial.again()
         is_same = _identity(again) == _identity(trial.episode)
-        is_fresh = trial.known is None
-        if not is_same and is_fresh and Verdict.HANG not in (again.verdict, trial.episode.verdict):
+        has_hung = Verdict.HANG in (again.verdict, trial.episode.verdict)
+        if not is_same and is_fresh and not has_hung:
             count_sources(trial.world, trial.controller, trial.options)
         return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
