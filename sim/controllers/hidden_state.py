@@ -261,5 +261,11 @@ def _data(names: Mapping[str, Any]) -> dict[str, Any]:
         name: value
         for name, value in names.items()
         if not name.startswith("__")
-        and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
+        and (
+            # A generator's method, such as ``random.Random().gauss``, has the generator's state.
+            isinstance(getattr(value, "__self__", None), random.Random)
+            or not isinstance(
+                value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType)
+            )
+        )
     }

@@ -302,7 +302,9 @@ class LatticeRun:
         if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
             return None
         sources = self.host.sources
-        if self.host.has_read_clock and not self._is_the_same_by_another_clock(whole.trace):
+        if self.host.has_read_real or (
+            self.host.has_read_clock and not self._is_the_same_by_another_clock(whole.trace)
+        ):
             # No state recurs while a clock runs that it heeds.
             count_differences(sources)
             return None
