@@ -31,14 +31,19 @@ _OF_THE_CONTRACT = frozenset(
     }
 )
 
+OF_A_WORLD = frozenset({"robot_radius", "robot_speed", "target_radius"})
+"""Quantities of a world that a campaign varies or fixes, so a field cannot have such a name."""
+
+_TAKEN = _OF_THE_CONTRACT | OF_A_WORLD | WORDS_OF_A_RUN | {LEARNED}
+
 
 def fields_of(kind: type) -> tuple[Parameter, ...]:
     """Return the fields of a controller's class that its name may set.
 
-    Declarations of the contract are not among them, and neither are names of options of a run.
+    Declarations of the contract are not among them, and neither are names of options of a run, or
+    of quantities of a world.
     """
-    taken = _OF_THE_CONTRACT | WORDS_OF_A_RUN | {LEARNED}
-    return tuple(one for one in parameters_of_class(kind) if one.name not in taken)
+    return tuple(one for one in parameters_of_class(kind) if one.name not in _TAKEN)
 
 
 def hidden_fields(kind: type) -> tuple[Parameter, ...]:
@@ -64,6 +69,14 @@ def unknown_field(controller: str, kind: type | None, name: str) -> InvalidParam
             "option-reserved",
             "{name} of {controller} belongs to the contract of controllers, so no name can set it",
             "change it in the class",
+            controller=controller,
+            name=name,
+        )
+    if kind is not None and name in OF_A_WORLD:
+        return InvalidParameter(
+            "option-reserved",
+            "{name} is a quantity of the world, so no field of {controller} can be set by that name",
+            "rename the field",
             controller=controller,
             name=name,
         )
