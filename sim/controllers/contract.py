@@ -94,6 +94,10 @@ def runs_differ(controller: str, sources: Iterable[str]) -> Message:
         "add +frozen_time to its name: it then sees simulated time, and chance that begins with "
         "the run's seed"
     )
+    if "+frozen_time" in controller:
+        remedy = (
+            "call clocks as time.monotonic(), by their module's name, which +frozen_time replaces"
+        )
     if set(sources) == {UNKNOWN_SOURCE}:
         remedy = "let nothing but its observation and its memory decide what it does"
     return Message(

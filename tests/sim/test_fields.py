@@ -50,6 +50,16 @@ class Robot(Still):
     name = "Robby"
 
 
+@dataclass(frozen=True)
+class Needs(Still):
+    gain: float
+
+
+@dataclass(frozen=True)
+class Labelled(Still):
+    label: str = "a"
+
+
 @dataclass(frozen=True, slots=True)
 class Slotted(Still):
     gain: float = 1.0
@@ -124,7 +134,9 @@ def test_a_controller_with_fields_is_the_same_object_until_its_file_is_loaded_ag
         ("Robot+mode=sleep", "unknown-name"),
         ("Robot+share=2", "out-of-range"),
         ("Robot+senses=3", "option-reserved"),
-        ("Robot+plan=3", "unknown-name"),
+        ("Robot+plan=3", "option-reserved"),
+        ("Robot+act=3", "unknown-name"),
+        ("Needs+gain=3", "code-failed"),
         ("Robot+target_radius=3", "option-reserved"),
         ("ROBOT+lookahead=2", "unknown-name"),
         ("Stubborn+limit=5", "field-overwritten"),
@@ -136,6 +148,14 @@ def test_a_wrong_field_is_refused(options, code):
         simulate(hall(), Scenario.parse(f"{HERE}:{options}").controller)
     assert refused.value.code == code
     assert "\n" not in str(refused.value)
+
+
+def test_a_word_can_be_empty_and_a_parameter_without_a_default_is_named():
+    scenario = Scenario.parse(f"{HERE}:Labelled+label=")
+    assert CONTROLLERS.get(scenario.controller).label == ""
+    assert [scenario.value_of(one) for one in scenario.fields] == [""]
+    with pytest.raises(InvalidParameter, match=r"needs gain.*give each a default"):
+        CONTROLLERS.get(f"{HERE}:Needs")
 
 
 def test_a_misspelt_field_is_answered_with_all_fields_and_the_right_command(tmp_path):
