@@ -36,6 +36,10 @@ _READINGS = 16
 _PER_READING = 1e-6  # s
 _PER_LATE_READING = 1e-3  # s
 
+# Steps of a run with frozen time in which each call is seen, to notice a clock that is out of reach.
+# Seeing them takes as long as the calls themselves, and whoever reads a clock does so early.
+_STEPS_SEEN = 2
+
 _OURS = ("sim.", "fuzz.", "worldgen.", "worldgen_plugins.")
 # Clocks that count from an arbitrary moment, so that one time fits them all.
 _CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time")
@@ -78,7 +82,6 @@ class FrozenTime:
         self, seed: int, time_step: float, *, only_watches: bool = False, proves: bool = False
     ) -> None:
         self.only_watches = only_watches
-        self.has_read_real = False
         self._proves = proves
         self._seed = seed
         self._time_step = time_step
@@ -91,12 +94,18 @@ class FrozenTime:
         self._places: list[tuple[Callable[[Any], None], Any, Any]] = []
         self._thread = 0
         self._sources: dict[str, None] = {}
+        self._out_of_reach: set[str] = set()
         self._seeded_by_user: set[str] = set()
 
     @property
     def sources(self) -> tuple[str, ...]:
         """What it has read that differs from run to run without this, each with its first line."""
         return tuple(self._sources)
+
+    @property
+    def out_of_reach(self) -> tuple[str, ...]:
+        """Those of the sources that cannot be frozen where it holds them, as far as was noticed."""
+        return tuple(sorted(self._out_of_reach))
 
     @property
     def was_read(self) -> bool:
@@ -161,10 +170,15 @@ class FrozenTime:
                 self._steps += 1
                 self._now = max(self._now, self._steps * self._time_step)
                 self._read_here = 0
+            sees_all = is_step and self._steps <= _STEPS_SEEN and sys.getprofile() is None
             try:
                 self._freeze()
+                if sees_all:
+                    sys.setprofile(self._note_real)
                 return call(*arguments)
             finally:
+                if sees_all:
+                    sys.setprofile(None)
                 self._thaw()
 
         return frozen
@@ -214,10 +228,9 @@ class FrozenTime:
             caller = caller.f_back
         if caller is None or _is_own(caller):
             return
-        self.has_read_real = True
         module = "os" if called.__module__ == "posix" else called.__module__
         source = "datetime." if is_of_a_date else f"{module}."
-        self._note(f"{source}{called.__name__}()", caller)
+        self._out_of_reach.add(self._note(f"{source}{called.__name__}()", caller))
 
     # Neither is interrupted: half of the names would stay replaced.
 
@@ -252,10 +265,14 @@ class FrozenTime:
         self._note(source, sys._getframe(2))
         return not self.only_watches
 
-    def _note(self, source: str, caller: types.FrameType) -> None:
-        if all(not known.startswith(f"{source} (") for known in self._sources):
-            place = f"{Path(caller.f_code.co_filename).name}:{caller.f_lineno}"
-            self._sources[f"{source} ({place})"] = None
+    def _note(self, source: str, caller: types.FrameType) -> str:
+        """Note a source unless it is known from another line; return it with its first line."""
+        for known in self._sources:
+            if known.startswith(f"{source} ("):
+                return known
+        noted = f"{source} ({Path(caller.f_code.co_filename).name}:{caller.f_lineno})"
+        self._sources[noted] = None
+        return noted
 
     def _read(self) -> float:
         self._read_here += 1

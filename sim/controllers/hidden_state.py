@@ -86,6 +86,21 @@ class SharedVariables:
         now = SharedVariables.of(kind)
         return now is not None and now.data == self.data
 
+    def changed(self) -> list[str]:
+        """Return the names of the variables that have other values now."""
+        names = []
+        for place, before in zip(self.places, pickle.loads(self.data), strict=True):
+            if isinstance(place, types.FunctionType):
+                continue
+            owner = f"{place.__name__}." if isinstance(place, type) else ""
+            now = _values_in(place)
+            names += [
+                f"{owner}{name}"
+                for name in before.keys() | now.keys()
+                if _pickled_if_it_can_be(before.get(name)) != _pickled_if_it_can_be(now.get(name))
+            ]
+        return names
+
     def restore(self, kind: type) -> bool:
         """Set all variables back; return False if that is not possible."""
         now = SharedVariables.of(kind)

@@ -27,6 +27,8 @@ class InstanceOrigin:
         varying: Attributes that differ in each new instance, so they say nothing about runs.
         loaded: The variables of its classes and modules before the first instance was made;
             ``None`` if they cannot be copied.
+        changed: The variables of its classes and modules that runs have changed; ``None`` as long
+            as nobody needs to know.
         fields: The fields that its name sets, such as ``lookahead=0.2``.
         answers: What its instances have answered so far.
     """
@@ -37,6 +39,7 @@ class InstanceOrigin:
     shared: bytes | None = None
     varying: set[str] = field(default_factory=set)
     loaded: SharedVariables | None = None
+    changed: list[str] | None = None
     fields: str = ""
     answers: Answers = field(default_factory=Answers)
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi
-from sim.clock.controller_time import timed
+from sim.clock.controller_time import count_differences, timed
 from sim.clock.stopping import OutOfTime, breakable, in_time
 from sim.controllers.answers import AnswersDiffer
 from sim.controllers.base import CompiledController, Memory, VectorController, wants_world
@@ -129,7 +129,9 @@ class ControllerHost:
         finally:
             self.sources = self._frozen.sources
             self.has_read_clock = self._frozen.was_read
-            self.has_read_real = self._frozen.has_read_real
+            self.has_read_real = bool(self._frozen.out_of_reach)
+            if options.frozen_time:
+                count_differences(self._frozen.out_of_reach)
             self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:

@@ -148,6 +148,32 @@ def test_run_names_a_clock_that_is_not_a_name_of_the_module(kind, tmp_path):
     assert "uses time.monotonic() (test_held_clocks.py:" in noted
 
 
+@pytest.mark.parametrize("kind", [InPartial, InTuple])
+def test_run_with_frozen_time_names_a_clock_that_stays_real(kind, tmp_path):
+    write_world(hall(), tmp_path / "w.grid")
+    name = f"{HERE}:{kind.__name__}+frozen_time"
+    run = ("run", tmp_path / "w.grid", "--steps", "20", "--controller")
+    assert "uses time.monotonic() (test_held_clocks.py:" in worldgen(*run, name).err
+    assert "uses" not in worldgen(*run, f"{HERE}:ByDefault+frozen_time").err
+
+
+def test_a_generator_of_a_module_is_named(tmp_path):
+    write_world(hall(), tmp_path / "w.grid")
+    (tmp_path / "mine.py").write_text(MINE)
+    noted = worldgen("run", tmp_path / "w.grid", "--controller", f"{tmp_path}/mine.py:Robot").err
+    assert "survives reset(): the variable dice;" in noted and "make it in reset()" in noted
+
+
+MINE = """import math
+import random
+
+dice = random.Random(1)
+TURN = 512 / 65536 * 2 * math.pi / 0.015
+
+class Robot:
+    def reset(self): return ()
+    def act(self, observation, memory): return (1.0, TURN + 0.0 * dice.random()), memory
+"""
 SEEN = []
 
 
