@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,8 @@ from worldgen.cli.output import (
     say,
     write_out,
 )
-from worldgen.support.progress import working
+from worldgen.support.plain_text import lasting
+from worldgen.support.progress import Work, working
 
 if TYPE_CHECKING:
     from fuzz.failure import Failure
@@ -98,7 +100,7 @@ def explain(
                 controller,
                 with_code=not no_code,
                 seconds=seconds,
-                progress=functools.partial(work.count, noun="runs"),
+                progress=_counted_in(work, seconds),
             )
         folder = None if controller is not None else _campaign_folder(path)
         change = change_since(folder, failure.record.controller) if folder is not None else ""
@@ -134,6 +136,20 @@ def explain(
         emit_json({"explained": explained, "failures": rows})
     if not (is_complete and files.is_complete):
         raise SystemExit(2)
+
+
+def _counted_in(work: Work, seconds: float) -> Callable[[int, int], None]:
+    """Return a function that adds the runs so far, and an estimate, to the message of some work."""
+    message = work.message
+    began = time.monotonic()
+
+    def count(done: int, of: int) -> None:
+        spent = time.monotonic() - began
+        left = max(min(spent / done * (of - done), seconds - spent), 0.0)
+        # A single run of a slow controller has a message of its own, which hides further details.
+        work.message = f"{message}: {done} of about {of} runs, {lasting(left)} left"
+
+    return count
 
 
 def _with_one_failure(

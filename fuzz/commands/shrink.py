@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -119,7 +120,10 @@ def shrink(
     else:
         say(describe(result.failure, target))
     is_done = result.failure.shrinking == ShrinkState.DONE
-    state = "1-minimal" if is_done else "shrinking cut short; run it again to continue"
+    further = (
+        "a larger --budget" if target is None else f"worldgen shrink {shlex.quote(str(target))}"
+    )
+    state = "1-minimal" if is_done else f"shrinking cut short, {further} continues"
     note(
         f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
         f"{state}, {result.simulations} runs"
@@ -135,7 +139,6 @@ def _watched(failure: Failure, seconds: float | None) -> Shrunk:
 
     with working("shrinking") as work:
         began = time.monotonic()
-        work.say(_size(failure.world))
         failure.run()
         run = time.monotonic() - began
 
@@ -143,7 +146,8 @@ def _watched(failure: Failure, seconds: float | None) -> Shrunk:
             # The check at the end frees each solid cell once, which takes a run.
             left = run * world.solid_cells
             about = f", at least {lasting(left)} left" if left >= _WORTH_SAYING else ""
-            work.say(f"{_size(world)}{about}")
+            # The message stays visible while a run of a slow controller reports its steps.
+            work.message = f"shrinking {_size(world)}{about}"
 
         say(failure.world)
         return shrink_failure(failure, seconds=seconds, progress=say, keep_on_interrupt=True)

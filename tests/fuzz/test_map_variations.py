@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from fuzz.boundary.axes import AXES, Subject
 from fuzz.campaign.unit import run_unit
 from fuzz.layouts.map_variations import MapVariations, variations_of
 from fuzz.layouts.map_windows import Kind, Windows, describe_tried, kind_of
@@ -188,6 +189,13 @@ def test_a_failure_that_is_searched_again_keeps_what_was_changed_before(variatio
     assert window is not None
     assert window.provenance.changed[: len(box.provenance.changed)] == box.provenance.changed
     assert kind_of(box, box) == Kind.POSE
+
+
+@pytest.mark.parametrize(("axis", "value"), [("radius", 0.15), ("speed", 0.4), ("heading", 10.0)])
+def test_a_world_at_a_boundary_keeps_what_was_changed_on_the_map(variations, axis, value):
+    (box, *_) = drawn(variations, Kind.BOX)
+    moved = AXES[axis].at(Subject(box, Scenario("turn-left")), value).world
+    assert moved != box and moved.provenance == box.provenance
 
 
 def test_kinds_are_counted_in_words():

@@ -46,7 +46,7 @@ def sized(pace, controller=PYTHON):
 
 def test_a_slow_step_is_measured():
     step, _ = step_times(Scenario(f"{HERE}:Padded"), at_most=10.0)
-    assert 0.002 <= step < 0.02
+    assert step > 0.001
 
 
 def test_with_a_budget_a_slow_controller_is_recorded_with_its_pace():

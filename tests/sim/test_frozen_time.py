@@ -237,8 +237,13 @@ def test_what_makes_equal_runs_differ_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(controller_time, "_differences", {})
     began = Effort.so_far()
     world = certified(hall())
+    # Real chance decides: a run that happens to arrive shows nothing, so there are several.
     for kind in ("Clock", "Throws"):
-        assert failure_of(world, Scenario(f"{HERE}:{kind}")) is None
+        known = began.since().differences
+        for _ in range(20):
+            assert failure_of(world, Scenario(f"{HERE}:{kind}")) is None
+            if began.since().differences != known:
+                break
     sources = {one.partition(" (")[0] for one in began.since().differences}
     assert sources == {
         "time.time()",
