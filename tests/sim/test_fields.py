@@ -50,6 +50,15 @@ class Robot(Still):
     name = "Robby"
 
 
+class Sets(Still):
+    gain = 0.5
+    other = 0.5
+
+    def reset(self):
+        self.gain = 0.5
+        return ()
+
+
 @dataclass(frozen=True)
 class Needs(Still):
     gain: float
@@ -179,6 +188,11 @@ def test_an_option_of_the_run_wins_and_the_clash_is_named():
     (clash,) = [one for one in ineffective([scenario]) if "rename the field" in one]
     assert "the field beams" in clash and "keeps 9" in clash
     assert not [one for one in ineffective([Scenario(f"{HERE}:Robot")]) if "rename" in one]
+
+
+def test_a_field_that_reset_sets_again_is_named():
+    (sentence,) = ineffective([Scenario.parse(f"{HERE}:Sets+gain=2+other=2")])
+    assert sentence.startswith("+gain has no effect: reset()") and "to 0.5" in sentence
 
 
 def test_a_scenario_reads_and_changes_fields():
