@@ -157,7 +157,9 @@ def axis_of_field(scenario: Scenario, name: str) -> Axis:
         InvalidParameter: If its controller has no such field, or the field is not a number.
     """
     numbers = [one for one in scenario.fields if one.kind in (int, float)]
-    field = find_parameter(name, numbers, scenario.controller, also=AXES)
+    names = {one.name for one in numbers}
+    others = [one for one in AXES if one not in names]
+    field = find_parameter(name, numbers, scenario.controller, also=others)
     own = scenario.value_of(field)
     assert isinstance(own, int | float)
 

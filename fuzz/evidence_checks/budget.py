@@ -17,7 +17,8 @@ from worldgen.world import World
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
 _ROUNDING = 1e-9  # relative difference between what was measured in pixels and in metres
-_SLIGHT = 1e-9  # relative change of a memory that is no more than rounding
+_SLIGHT = 2e-14  # relative change of a memory that is no more than rounding
+_SMALLEST = 1e-13  # change that is no more than rounding in any number
 _PERIODS = 4  # periods that a drifting run must show
 
 
@@ -83,7 +84,7 @@ def _check_memory(trace: Trace, evidence: BudgetEvidence) -> str:
     with np.errstate(invalid="ignore"):
         change = memory[period:] - memory[:-period]
     change = np.where(memory[period:] == memory[:-period], 0.0, change)
-    slight = _SLIGHT * np.maximum(1.0, np.abs(memory[:-period]))
+    slight = np.maximum(_SLIGHT * np.abs(memory[:-period]), _SMALLEST)
     if not (np.abs(change) <= slight).all():
         return "the memory changes by more than rounding errors"
     own = np.abs(change[:, number]) if 0 <= number < change.shape[1] else np.zeros(0)

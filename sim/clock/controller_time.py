@@ -99,7 +99,7 @@ def count_differences(names: Iterable[str]) -> None:
     """Note that these parts of a controller's surroundings make equal runs differ."""
     names = [*names]
     # What is known replaces what was not.
-    if UNKNOWN_SOURCE not in names:
+    if names and UNKNOWN_SOURCE not in names:
         _differences.pop(UNKNOWN_SOURCE, None)
     _differences.update(dict.fromkeys(names, time.perf_counter()))
 

@@ -76,7 +76,7 @@ def state_survives_reset(controller: str, places: Iterable[str]) -> Message:
     return Message(
         "state-survives-reset",
         "state of {controller} survives reset(): {places!l}",
-        "clear it in reset(), or keep it in the memory; otherwise loops cannot be proved, and "
+        "make it in reset(), or keep it in the memory; otherwise loops cannot be proved, and "
         "failures that do not repeat are dropped",
         controller=controller,
         places=sorted(places),
@@ -92,7 +92,7 @@ def runs_differ(controller: str, sources: Iterable[str]) -> Message:
     """
     remedy = (
         "add +frozen_time to its name: it then sees simulated time, and chance that begins with "
-        "the run's seed"
+        "the run's seed; if it is there already, count steps in the memory instead"
     )
     if set(sources) == {UNKNOWN_SOURCE}:
         remedy = "let nothing but its observation and its memory decide what it does"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,7 +12,7 @@ from sim.controllers.instances import InstanceOrigin, origin_of
 from sim.controllers.learning import LEARNED
 from sim.options.run import WORDS_OF_A_RUN
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import Parameter, initial_values, parameters_of_class, parse_options
+from worldgen.parameters import Parameter, initial_values, parameters_of_class
 from worldgen.parameters.known_names import unknown_name
 
 # What a run, a page or a table reads from a controller, so a user's number cannot have such a name.
@@ -31,14 +32,19 @@ _OF_THE_CONTRACT = frozenset(
     }
 )
 
+OF_A_WORLD = frozenset({"robot_radius", "robot_speed", "target_radius"})
+"""Quantities of a world that a campaign varies or fixes, so a field cannot have such a name."""
+
+_TAKEN = _OF_THE_CONTRACT | OF_A_WORLD | WORDS_OF_A_RUN | {LEARNED}
+
 
 def fields_of(kind: type) -> tuple[Parameter, ...]:
     """Return the fields of a controller's class that its name may set.
 
-    Declarations of the contract are not among them, and neither are names of options of a run.
+    Declarations of the contract are not among them, and neither are names of options of a run, or
+    of quantities of a world.
     """
-    taken = _OF_THE_CONTRACT | WORDS_OF_A_RUN | {LEARNED}
-    return tuple(one for one in parameters_of_class(kind) if one.name not in taken)
+    return tuple(one for one in parameters_of_class(kind) if one.name not in _TAKEN)
 
 
 def hidden_fields(kind: type) -> tuple[Parameter, ...]:
@@ -67,6 +73,24 @@ def unknown_field(controller: str, kind: type | None, name: str) -> InvalidParam
             controller=controller,
             name=name,
         )
+    if kind is not None and name in OF_A_WORLD:
+        return InvalidParameter(
+            "option-reserved",
+            "{name} is a quantity of the world, so no field of {controller} can be set by that name",
+            "rename the field",
+            controller=controller,
+            name=name,
+        )
+    value = _value_of(kind, name)
+    if not isinstance(value, bool | int | float | str) and value is not inspect.Parameter.empty:
+        return InvalidParameter(
+            "option-reserved",
+            "{name} of {controller} is a {kind}, and only an int, float, bool or str can be set",
+            "change it in the class, or make it one of these",
+            controller=controller,
+            name=name,
+            kind=type(value).__name__,
+        )
     fields = () if kind is None else fields_of(kind)
     known = [*(one.name for one in fields), *sorted(WORDS_OF_A_RUN)]
     remedy = "its fields are {fields}"
@@ -86,6 +110,27 @@ def unknown_field(controller: str, kind: type | None, name: str) -> InvalidParam
     )
 
 
+def _value_of(kind: type | None, name: str) -> Any:
+    """Return what a class has under a name that isn't a method; ``empty`` if it has nothing."""
+    empty = inspect.Parameter.empty
+    if kind is None or name.startswith("_"):
+        return empty
+    value = initial_values(kind).get(name, inspect.getattr_static(kind, name, empty))
+    is_code = callable(value) or hasattr(type(value), "__get__")
+    return empty if is_code else value
+
+
+def parse_field(field: Parameter, text: str | None, controller: str) -> Any:
+    """Return the value of a field as a name writes it; nothing after ``=`` is an empty word.
+
+    Raises:
+        InvalidParameter: If the text is not a value of the field's type.
+    """
+    if text == "" and field.kind is str and not field.choices:
+        return ""
+    return field.parse(text, controller)
+
+
 def with_fields(given: Any, kind: type, words: Mapping[str, str | None], base: str) -> Any:
     """Return another instance of a controller's class, with fields as the command line sets them.
 
@@ -99,12 +144,11 @@ def with_fields(given: Any, kind: type, words: Mapping[str, str | None], base: s
         InvalidParameter: If a field does not exist, a value has the wrong type, or the class
             refuses it.
     """
-    fields = fields_of(kind)
-    names = {one.name for one in fields}
+    fields = {one.name: one for one in fields_of(kind)}
     for name in words:
-        if name not in names:
+        if name not in fields:
             raise unknown_field(base, kind, name)
-    values = parse_options(words, fields, base)
+    values = {name: parse_field(fields[name], text, base) for name, text in words.items()}
     origin = origin_of(given) or InstanceOrigin(f"controller {base!r}", kind)
     made = replace(
         origin,

@@ -86,6 +86,21 @@ class SharedVariables:
         now = SharedVariables.of(kind)
         return now is not None and now.data == self.data
 
+    def changed(self) -> list[str]:
+        """Return the names of the variables that have other values now."""
+        names = []
+        for place, before in zip(self.places, pickle.loads(self.data), strict=True):
+            if isinstance(place, types.FunctionType):
+                continue
+            owner = f"{place.__name__}." if isinstance(place, type) else ""
+            now = _values_in(place)
+            names += [
+                f"{owner}{name}"
+                for name in before.keys() | now.keys()
+                if _pickled_if_it_can_be(before.get(name)) != _pickled_if_it_can_be(now.get(name))
+            ]
+        return names
+
     def restore(self, kind: type) -> bool:
         """Set all variables back; return False if that is not possible."""
         now = SharedVariables.of(kind)
@@ -261,5 +276,11 @@ def _data(names: Mapping[str, Any]) -> dict[str, Any]:
         name: value
         for name, value in names.items()
         if not name.startswith("__")
-        and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
+        and (
+            # A generator's method, such as ``random.Random().gauss``, has the generator's state.
+            isinstance(getattr(value, "__self__", None), random.Random)
+            or not isinstance(
+                value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType)
+            )
+        )
     }

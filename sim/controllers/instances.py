@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import weakref
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -9,6 +10,8 @@ from typing import Any
 
 from sim.controllers.answers import Answers
 from sim.controllers.hidden_state import SharedVariables
+from worldgen.errors import InvalidParameter
+from worldgen.parameters import initial_values
 from worldgen.plugins.registry import user_code
 
 
@@ -24,6 +27,8 @@ class InstanceOrigin:
         varying: Attributes that differ in each new instance, so they say nothing about runs.
         loaded: The variables of its classes and modules before the first instance was made;
             ``None`` if they cannot be copied.
+        changed: The variables of its classes and modules that runs have changed; ``None`` as long
+            as nobody needs to know.
         fields: The fields that its name sets, such as ``lookahead=0.2``.
         answers: What its instances have answered so far.
     """
@@ -34,6 +39,7 @@ class InstanceOrigin:
     shared: bytes | None = None
     varying: set[str] = field(default_factory=set)
     loaded: SharedVariables | None = None
+    changed: list[str] | None = None
     fields: str = ""
     answers: Answers = field(default_factory=Answers)
 
@@ -53,8 +59,20 @@ def instance_of(kind: type, name: str) -> Any:
     """Return an instance of a class, and remember where it comes from.
 
     Raises:
-        InvalidParameter: If making it raises an exception.
+        InvalidParameter: If its ``__init__`` needs arguments, or making it raises an exception.
     """
+    empty = inspect.Parameter.empty
+    needed = [one for one, default in initial_values(kind).items() if default is empty]
+    if needed:
+        raise InvalidParameter(
+            "code-failed",
+            "{name}: __init__ of {kind} needs {needed!l}, and it is called without arguments",
+            "give each a default, which the name can then replace: +{first}=VALUE",
+            name=name,
+            kind=kind.__name__,
+            needed=needed,
+            first=needed[0],
+        )
     return InstanceOrigin(name, kind, loaded=SharedVariables.of(kind)).another()
 
 

@@ -173,7 +173,7 @@ def describe_memory_drift(budget: BudgetEvidence) -> str:
         return ""
     number, change = budget.memory_drift
     by = f"changes by {change:.1g} a step"
-    return f"memory[{number}] {by}: round it, and the loop can be proved"
+    return f"memory[{number}] {by}: round it, and the loop may be proved"
 
 
 def _manner(budget: BudgetEvidence) -> str:

@@ -69,20 +69,22 @@ class OptionSet:
         return cls(**{found[name]: value for name, value in values.items()})
 
     @classmethod
-    def parse(cls, name: str, text: str | None, also: tuple[str, ...] = ()) -> dict[str, Value]:
+    def parse(
+        cls, name: str, text: str | None, also: tuple[str, ...] = (), owner: str = ""
+    ) -> dict[str, Value]:
         """Return the values of one option as written on the command line.
 
         Args:
             name: Name of the option, or of several that are switched on together.
             text: Its value; ``None`` for a switch.
             also: Options of the controller's own, to suggest as well.
+            owner: What has the options, if it isn't the robot or the thesis's simulator.
 
         Raises:
             InvalidParameter: If the option is unknown, or the text is not a valid value.
         """
         if name in cls.TOGETHER and text in (None, "true"):
             return dict.fromkeys(cls.TOGETHER[name], True)
-        found = find_parameter(
-            name, cls.declared(), cls.OWNER, also=(*also, "motion", "time_step", *cls.TOGETHER)
-        )
+        others = (*also, "motion", "time_step", *cls.TOGETHER)
+        found = find_parameter(name, cls.declared(), owner or cls.OWNER, also=others)
         return {found.name: found.parse(text, cls.OWNER)}

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi
-from sim.clock.controller_time import timed
+from sim.clock.controller_time import count_differences, timed
 from sim.clock.stopping import OutOfTime, breakable, in_time
 from sim.controllers.answers import AnswersDiffer
 from sim.controllers.base import CompiledController, Memory, VectorController, wants_world
@@ -62,6 +62,8 @@ class ControllerHost:
         sources: What it read in its last run with frozen time, or in the last that was watched, that
             differs from run to run.
         has_read_clock: Whether a step of that run read a clock, or made a generator without a seed.
+        has_read_real: Whether a step of a run that proves a loop read a real clock, or the system's
+            chance, from a place that cannot be frozen.
     """
 
     in_core = False
@@ -78,6 +80,7 @@ class ControllerHost:
         # Whether the latest run would have left no state, if its answers were reused.
         self._unchanged: bool | None = None
         self.has_read_clock = False
+        self.has_read_real = False
         self.plans = not self.acts_for_many and wants_world(controller)
 
     def start(self) -> None:
@@ -118,6 +121,7 @@ class ControllerHost:
             options.seed if seed is None else seed,
             options.time_step,
             only_watches=not options.frozen_time,
+            proves=is_watched,
         )
         try:
             with self._frozen.run(self.controller):
@@ -125,6 +129,9 @@ class ControllerHost:
         finally:
             self.sources = self._frozen.sources
             self.has_read_clock = self._frozen.was_read
+            self.has_read_real = bool(self._frozen.out_of_reach)
+            if options.frozen_time:
+                count_differences(self._frozen.out_of_reach)
             self._frozen = None
 
     def begin(self, world: World | None, *, renew: bool = True) -> Memory:

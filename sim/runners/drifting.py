@@ -14,10 +14,10 @@ from sim.trace import Trace
 # Periods that must be seen before a drift is reported.
 _PERIODS = 4
 
-# Largest change in a period that counts as rounding, as a share of the number, or of 1 if it is
-# smaller: a counter or a timer changes by far more, the rounding errors of some hundred operations
-# by less.
-_ROUNDING = 1e-9
+# Largest change in a period that counts as rounding: some last bits of the number, or this much. A
+# clock or a counter changes by far more, the rounding errors of some dozen operations by less.
+_LAST_BITS = 64 * float(np.finfo(np.float64).eps)
+_SMALLEST = 1e-13
 
 
 def period_of(poses: npt.NDArray[Any], apart: float) -> tuple[int, int]:
@@ -60,9 +60,13 @@ def with_memory_drift(evidence: BudgetEvidence, trace: Trace) -> BudgetEvidence:
     with np.errstate(invalid="ignore"):
         change = memory[period:] - memory[:-period]
     change = np.where(memory[period:] == memory[:-period], 0.0, change)
-    scale = np.maximum(1.0, np.abs(memory[:-period]))
+    slight = np.maximum(_LAST_BITS * np.abs(memory[:-period]), _SMALLEST)
     # Written so that nan fails the comparison.
-    if not (np.abs(change) <= _ROUNDING * scale).all() or not change.any():
+    if not (np.abs(change) <= slight).all() or not change.any():
+        return evidence
+    # A large counter changes by few of its last bits, but in each step by the same whole number.
+    counts = (change == change[:1]) & (change == np.round(change)) & (change != 0.0)
+    if counts.all(axis=0).any():
         return evidence
     at, number = np.unravel_index(np.argmax(np.abs(change)), change.shape)
     drift = float(change[at, number]) / period

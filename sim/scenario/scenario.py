@@ -10,7 +10,7 @@ from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS, own_words
-from sim.controllers.fields import fields_of, unknown_field
+from sim.controllers.fields import fields_of, parse_field, unknown_field
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
@@ -76,7 +76,7 @@ class Scenario:
         """Return the value of one of its fields: its name's, or else the class's."""
         _, words = own_words(self.controller)
         given = field.name in words
-        value: Value = field.parse(words[field.name], field.name) if given else field.default
+        value: Value = parse_field(field, words[field.name], field.name) if given else field.default
         return value
 
     @classmethod
@@ -256,4 +256,4 @@ def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[s
     plain = same_origin(controller, split_options(controller)[0])
     if ":" in plain and not CONTROLLERS.has_variants(plain):
         raise unknown_field(plain, CONTROLLERS.class_of(plain), name)
-    return own.parse(name, text, also=CONTROLLERS.option_names(plain))
+    return own.parse(name, text, CONTROLLERS.option_names(plain), f"{plain}'s run")

@@ -7,14 +7,17 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from sim.controllers.base import CompiledController, robot_for
+from sim.controllers.base import CompiledController, robot_for, wants_world
 from sim.controllers.catalogue import CONTROLLERS, own_words
 from sim.controllers.fields import hidden_fields
+from sim.controllers.instances import origin_of
 from sim.controllers.library.thesis import RANDOM
 from sim.controllers.noise import is_random
 from sim.options.run import OF_EVERY_RUN, switch_class
 from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.plugins.registry import user_code
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (
@@ -59,7 +62,7 @@ def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> 
     sentences = [
         one
         for scenario in runs
-        for tell in (unused_options, unset_fields, coarse_forces, missing_beams)
+        for tell in (unused_options, unset_fields, overwritten_fields, coarse_forces, missing_beams)
         for one in tell(scenario)
     ]
     if seeds and not any(map(random_run, runs)):
@@ -118,6 +121,30 @@ def unset_fields(scenario: Scenario) -> list[str]:
         f"{one.default!r}: rename the field to set it"
         for one in hidden
         if one.name in set_here
+    ]
+
+
+def overwritten_fields(scenario: Scenario) -> list[str]:
+    """Return a sentence for each field in the controller's name that ``reset`` sets again."""
+    _, words = own_words(scenario.controller)
+    given = [one for one in scenario.fields if one.name in words]
+    controller = CONTROLLERS.get(scenario.controller) if given else None
+    origin = origin_of(controller)
+    if origin is None or wants_world(controller):
+        return []
+    try:
+        made = origin.another()
+        before = {one.name: getattr(made, one.name, None) for one in given}
+        with user_code(f"controller {scenario.controller!r}: reset()"):
+            made.reset()
+    except InvalidParameter:  # The run itself shows what fails.
+        return []
+    after = {name: getattr(made, name, None) for name in before}
+    return [
+        f"+{name} has no effect: reset() of {scenario.controller} sets {name} to {after[name]!r}; "
+        "set it in the class, or in __init__"
+        for name, value in before.items()
+        if isinstance(after[name], bool | int | float | str) and after[name] != value
     ]
 
 

@@ -15,8 +15,9 @@ from fuzz.overview.counterfactual import Change, counterfactuals, describe_chang
 from fuzz.shrink.run import shrink
 from fuzz.simplicity import Case
 from fuzz.triage.judging import failure_of
-from fuzz.unit.constraint import Constraint
+from fuzz.unit.constraint import _OF_A_ROBOT, Constraint
 from sim import Command, Scenario
+from sim.controllers.fields import OF_A_WORLD
 from tests.helpers.command_line import worldgen
 from tests.helpers.halls import hall
 from tests.helpers.raising import raises
@@ -36,6 +37,8 @@ class Robot:
     tries: int = 3
     eager: bool = False
     mode: str = "seek"
+    target_radius: float = 0.1
+    speed: float = 2.0
     senses = ("heading", "target_heading")
 
     def reset(self):
@@ -82,6 +85,15 @@ def test_an_axis_goes_through_the_values_around_a_fields_own(name, values):
 def test_only_a_field_that_is_a_number_is_an_axis():
     with raises(InvalidParameter, "unknown-name", name="mode"):
         axis_of_field(Scenario(f"{HERE}:Robot"), "mode")
+
+
+def test_a_field_named_like_an_axis_or_a_quantity_of_the_world_is_not_varied_under_that_name():
+    assert _OF_A_ROBOT.keys() == OF_A_WORLD
+    with pytest.raises(InvalidParameter) as refused:
+        axis_of_field(Scenario(f"{HERE}:Robot"), "spede")
+    assert str(refused.value).partition("it has ")[2].count("speed") == 1
+    with raises(InvalidParameter, "option-reserved"):
+        Variation.parse("target_radius=0.1,0.2", Scenario(f"{HERE}:Robot"))
 
 
 def test_counterfactuals_name_the_nearest_value_of_each_field_that_helps(failure):

@@ -46,6 +46,20 @@ class Counts(Ahead):
         return number + 1.0
 
 
+class Large(Ahead):
+    """Begins with a large number, as a counter of steps or a clock does."""
+
+    def __init__(self, first, change):
+        self.first = first
+        self.change = change
+
+    def reset(self):
+        return (1.0, self.first)
+
+    def changed(self, number):
+        return number + self.change
+
+
 class Settles(Ahead):
     def changed(self, number):
         return number / 2 if number > 1e-300 else 0.0
@@ -77,6 +91,16 @@ def test_a_counter_is_no_drift_and_a_memory_that_settles_is_a_loop(world):
 
 
 @pytest.mark.parametrize(
+    ("first", "change"),
+    [(1.7e9, 1e-3), (1e15, 1.0), (0.0, 1e-12), (2.0**60, 2.0**10)],
+    ids=["clock", "counter", "small-counter", "large-counter"],
+)
+def test_a_clock_or_a_counter_with_large_numbers_is_no_drift(world, first, change):
+    counted = simulate(world, Large(first, change), record=True)
+    assert counted.verdict == "stalled" and counted.evidence.memory_drift is None
+
+
+@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"memory_drift": (0, 2e-18)}, "is not the number that changes most"),
@@ -100,7 +124,7 @@ def test_evidence_of_a_drift_is_refused_for_a_counter(world, episode):
 def test_run_explain_and_replay_name_the_number_and_the_way_out(world, tmp_path):
     write_world(world, tmp_path / "w.grid")
     ran = worldgen("run", tmp_path / "w.grid", "--controller", f"{HERE}:Drifts")
-    words = "memory[1] changes by 2e-18 a step: round it, and the loop can be proved"
+    words = "memory[1] changes by 2e-18 a step: round it, and the loop may be proved"
     assert ran.out.startswith("stalled (the pose repeats in every step; " + words)
     failure = failure_of(world, Scenario(f"{HERE}:Drifts"))
     assert f"its pose repeats, and {words}" in describe(

@@ -43,10 +43,30 @@ class Robot(Still):
     clockwise: bool = True
     mode: Literal["seek", "flee"] = "seek"
     beams: int = 9
+    target_radius: float = 0.1
     plan: tuple = ()
     _hidden: float = 0.0
     senses = ("bump",)
     name = "Robby"
+
+
+class Sets(Still):
+    gain = 0.5
+    other = 0.5
+
+    def reset(self):
+        self.gain = 0.5
+        return ()
+
+
+@dataclass(frozen=True)
+class Needs(Still):
+    gain: float
+
+
+@dataclass(frozen=True)
+class Labelled(Still):
+    label: str = "a"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +143,10 @@ def test_a_controller_with_fields_is_the_same_object_until_its_file_is_loaded_ag
         ("Robot+mode=sleep", "unknown-name"),
         ("Robot+share=2", "out-of-range"),
         ("Robot+senses=3", "option-reserved"),
-        ("Robot+plan=3", "unknown-name"),
+        ("Robot+plan=3", "option-reserved"),
+        ("Robot+act=3", "unknown-name"),
+        ("Needs+gain=3", "code-failed"),
+        ("Robot+target_radius=3", "option-reserved"),
         ("ROBOT+lookahead=2", "unknown-name"),
         ("Stubborn+limit=5", "field-overwritten"),
         ("Picky+gain=-1", "code-failed"),
@@ -134,6 +157,14 @@ def test_a_wrong_field_is_refused(options, code):
         simulate(hall(), Scenario.parse(f"{HERE}:{options}").controller)
     assert refused.value.code == code
     assert "\n" not in str(refused.value)
+
+
+def test_a_word_can_be_empty_and_a_parameter_without_a_default_is_named():
+    scenario = Scenario.parse(f"{HERE}:Labelled+label=")
+    assert CONTROLLERS.get(scenario.controller).label == ""
+    assert [scenario.value_of(one) for one in scenario.fields] == [""]
+    with pytest.raises(InvalidParameter, match=r"needs gain.*give each a default"):
+        CONTROLLERS.get(f"{HERE}:Needs")
 
 
 def test_a_misspelt_field_is_answered_with_all_fields_and_the_right_command(tmp_path):
@@ -157,6 +188,11 @@ def test_an_option_of_the_run_wins_and_the_clash_is_named():
     (clash,) = [one for one in ineffective([scenario]) if "rename the field" in one]
     assert "the field beams" in clash and "keeps 9" in clash
     assert not [one for one in ineffective([Scenario(f"{HERE}:Robot")]) if "rename" in one]
+
+
+def test_a_field_that_reset_sets_again_is_named():
+    (sentence,) = ineffective([Scenario.parse(f"{HERE}:Sets+gain=2+other=2")])
+    assert sentence.startswith("+gain has no effect: reset()") and "to 0.5" in sentence
 
 
 def test_a_scenario_reads_and_changes_fields():

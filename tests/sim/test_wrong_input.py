@@ -56,7 +56,7 @@ def test_many_runs_take_a_class_and_call_it_by_its_name():
         (OneSense, {"code": "wrong-declaration", "name": "OneSense", "senses": "time"}),
         (UnknownSense(), {"code": "unknown-name", "name": "UnknownSense", "sense": "smell"}),
         (DictOfNeeds(), {"code": "wrong-declaration", "name": "DictOfNeeds"}),
-        (NeedsAnArgument, {"code": "code-failed", "kind": "TypeError"}),
+        (NeedsAnArgument, {"code": "code-failed", "kind": "NeedsAnArgument"}),
         (object(), {"code": "not-a-controller", "name": "object", "missing": "reset and no act"}),
         (None, {"code": "not-a-controller", "name": "NoneType", "missing": "reset and no act"}),
         (nothing, {"code": "not-a-controller", "name": "nothing", "missing": "reset and no act"}),

@@ -82,7 +82,12 @@ def has_shared_state_changed(controller: object, state: HiddenState | None) -> b
         origin.shared = state.shared
     if origin.shared == state.shared:
         return False
-    count_survivors([_SHARED])
+    if origin.changed is None:
+        before = origin.loaded
+        origin.changed = [] if before is None else before.changed()
+    count_survivors(f"the variable {one}" for one in origin.changed)
+    if not origin.changed:
+        count_survivors([_SHARED])
     return True
 
 
