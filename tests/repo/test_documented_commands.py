@@ -42,6 +42,7 @@ def page(text=PAGE):
     return parse_page(text, ROOT / "page.md")
 
 
+@pytest.mark.usefixtures("drawn_seeds")
 @pytest.mark.parametrize(
     "path",
     [

@@ -102,16 +102,18 @@ def run_longer(found: list[str]):
 
 
 @pytest.mark.nightly
+@pytest.mark.usefixtures("drawn_seeds")
 @pytest.mark.parametrize("page", pages(), ids=lambda page: f"{page.path.stem}")
 def test_what_a_page_says_never_arrives_does_not_arrive_in_a_hundred_times_the_time(page, tmp_path):
     found: list[str] = []
     todo = [one for block in page.blocks if block.runs_here for one in block.commands]
-    steps = run_page(page, tmp_path)
-    for command in todo:
-        # Only the commands that make the claim: others may try thousands of worlds.
-        with run_longer(found) if claims(command) else contextlib.nullcontext():
-            done = next(steps)
-        assert done.fault is None, done.fault
+    # If a command fails, the page's folder must not stay the current one.
+    with contextlib.closing(run_page(page, tmp_path)) as steps:
+        for command in todo:
+            # Only the commands that make the claim: others may try thousands of worlds.
+            with run_longer(found) if claims(command) else contextlib.nullcontext():
+                done = next(steps)
+            assert done.fault is None, done.fault
     assert found, "no claim was run again"
     assert not any(found), found
 
