@@ -214,6 +214,7 @@ OCCUPIED = (
 )  # fmt: skip
 
 
+# The demo takes a minute, and makes folders that are missing.
 @pytest.mark.parametrize("kind", OCCUPIED)
 @pytest.mark.parametrize(("name", "given"), [one for one in WRITTEN if one[0] != "demo"])
 def test_what_is_in_the_way_is_not_replaced(name, given, kind, folder):
