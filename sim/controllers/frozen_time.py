@@ -10,6 +10,7 @@ from __future__ import annotations
 import copyreg
 import datetime
 import functools
+import gc
 import os
 import random
 import sys
@@ -223,6 +224,8 @@ class FrozenTime:
         is_of_a_time = called in _OF_A_TIME and is_users_file(frame.f_code.co_filename)
         if not (is_of_a_date or is_of_a_time or called in _READERS):
             return
+        if _is_of_the_collector(frame):
+            return
         caller: types.FrameType | None = frame
         while caller is not None and not _is_own(caller):
             if is_users_file(caller.f_code.co_filename):
@@ -251,9 +254,14 @@ class FrozenTime:
             place(real)
 
     def _is_ours(self, depth: int = 2) -> bool:
-        """Return True if the caller of a replaced function is ours, or another thread."""
-        caller = str(sys._getframe(depth).f_globals.get("__name__", ""))
-        return threading.get_ident() != self._thread or caller.startswith(_OURS)
+        """Return True if the caller of a replaced function is ours, or none of the controller's."""
+        frame = sys._getframe(depth)
+        caller = str(frame.f_globals.get("__name__", ""))
+        return (
+            threading.get_ident() != self._thread
+            or caller.startswith(_OURS)
+            or _is_of_the_collector(frame)
+        )
 
     def _is_meant(self, source: str) -> bool:
         """Note where the caller of a replaced function is, unless it is ours.
@@ -437,6 +445,19 @@ class FrozenTime:
         if real is not _DATE:
             methods |= {"now": classmethod(now), "utcnow": classmethod(utcnow)}
         return _alias(real, datetime, methods)
+
+
+def _is_of_the_collector(frame: types.FrameType | None) -> bool:
+    """Return True if the garbage collector has called, which it does in any step.
+
+    Hypothesis measures it so, with a clock that is not the controller's.
+    """
+    callbacks = {getattr(one, "__code__", None) for one in gc.callbacks}
+    while callbacks and frame is not None:
+        if frame.f_code in callbacks:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _is_own(frame: types.FrameType) -> bool:

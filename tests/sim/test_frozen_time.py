@@ -1,6 +1,7 @@
 """With frozen time, a controller sees simulated time and seeded chance, and its runs repeat."""
 
 import datetime
+import gc
 import itertools
 import random
 import threading
@@ -135,6 +136,14 @@ class Rounds(Controller):
         return 512 / 65536 * 2 * np.pi / 0.015
 
 
+class Collects(Controller):
+    """Circles, and lets the garbage collector work in each step."""
+
+    def turn(self, observation):
+        gc.collect(0)
+        return 512 / 65536 * 2 * np.pi / 0.015
+
+
 class Timer(Controller):
     """Circles for a quarter of an hour."""
 
@@ -214,6 +223,21 @@ def test_nothing_stays_frozen(seen):
 def test_a_clock_that_decides_moves_makes_no_loop_and_any_other_does(frozen_time, tmp_path):
     verdicts = [run(kind, frozen_time=frozen_time, steps=4000).verdict for kind in (Rounds, Timer)]
     assert verdicts == ["loop", "stalled"]
+
+
+def test_a_clock_that_measures_the_garbage_collector_is_not_the_controllers():
+    real = time.perf_counter
+
+    # Hypothesis has such a callback.
+    def measure(_phase, _facts):
+        real()
+        time.monotonic()
+
+    gc.callbacks.append(measure)
+    try:
+        assert run(Collects, frozen_time=False, steps=4000).verdict == "loop"
+    finally:
+        gc.callbacks.remove(measure)
 
 
 def test_run_names_the_clock_that_keeps_a_loop_from_being_proved(tmp_path):
