@@ -204,7 +204,7 @@ class Windows:
         return self.around(place.nodes, self.reach)
 
     def path(self, box: Box, ends: Ends, walls: Bools | None = None) -> Ints:
-        """Return the nodes (row, column) of a shortest path inside a box; empty if there is none.
+        """Return the nodes (row, column) of a shortest path inside a box; empty without a path.
 
         Args:
             box: The box.
@@ -227,7 +227,7 @@ class Windows:
         walls: Bools | None = None,
         middle: Floats | None = None,
     ) -> Ends | None:
-        """Draw a start and a target on different sides of a place; ``None`` if there are none.
+        """Draw a start and a target on different sides of a place; ``None`` if none fit.
 
         Args:
             place: The place.

@@ -25,7 +25,7 @@ from worldgen.support.arrays import Bools, Ints
 # 3.5, 4.5 and 6 radii. A room must have space for the disc, so the smaller ones are needed, too.
 _WIDER = (1.5, 2.0, 3.0, 5.0)
 # Limit on the narrow nodes that are examined one by one for a wider disc; this many take about a
-# second. Beyond it, the largest narrow parts, which are long corridors, are left out.
+# second. The largest narrow parts, which are long corridors, are left out first.
 _MOST_NODES = 250_000
 # Limit on the places, because a campaign rarely draws as many.
 _MOST_PLACES = 500
@@ -99,8 +99,8 @@ def narrow_places(ground: Ground, radius: float) -> tuple[NarrowPlace, ...]:
     apart = max(4.0 * radius, 4.0)
     found: dict[tuple[int, int], NarrowPlace] = {}
     for share in _WIDER:
-        narrow, beside = _narrow_parts(ground, 2.0 * radius, 2.0 * radius * share)
-        for place in _joints(ground, narrow, beside):
+        narrow, rim = _narrow_parts(ground, 2.0 * radius, 2.0 * radius * share)
+        for place in _joints(ground, narrow, rim):
             row = int(place.row // apart)
             column = int(place.column // apart)
             near = [
@@ -119,7 +119,7 @@ def narrow_places(ground: Ground, radius: float) -> tuple[NarrowPlace, ...]:
 
 
 def _narrow_parts(ground: Ground, radius: float, wider: float) -> tuple[Bools, Bools]:
-    """Return the nodes that a wider disc never covers, and the others next to them.
+    """Return the nodes that a wider disc never covers, and the rim around them.
 
     Args:
         ground: The map's nodes.
@@ -131,18 +131,18 @@ def _narrow_parts(ground: Ground, radius: float, wider: float) -> tuple[Bools, B
     reach = wider - radius + 1.0
     near = squared_distances(roomy, math.ceil(reach * reach) + 1) <= reach * reach
     narrow = ground.clear & ~near
-    # A rim of two nodes holds together where walls are oblique.
-    beside = ground.clear & near & (squared_distances(narrow, 5) <= 4)
-    return narrow, beside
+    # Two nodes wide, so that it holds together where walls are oblique.
+    rim = ground.clear & near & (squared_distances(narrow, 5) <= 4)
+    return narrow, rim
 
 
-def _joints(ground: Ground, narrow: Bools, beside: Bools) -> Iterable[NarrowPlace]:
+def _joints(ground: Ground, narrow: Bools, rim: Bools) -> Iterable[NarrowPlace]:
     """Yield the nodes at which narrow parts join two wide ones, in order of the parts."""
-    if not narrow.any() or not beside.any():
+    if not narrow.any() or not rim.any():
         return
     stride = narrow.shape[1]
     part = components(narrow)[0]
-    side = components(beside)[0]
+    side = components(rim)[0]
     cells = np.flatnonzero(narrow)
     steps = np.array([1, -1, stride, -stride])
 
@@ -159,7 +159,7 @@ def _joints(ground: Ground, narrow: Bools, beside: Bools) -> Iterable[NarrowPlac
 
     # In each part, widest nodes first, so that the first node to join two sides is the narrowest of
     # the widest path between them. In a corridor of one width that is its middle.
-    away = squared_distances(beside).ravel()[cells]
+    away = squared_distances(rim).ravel()[cells]
     order = np.lexsort((cells, away, -ground.squared.ravel()[cells], part[cells]))
     cells = cells[order]
     begins = np.flatnonzero(np.diff(part[cells], prepend=-1))

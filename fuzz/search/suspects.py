@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from enum import IntEnum
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from fuzz.triage.behaviour import behaviour_of
 from sim.episode import Episode
 from sim.trace import Trace
-from worldgen.support.arrays import Ints
+from worldgen.reach.still.grid_search import steps_from
+from worldgen.support.arrays import Floats, Ints
 from worldgen.world import World
 
 # Words of a state that are its pose.
@@ -57,28 +57,22 @@ def symptom_of(world: World, episode: Episode) -> Symptom | None:
 
 
 def _cells_left(world: World, trace: Trace) -> Ints:
-    """Return (steps + 1,) the cells of the shortest way to the target along edges, at the start.
+    """Return (steps + 1,) the number of cells from each pose to the target, in steps along edges.
 
-    The robot's size is ignored: the number only tells whether it gets closer.
+    The walls are those at the start. The robot's size is ignored: the number only tells whether it
+    gets closer.
     """
-    walls = world.walls
-    rows, columns = walls.shape
+    rows, columns = world.walls.shape
     side = world.cell_size
-    left = np.full(walls.shape, walls.size, np.int64)
-    target = (
-        min(int(world.target.y / side), rows - 1),
-        min(int(world.target.x / side), columns - 1),
-    )
-    left[target] = 0
-    queue = deque([target])
-    while queue:
-        row, column = queue.popleft()
-        for near in ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)):
-            inside = 0 <= near[0] < rows and 0 <= near[1] < columns
-            if inside and not walls[near] and left[near] == walls.size:
-                left[near] = left[row, column] + 1
-                queue.append(near)
-    at_rows = np.clip((trace.y / side).astype(np.int64), 0, rows - 1)
-    at_columns = np.clip((trace.x / side).astype(np.int64), 0, columns - 1)
-    found: Ints = left[at_rows, at_columns]
-    return found
+
+    def cell(along: Floats, most: int) -> Ints:
+        return np.clip((along / side).astype(np.int64), 0, most - 1)
+
+    # The search takes a rim that cannot be entered.
+    free = np.pad(~world.walls, 1)
+    row = int(cell(np.array(world.target.y), rows)) + 1
+    column = int(cell(np.array(world.target.x), columns)) + 1
+    free[row, column] = True
+    left = steps_from(free, row * free.shape[1] + column)[0].reshape(free.shape)
+    found: Ints = left[cell(trace.y, rows) + 1, cell(trace.x, columns) + 1].astype(np.int64)
+    return np.where(found < 0, world.walls.size, found)

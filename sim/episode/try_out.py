@@ -142,7 +142,7 @@ def step_times(
         cpu = time.process_time() - cpu
         # Other programs' share of a busy machine is left out, unless the controller itself waits.
         spent = wall if _times_waited() - waits >= done else min(wall, cpu)
-        # So is what the simulator adds, which only a core does not tell apart.
+        # So is what the simulator adds; a compiled controller's own time is not known.
         own = Effort.so_far().own - own
         spent = min(spent, own) if own else spent
         least[done] = min(least.get(done, math.inf), spent)

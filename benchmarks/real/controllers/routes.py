@@ -31,7 +31,7 @@ def clear_points(walls, reach):
 
 
 def plan(walls, cell, radius, start, target, roomy=1.4):
-    """Return the cheapest path as places (n, 2), m, half a cell apart; None if there is none.
+    """Return the cheapest path as places (n, 2), m, half a cell apart, or None.
 
     A place closer to a wall than ``roomy`` radii costs three times as much.
 
@@ -93,7 +93,7 @@ def _nearest(fits, place, half):
 
 
 def plan_in(world, roomy=1.4):
-    """Return a path from a world's start to its target; the straight line if there is none."""
+    """Return a path from a world's start to its target, or else the straight line."""
     start = (world.start.x, world.start.y)
     target = (world.target.x, world.target.y)
     path = plan(world.walls, world.cell_size, world.robot_radius, start, target, roomy)
