@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 from sim.controllers import CompiledController, Controller, ProcessController, VectorController
+from sim.controllers.answers import SLOW_STEP
 
-# Seconds of a step, and of beginning a run, above which a controller counts as slow.
-_SLOW_STEP = 5e-5
+# Seconds of beginning a run above which a controller counts as slow.
 _SLOW_RESET = 5e-3
 # Steps of a typical run in a search.
 _STEPS = 300
@@ -39,7 +39,7 @@ class Pace:
     @property
     def is_slow(self) -> bool:
         """True if a run costs so much that worlds must be chosen with care."""
-        return self.step > _SLOW_STEP or self.reset > _SLOW_RESET
+        return self.step > SLOW_STEP or self.reset > _SLOW_RESET
 
     @property
     def run(self) -> float:

@@ -28,9 +28,11 @@ from sim.controllers.timeline_reads import are_reads_noted
 
 T = TypeVar("T")
 
-# Seconds that a step must take. To know an answer again takes 4 us, and to compare the state before
-# and after a run 0.2 ms.
-_SLOW = 5e-5
+SLOW_STEP = 5e-5
+"""Seconds of a step above which a controller is slow, so that its answers are worth reusing.
+
+To know an answer again takes 4 us, and to compare the state before and after a run 0.2 ms.
+"""
 
 # Calls after which the time of a step is known. The first one is not counted, because many
 # controllers do work in it that they do only once.
@@ -182,7 +184,7 @@ class Answers:
         self._calls += 1
         if self._calls > 1:
             self._seconds += seconds
-        if self._calls == _TRIED and self._seconds < _SLOW * (_TRIED - 1):
+        if self._calls == _TRIED and self._seconds < SLOW_STEP * (_TRIED - 1):
             self.give_up()
 
     def end_run(self, proved: set[bytes]) -> None:

@@ -52,7 +52,7 @@ HIDDEN = {
 @pytest.fixture(autouse=True)
 def slow(monkeypatch):
     """Let every class count as slow, whatever the machine."""
-    monkeypatch.setattr(answers, "_SLOW", 0.0)
+    monkeypatch.setattr(answers, "SLOW_STEP", 0.0)
     monkeypatch.setattr(controller_time, "_differences", {})
 
 
@@ -83,7 +83,7 @@ def test_a_run_that_is_known_hardly_calls_the_controller(tmp_path):
 
 
 def test_a_quick_class_is_always_called(tmp_path, monkeypatch):
-    monkeypatch.setattr(answers, "_SLOW", 1e9)
+    monkeypatch.setattr(answers, "SLOW_STEP", 1e9)
     name = bumper(tmp_path)
     world = hall()
     first, _ = calls_of(lambda: simulate(world, name, steps=200))
@@ -102,7 +102,7 @@ def test_state_outside_the_memory_ends_reuse_and_changes_no_result(tmp_path, mon
     name = bumper(tmp_path / "slow", **parts)
     ours = [simulate(world, name, record=True) for _ in range(3)]
     assert known(name).is_off or hits == "self.hits"
-    monkeypatch.setattr(answers, "_SLOW", 1e9)
+    monkeypatch.setattr(answers, "SLOW_STEP", 1e9)
     plain = bumper(tmp_path / "quick", **parts)
     theirs = [simulate(world, plain, record=True) for _ in range(3)]
     assert [(one.verdict, one.trace_digest) for one in ours] == [
@@ -133,7 +133,7 @@ def test_answers_of_a_class_with_state_are_reused_while_all_was_the_same(tmp_pat
     calls, third = calls_of(lambda: all_runs(name))
     assert calls == 0
     assert known(name).by_history
-    monkeypatch.setattr(answers, "_SLOW", 1e9)
+    monkeypatch.setattr(answers, "SLOW_STEP", 1e9)
     plain = bumper(tmp_path / "quick", **STATEFUL)
     assert [*ours, third] == [all_runs(plain)] * 3
 
