@@ -129,6 +129,6 @@ def places_gap(world: World, x: Floats, y: Floats) -> float:
 def place_gaps(world: World, x: Floats, y: Floats) -> Floats:
     """Return the distance, m, from each place to the target's disc; negative inside."""
     goal = world.target
-    gaps: Floats = shapely.distance(shapely.points(x, y), shapely.Point(goal.x, goal.y))
+    gaps: Floats = np.array(shapely.distance(shapely.points(x, y), shapely.Point(goal.x, goal.y)))
     gaps -= goal.radius
     return gaps
