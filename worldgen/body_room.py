@@ -105,6 +105,21 @@ def with_room(world: World, robot: Robot) -> World:
     return replace(world.bare, walls=walls, robots=(replace(robot, start=start, target=target),))
 
 
+def with_fitting_heading(world: World) -> World:
+    """Return the world with the heading at the start, nearest to the given one, that fits.
+
+    A world with a disc, or whose body fits with no heading, stays as it is.
+    """
+    robot = world.robots[0]
+    start = robot.start
+    if robot.is_disc:
+        return world
+    heading = _fitting(world, world.walls, robot, (start.x, start.y), start.heading)
+    if heading in (None, start.heading):
+        return world
+    return replace(world, start=replace(start, heading=heading))
+
+
 def _fitting(
     world: World, walls: Bools, robot: Robot, place: tuple[float, float], wanted: float
 ) -> float | None:

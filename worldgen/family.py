@@ -179,16 +179,15 @@ class Family:
         if crowded is not None:
             raise crowded
         # Say which parameters leave no room.
-        settings = ", ".join(
-            f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
-        )
+        shown = [parameter.name for parameter in self.parameters] + list(overrides.given())
+        settings = ", ".join(f"{name}={complete[name]}" for name in shown)
         raise GenerationFailed(
             "no-layout-found",
             "{family}: none of {layouts} layouts lets "
             + (f"{complete[ROBOTS]} robots" if is_fleet else "the robot")
             + " through (seed {seed}; {settings})",
             "give it more room: a larger size"
-            + (", larger cells, a smaller footprint" if overrides.changes_body else "")
+            + (" or cell_size, a smaller footprint" if overrides.changes_body else "")
             + ("" if overrides.changes_body else ", a smaller robot_radius")
             + ", or fewer obstacles"
             + (" or robots" if is_fleet else ""),
