@@ -34,7 +34,7 @@ WIDEST = 1.5 * DEFAULT_CELL_SIZE
 """Largest radius of a robot, m: a cell around start and target is free in every layout."""
 
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
-_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
+_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, max(_KNOWN) + 1)])
 # Exceeds the key of any run without a crash.
 _MOST_KEYS = 1 << 16
 # Patience of screening runs. It equals a witness's budget, so a run that spends it has failed,
