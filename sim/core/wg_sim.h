@@ -18,6 +18,7 @@ enum {
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
     WG_NEAR = 2,            // number of cells that a mask of WgArena.near covers to each side
+    WG_MOST_FOOTPRINT = 16,  // corners of a body
 };
 
 // The state of a cell.
@@ -121,6 +122,14 @@ typedef struct WgOthers {
     int64_t count;
 } WgOthers;
 
+// A convex polygonal body: its corners in the robot's frame, counter-clockwise, lattice units. The
+// origin is the point that the pose is about, x is ahead and y to the left.
+typedef struct WgFootprint {
+    int64_t count;  // corners; 0: the robot is a disc
+    int64_t x[WG_MOST_FOOTPRINT];
+    int64_t y[WG_MOST_FOOTPRINT];
+} WgFootprint;
+
 // The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -160,6 +169,7 @@ typedef struct WgSettings {
     // The disc: its squared radius, lattice units; the radius rounded up.
     int64_t clear_sq;
     int64_t reach;
+    WgFootprint footprint;  // its body; then the disc is the smallest about the origin that holds it
 
     // The run.
     int64_t motion;      // WG_SWEPT or WG_ENDPOINT
