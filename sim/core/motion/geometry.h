@@ -13,19 +13,6 @@
 #include "numbers.h"
 #include "wg_parts.h"
 
-// A lattice point.
-typedef struct WgPlace {
-    int64_t x;
-    int64_t y;
-} WgPlace;
-
-// The time of a touch, as a share of a displacement (2: never),
-// and the direction away from the touched thing.
-typedef struct WgContact {
-    double time;
-    WgNormal normal;
-} WgContact;
-
 static inline WgGrid wg_grid(const WgArena *arena)
 {
     return (WgGrid){arena->cells, arena->width, arena->height};

@@ -5,6 +5,19 @@
 
 #include "geometry.h"
 
+// A lattice point.
+typedef struct WgPlace {
+    int64_t x;
+    int64_t y;
+} WgPlace;
+
+// The time of a touch, as a share of a displacement (2: never),
+// and the direction away from the touched thing.
+typedef struct WgContact {
+    double time;
+    WgNormal normal;
+} WgContact;
+
 // Returns when a point that moves by a displacement from a place first meets the circle around the
 // origin; 2 if it never does. The result has the same bits with both signs flipped, so that two
 // robots agree on when they touch.

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "geometry.h"
+#include "motion.h"
 #include "wg_parts.h"
 
 // A body at a heading, relative to its axle, lattice units.
