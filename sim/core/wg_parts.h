@@ -98,6 +98,10 @@ bool wg_body_is_clear(WgGrid grid, int state, const int64_t *headings, const WgF
 WgFound wg_body_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint,
                                 WgSegment way, int64_t heading);
 
+// The solid cell nearest to a body at a pose, among those less than `within` lattice units away.
+WgFound wg_body_nearest(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
+                        int64_t heading, double within);
+
 // Returns how deep a body cuts a cell while it moves along a segment at a heading, lattice units: the
 // shortest way in which the hull of the move could be shifted out of the cell. 0 if it does not.
 double wg_body_depth(const int64_t *headings, const WgFootprint *footprint, WgSegment way, int64_t heading, int64_t ix,
@@ -112,6 +116,15 @@ double wg_body_depth(const int64_t *headings, const WgFootprint *footprint, WgSe
 // Returns how far it turns.
 int64_t wg_clear_turn(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
                       int64_t heading, int64_t turn, WgStopped *stopped);
+
+// Returns true if a robot, a disc or a body, is clear of every cell in `state` at a pose.
+bool wg_robot_is_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings, int64_t x,
+                       int64_t y, int64_t heading);
+
+// The first cell in `state`, in row order, that a robot cuts along a segment whose first end is assumed to be
+// clear.
+WgFound wg_robot_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings,
+                                 WgSegment way, int64_t heading);
 
 // motion.c
 

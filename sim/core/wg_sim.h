@@ -191,6 +191,7 @@ typedef struct WgSettings {
     int64_t arrival_speed;      // for WG_ARRIVAL_STOP: largest speed, units of speed
     int64_t arrival_turn;       // and largest turn in a step, heading units
     int64_t contact;            // WG_CONTACT_SLIDE, ...
+    int64_t reverse;            // 1: a car may drive backwards
 
     // The disc: its squared radius, lattice units; the radius rounded up.
     int64_t clear_sq;
@@ -233,6 +234,9 @@ typedef struct WgSettings {
     double radians;         // rad per heading unit
     double time_step;       // s
     double top_speed;       // m/s
+    double turning_radius;  // m, of a car; 0: it turns on the spot
+    double turn_per_unit;   // heading units that a car turns, at most, on a lattice unit of its path; 0: it is no car
+    double steering_rate;   // largest change of a car's curvature, as a share of the largest, 1/s
     double radius;          // m, of the robot
     double start_speed;     // m/s during the first step, before the controller has sensed anything
     double tolerance;       // overlap that is not reported, lattice units

@@ -396,7 +396,7 @@ class FleetRun:
             outcome = self.runs[number].outcome_of(member, recording, complete, fault)
             if outcome.trace is not None:
                 size = int(member.c.workspace.observation.message_size)
-                outcome = replace(outcome, trace=replace(outcome.trace, message_size=size))
+                outcome = replace(outcome, trace=replace(outcome.trace, after_memory=size))
             members.append(outcome)
         return FleetOutcome(
             ending=ending,

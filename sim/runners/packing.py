@@ -5,8 +5,18 @@ from __future__ import annotations
 import functools
 import math
 
+import numpy as np
+
 from worldgen.errors import InvalidWorld
-from worldgen.lattice import UNIT, clear_distance_sq, exact, in_cells, radius_in_cells
+from worldgen.lattice import (
+    UNIT,
+    clear_distance_sq,
+    exact,
+    footprint_on_lattice,
+    in_cells,
+    radius_in_cells,
+)
+from worldgen.support.arrays import Ints
 from worldgen.timeline import Event
 from worldgen.world import World
 
@@ -15,9 +25,25 @@ STEP_TIME = 1 << 32
 
 
 def disc_numbers(world: World) -> tuple[int, int]:
-    """Return the disc's squared clear distance, lattice units squared, and its root, rounded up."""
+    """Return the disc's squared clear distance, lattice units squared, and its root, rounded up.
+
+    For a body, it is a disc about the axle that holds it at every heading.
+    """
+    body = body_of(world)
+    if len(body):
+        # The table of headings may put a corner a few thousandths of a unit farther away.
+        reach = math.isqrt(int((body * body).sum(axis=1).max())) + 2
+        return reach * reach, reach
     clear_sq = clear_distance_sq(radius_in_cells(world))
     return clear_sq, math.isqrt(clear_sq - 1) + 1
+
+
+def body_of(world: World) -> Ints:
+    """Return (k, 2) int64, the corners of the robot's body in lattice units; none for a disc."""
+    footprint = world.robots[0].footprint
+    if not footprint:
+        return np.zeros((0, 2), np.int64)
+    return footprint_on_lattice(footprint, world.cell_size)
 
 
 def target_sq(world: World) -> int:
@@ -28,6 +54,16 @@ def target_sq(world: World) -> int:
 
 def start_overlaps(world: World) -> InvalidWorld:
     """Return the error for a robot that does not fit at its start."""
+    if world.robots[0].footprint:
+        return InvalidWorld(
+            "start-in-wall",
+            "start ({x:g}, {y:g}) m at heading {heading:.4g} rad: the robot's body overlaps a wall "
+            "there",
+            "move or turn the start, or make the body smaller",
+            x=world.start.x,
+            y=world.start.y,
+            heading=world.start.heading,
+        )
     return InvalidWorld(
         "start-in-wall",
         "start ({x:g}, {y:g}) m: the robot of radius {robot_radius:g} m overlaps a wall there",

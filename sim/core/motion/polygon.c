@@ -195,6 +195,24 @@ bool wg_body_is_clear(WgGrid grid, int state, const int64_t *headings, const WgF
     return !wg_body_first_not_clear(grid, state, headings, footprint, (WgSegment){x, y, x, y}, heading).found;
 }
 
+bool wg_robot_is_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings, int64_t x,
+                       int64_t y, int64_t heading)
+{
+    if (settings->footprint.count > 0) {
+        return wg_body_is_clear(grid, state, headings, &settings->footprint, x, y, heading);
+    }
+    return wg_disc_is_clear(grid, state, wg_disc(settings), x, y);
+}
+
+WgFound wg_robot_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings,
+                                 WgSegment way, int64_t heading)
+{
+    if (settings->footprint.count > 0) {
+        return wg_body_first_not_clear(grid, state, headings, &settings->footprint, way, heading);
+    }
+    return wg_first_not_clear(grid, state, wg_disc(settings), way);
+}
+
 // The widest gap between a body and a cell along an axis, and that axis, away from the cell. It is at most
 // the distance between them; negative if they overlap, and then no smaller shift parts them.
 static double widest_gap(const WgPolygon *polygon, double left, double low, WgNormal *away)
@@ -221,6 +239,29 @@ static double widest_gap(const WgPolygon *polygon, double left, double low, WgNo
         }
     }
     return gap;
+}
+
+WgFound wg_body_nearest(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
+                        int64_t heading, double within)
+{
+    WgPolygon polygon;
+    wg_polygon_turned(headings, footprint, heading, &polygon);
+    Cells cells = cells_of(grid, x, y, polygon.left - within, polygon.right + within, polygon.low - within,
+                           polygon.high + within);
+    WgFound found = {false, 0, 0};
+    for (int64_t iy = cells.low; iy <= cells.high; iy++) {
+        for (int64_t ix = cells.left; ix <= cells.right; ix++) {
+            WgNormal away;
+            double gap = wg_cell_state(grid, ix, iy) == WG_SOLID
+                             ? widest_gap(&polygon, relative(ix, x), relative(iy, y), &away)
+                             : within;
+            if (gap < within) {
+                within = gap;
+                found = (WgFound){true, ix, iy};
+            }
+        }
+    }
+    return found;
 }
 
 double wg_body_depth(const int64_t *headings, const WgFootprint *footprint, WgSegment way, int64_t heading, int64_t ix,
