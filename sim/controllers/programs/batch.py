@@ -87,6 +87,9 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:
         column = seen[:, _COLUMNS[name]]
+        # As for a single robot, a goal without a heading is not mentioned.
+        if name == "goal_heading" and np.isnan(column).all():
+            continue
         message[name] = (column != 0.0).tolist() if name == "bump" else column.tolist()
     return json_line(message)
 
