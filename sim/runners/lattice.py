@@ -138,6 +138,16 @@ class LatticeRun:
         if self.options.task != COVER:
             return None
         self.settings.target_radius_sq = -1
+        robot = self.world.robots[0]
+        if robot.footprint or robot.drive.is_car:
+            raise InvalidParameter(
+                "nothing-to-cover",
+                "task=cover is for a disc that turns on the spot, and the cells that a {noun} can "
+                "reach are not known",
+                "omit --task, or cover the world with a disc",
+                at_terminal=True,
+                noun="car" if robot.drive.is_car else "body",
+            )
         wanted = np.ascontiguousarray(reachable_cells(self.world), np.uint8)
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from worldgen.errors import InvalidWorld
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import (
     UNIT,
     clear_distance_sq,
@@ -16,6 +16,7 @@ from worldgen.lattice import (
     in_cells,
     radius_in_cells,
 )
+from worldgen.robot_overrides import describe_body
 from worldgen.support.arrays import Ints
 from worldgen.timeline import Event
 from worldgen.world import World
@@ -72,6 +73,30 @@ def start_overlaps(world: World) -> InvalidWorld:
         y=world.start.y,
         robot_radius=world.robot_radius,
     )
+
+
+def refuse_unless_plain(world: World, who: str, code: str) -> None:
+    """Raise an error if some robot is not a disc that turns on the spot to touch its target.
+
+    Args:
+        world: The world.
+        who: What is only for such robots, such as ``stepped``.
+        code: The error's code.
+
+    Raises:
+        InvalidParameter: If there is such a robot.
+    """
+    for number, robot in enumerate(world.robots, start=1):
+        if not robot.is_plain:
+            raise InvalidParameter(
+                code,
+                "robot {number} is a {body}, and {who} is only for discs that turn on the spot, "
+                "slide along walls and have to touch their targets",
+                "use swept or endpoint in a world of one robot",
+                number=number,
+                body=describe_body(robot) + ("" if robot.target.is_plain else " with its own goal"),
+                who=who,
+            )
 
 
 def event_step(event: Event, time_step: float) -> int:

@@ -73,6 +73,7 @@ static void note_stop(const WgSettings *settings, int64_t step, const WgStopped 
     int64_t y = (int64_t)(stopped->away.y * (double)WG_UNIT);
     robot->carriage->bumped = 1 + wg_heading_of(x, y, 0);
     if (settings->contact == WG_CONTACT_FAIL && report->ending == WG_LIMIT) {
+        robot->contact = stopped->away;  // there is no step after this one to sense it in
         report->ending = WG_CONTACT;
         report->hit_step = step;
         report->hit_ix = stopped->cell.ix;
