@@ -199,9 +199,7 @@ class _Question:
     def _by_disc(self, headings: Headings) -> Decision | None:
         """Return the path of the disc that holds the body, if it has one."""
         around = _disc_of(self.world, outer=True)
-        decision = prove.decide(
-            self.world, radius=around, certificate=self.certificate, cut=False
-        )
+        decision = prove.decide(self.world, radius=around, certificate=self.certificate, cut=False)
         if decision.result != REACHABLE:
             return None
         proof = decision.certificate
