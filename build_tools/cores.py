@@ -132,7 +132,12 @@ CORES = (
     Core(
         "worldgen._core",
         ("worldgen/core",),
-        (_TYPES, "worldgen/core/wg_reach.h", "worldgen/core/wg_making.h"),
+        (
+            _TYPES,
+            "worldgen/core/wg_reach.h",
+            "worldgen/core/wg_making.h",
+            "worldgen/core/car/wg_car.h",
+        ),
         ("worldgen/include",),
     ),
     Core(
