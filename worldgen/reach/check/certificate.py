@@ -73,9 +73,18 @@ def check_certificate(
         return _check_joint(world, certificate, radius)
     if world.is_fleet:
         return _check_one_of_several(world, certificate, radius)
-    radius = world.robot_radius if radius is None else radius
+    robot = world.robots[0]
+    is_about_robot = radius is None
+    if radius is None:
+        # A chain that stops the disc inside a body stops the body.
+        radius = robot.inner_radius if isinstance(certificate, Cut) else robot.radius
     measured = [0.0]
     try:
+        if isinstance(certificate, Cut):
+            _require(certificate.boxes is None, "a cut of poses is not checked")
+        else:
+            _require(certificate.headings is None, "a witness with headings is not checked")
+            _require(not (is_about_robot and robot.drive.is_car), "a car's witness needs headings")
         # A hostile file may contain times whose difference overflows.
         with np.errstate(all="ignore"):
             if isinstance(certificate, Witness):
