@@ -14,8 +14,11 @@
 
 enum { LEFT = 1, STRAIGHT = 0, RIGHT = -1 };
 
-// Rounding errors below this are no reason to drop a curve, or to drive around a whole circle.
+// Rounding errors below this are no reason to drop a curve.
 static const double TINY = 1e-9;
+// Circles as near as this are one, and an arc that lacks as little of a whole turn is none: roots
+// of rounding errors are larger than these.
+static const double SAME = 1e-7;
 
 // The goal, seen from the start, in turning radii.
 typedef struct Goal {
@@ -66,7 +69,7 @@ static double forward(double angle)
 {
     double turn = 2.0 * WG_CAR_PI;
     double wrapped = angle - turn * floor(angle / turn);
-    return wrapped > turn - TINY ? 0.0 : wrapped;
+    return wrapped > turn - SAME ? 0.0 : wrapped;
 }
 
 static void insert_dubins(WgCurve *found, int64_t *count, const int64_t steer[3], Lengths lengths)
@@ -89,14 +92,16 @@ int64_t wg_dubins(double x, double y, double heading, WgCurve *found)
     // Two arcs of the same side, joined by a line.
     double square = 2.0 + d * d - 2.0 * cosine + 2.0 * d * (a.sine - b.sine);
     if (square > -TINY) {
-        double turn = wg_car_atan2(b.cosine - a.cosine, d + a.sine - b.sine);
-        Lengths lengths = {forward(turn - alpha), sqrt(fmax(0.0, square)), forward(beta - turn)};
+        double u = sqrt(fmax(0.0, square));
+        double turn = u > SAME ? wg_car_atan2(b.cosine - a.cosine, d + a.sine - b.sine) : beta;
+        Lengths lengths = {forward(turn - alpha), u, forward(beta - turn)};
         insert_dubins(found, &count, (const int64_t[]){LEFT, STRAIGHT, LEFT}, lengths);
     }
     square = 2.0 + d * d - 2.0 * cosine + 2.0 * d * (b.sine - a.sine);
     if (square > -TINY) {
-        double turn = wg_car_atan2(a.cosine - b.cosine, d - a.sine + b.sine);
-        Lengths lengths = {forward(alpha - turn), sqrt(fmax(0.0, square)), forward(turn - beta)};
+        double u = sqrt(fmax(0.0, square));
+        double turn = u > SAME ? wg_car_atan2(a.cosine - b.cosine, d - a.sine + b.sine) : beta;
+        Lengths lengths = {forward(alpha - turn), u, forward(turn - beta)};
         insert_dubins(found, &count, (const int64_t[]){RIGHT, STRAIGHT, RIGHT}, lengths);
     }
 
@@ -139,7 +144,8 @@ static bool left_straight_left(Goal goal, Lengths *lengths)
 {
     WgAngle end = wg_car_angle(goal.heading);
     Polar line = polar(goal.x - end.sine, goal.y - 1.0 + end.cosine);
-    *lengths = (Lengths){line.angle, line.radius, wg_car_wrap(goal.heading - line.angle)};
+    double t = line.radius > SAME ? line.angle : goal.heading;
+    *lengths = (Lengths){t, line.radius, wg_car_wrap(goal.heading - t)};
     return lengths->t >= -TINY && lengths->v >= -TINY;
 }
 
