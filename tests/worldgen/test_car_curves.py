@@ -1,5 +1,6 @@
 """Dubins's and Reeds and Shepp's shortest paths, by closed forms and symmetries."""
 
+import itertools
 import math
 
 import numpy as np
@@ -88,6 +89,6 @@ def test_a_car_that_may_reverse_goes_back_as_it_came_and_never_farther_than_one_
 @pytest.mark.parametrize("reverse", [False, True])
 def test_no_detour_through_a_third_pose_is_shorter(reverse):
     pairs = list(some_pairs())
-    for (start, end), (middle, _) in zip(pairs, pairs[1:], strict=False):
+    for (start, end), (middle, _) in itertools.pairwise(pairs):
         detour = shortest(start, middle, reverse=reverse) + shortest(middle, end, reverse=reverse)
         assert shortest(start, end, reverse=reverse) <= detour + 1e-9

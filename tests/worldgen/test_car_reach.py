@@ -46,7 +46,10 @@ def with_car(world, turning_radius, **drive):
     return replace(world, robots=[robot], certificate=None, provenance=None)
 
 
-def open_floor(*, target=Target(2.0, 1.0, 0.1), **drive):
+AHEAD = Target(2.0, 1.0, 0.1)
+
+
+def open_floor(*, target=AHEAD, **drive):
     robot = Robot(Pose(0.5, 1.0, 0.0), target, 0.1, 1.0, drive=Drive(0.4, **drive))
     return World(np.zeros((20, 30), np.bool_), robots=[robot])
 
