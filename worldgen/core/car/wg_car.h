@@ -61,6 +61,14 @@ typedef struct WgCarQuery {
 // turns onto lines along the nearest walls.
 WgStatus wg_car_search(const WgWalls *walls, WgCarQuery *asked);
 
+// follow.c
+
+// Follows a path of a robot that turns on the spot with a car that may reverse. Only the car, its
+// start, its target and the limit of the query count.
+//
+// poses:      (count, 3) x and y, lu; heading, units. Between two of them, the robot moves or turns.
+WgStatus wg_car_follow(const WgWalls *walls, WgCarQuery *asked, const int64_t *poses, int64_t count);
+
 // Releases the path.
 void wg_car_free(WgCarQuery *asked);
 

@@ -19,12 +19,13 @@ from worldgen.lattice import (
     in_cells,
     lattice_units,
 )
+from worldgen.reach.car.guide import guides
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.lattice_graph import clear_from
 from worldgen.reach.still.path import make_witness, ticks_per_second
 from worldgen.reach.still.walls import ExactPoint, Walls, described_disc
 from worldgen.support.arrays import Ints
-from worldgen.support.ccall import check
+from worldgen.support.ccall import check, pointer
 from worldgen.world import Witness, World
 
 
@@ -43,7 +44,9 @@ class Effort(NamedTuple):
 
 
 # Each is tried if the one before finds nothing.
-EFFORTS = (Effort(1, 48, 20_000), Effort(2, 72, 60_000), Effort(4, 144, 240_000))
+EFFORTS = (Effort(1, 48, 2_000), Effort(2, 72, 20_000), Effort(4, 144, 100_000))
+# Limit on the curves that are tried along one path.
+_MOST_CURVES = 50_000
 
 
 class CarPath(NamedTuple):
@@ -51,28 +54,43 @@ class CarPath(NamedTuple):
 
     Args:
         poses: (n, 3) int64, x and y in lu, heading in 1/65536 turn; empty if none was found.
-        searched: Poses that the search expanded.
+        searched: Poses that the search expanded, and curves that were tried.
     """
 
     poses: Ints
     searched: int
 
 
-def find_path(world: World, efforts: tuple[Effort, ...] = EFFORTS) -> CarPath:
-    """Search for a path of the world's robot, which must be a car with a disc as its body."""
+def find_path(world: World) -> CarPath:
+    """Search for a path of the world's robot, which must be a car with a disc as its body.
+
+    First a quick search for one without many manoeuvres; then, if the car may reverse, along paths
+    of the body alone; then finer searches.
+    """
     walls = Walls(world.walls, in_cells(world.robot_radius, world.cell_size))
     searched = 0
-    for effort in efforts:
+    for effort in EFFORTS:
         query = _query(world, walls, effort)
         check(lib.wg_car_search(walls.described, query))
         searched += query.expanded
         if query.count:
-            try:
-                poses = np.frombuffer(ffi.buffer(query.poses, 24 * query.count), np.int64)
-                return CarPath(poses.reshape(-1, 3).copy(), searched)
-            finally:
-                lib.wg_car_free(query)
+            return CarPath(_taken(query), searched)
+        if effort == EFFORTS[0] and query.reverse:
+            for guide in guides(world):
+                query.most = _MOST_CURVES
+                poses = pointer(ffi, guide, np.int64)
+                check(lib.wg_car_follow(walls.described, query, poses, len(guide)))
+                searched += query.expanded
+                if query.count:
+                    return CarPath(_taken(query), searched)
     return CarPath(np.zeros((0, 3), np.int64), searched)
+
+
+def _taken(query: Any) -> Ints:
+    """Return the poses in an answer, and free them there."""
+    poses = np.frombuffer(ffi.buffer(query.poses, 24 * query.count), np.int64).reshape(-1, 3).copy()
+    lib.wg_car_free(query)
+    return poses
 
 
 def _query(world: World, walls: Walls, effort: Effort) -> Any:
