@@ -109,6 +109,25 @@ WgDriven wg_car_drive(const WgCar *car, WgCarPose *pose, const WgCarPart *parts,
     return WG_DRIVEN;
 }
 
+WgCarPose wg_car_end(const WgCar *car, WgCarPose pose, const WgCarPart *parts, int64_t count)
+{
+    for (int64_t p = 0; p < count; p++) {
+        int64_t steer = parts[p].steer;
+        WgAngle from = wg_car_direction(pose.heading);
+        if (steer == 0) {
+            pose.x += parts[p].amount * from.cosine;
+            pose.y += parts[p].amount * from.sine;
+            continue;
+        }
+        pose.heading = wg_car_heading(pose.heading + steer * (int64_t)parts[p].amount);
+        WgAngle to = wg_car_direction(pose.heading);
+        double radius = (double)steer * car->asked->turning_radius;
+        pose.x += radius * (to.sine - from.sine);
+        pose.y -= radius * (to.cosine - from.cosine);
+    }
+    return pose;
+}
+
 int64_t wg_car_routes(const WgCar *car, WgCarPose from, WgCarPose to, WgCarRoute *routes)
 {
     // Solve with the start at the origin, in turning radii.

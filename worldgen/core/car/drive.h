@@ -79,6 +79,9 @@ bool wg_car_is_there(const WgCar *car, WgCarPose pose);
 WgDriven wg_car_drive(const WgCar *car, WgCarPose *pose, const WgCarPart *parts, int64_t count, bool arrives,
                       WgCarTrail *trail);
 
+// Returns the end of some parts, up to rounding, whether or not a wall is in the way.
+WgCarPose wg_car_end(const WgCar *car, WgCarPose pose, const WgCarPart *parts, int64_t count);
+
 // Returns the curves to a pose as parts, shortest first.
 typedef struct WgCarRoute {
     int64_t count;

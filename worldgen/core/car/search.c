@@ -154,15 +154,15 @@ static double estimate(const Search *search, WgCarPose pose)
 }
 
 // The bin of a pose, above 0.
-static uint64_t bin_of(const Search *search, const Node *node)
+static uint64_t bin_of(const Search *search, WgCarPose pose, bool is_along_wall)
 {
     const WgCarQuery *asked = search->car.asked;
-    uint64_t x = (uint64_t)(int64_t)floor(node->pose.x / asked->bin) & 0xFFFFFF;
-    uint64_t y = (uint64_t)(int64_t)floor(node->pose.y / asked->bin) & 0xFFFFFF;
-    uint64_t heading = (uint64_t)((node->pose.heading * asked->headings + WG_CAR_TURN / 2) / WG_CAR_TURN);
+    uint64_t x = (uint64_t)(int64_t)floor(pose.x / asked->bin) & 0xFFFFFF;
+    uint64_t y = (uint64_t)(int64_t)floor(pose.y / asked->bin) & 0xFFFFFF;
+    uint64_t heading = (uint64_t)((pose.heading * asked->headings + WG_CAR_TURN / 2) / WG_CAR_TURN);
     heading %= (uint64_t)asked->headings;
     // Places have 24 bits each, headings 14.
-    return ((x << 24 | y) << 14 | heading) << 2 | (uint64_t)(node->is_along_wall << 1) | 1U;
+    return ((x << 24 | y) << 14 | heading) << 2 | (is_along_wall ? 3U : 1U);
 }
 
 static int64_t place_in(const uint64_t *bins, int64_t room, uint64_t bin)
@@ -220,13 +220,15 @@ static int64_t append(Search *search, Node node)
     return search->count++;
 }
 
-// Adds a pose to the queue, unless one of its bin was expanded.
+// Returns true if a pose of a bin was expanded.
+static bool is_taken(const Search *search, uint64_t bin)
+{
+    return search->bin_room > 0 && search->bins[place_in(search->bins, search->bin_room, bin)] == bin;
+}
+
+// Adds a pose to the queue.
 static void push(Search *search, Node node)
 {
-    uint64_t bin = bin_of(search, &node);
-    if (search->bin_room > 0 && search->bins[place_in(search->bins, search->bin_room, bin)] == bin) {
-        return;
-    }
     double rank = node.cost + GREED * estimate(search, node.pose);
     int64_t added = append(search, node);
     if (added >= 0 && !wg_heap_push(&search->queue, (WgEntry){(int64_t)floor(rank), added, 0})) {
@@ -234,10 +236,28 @@ static void push(Search *search, Node node)
     }
 }
 
+// Returns true if parts may lead through the target.
+static bool may_arrive(const Search *search, WgCarPose pose, const WgCarPart *parts, int64_t count)
+{
+    const WgCarQuery *asked = search->car.asked;
+    double dx = asked->target_x - pose.x;
+    double dy = asked->target_y - pose.y;
+    double reach = asked->target_radius + 1.0;
+    for (int64_t part = 0; part < count; part++) {
+        reach += wg_car_length(&search->car, parts[part]);
+    }
+    return dx * dx + dy * dy <= reach * reach;
+}
+
 // Drives an edge from a node and adds its end. Returns true if it arrived.
 static bool follow_edge(Search *search, int64_t from, const WgCarPart *parts, int64_t count, bool is_along_wall)
 {
     const Node *before = &search->nodes[from];
+    WgCarPose end = wg_car_end(&search->car, before->pose, parts, count);
+    // Most edges of a long search end where it has been.
+    if (is_taken(search, bin_of(search, end, is_along_wall)) && !may_arrive(search, before->pose, parts, count)) {
+        return false;
+    }
     Node node = {before->pose, before->cost, (int32_t)from, (int8_t)is_along_wall, (int8_t)count,
                  before->backwards, {0}, {0}};
     WgDriven driven = wg_car_drive(&search->car, &node.pose, parts, count, true, NULL);
@@ -452,7 +472,7 @@ WgStatus wg_car_search(const WgWalls *walls, WgCarQuery *asked)
         bool found = search.last == 0;
         while (!found && !search.has_no_room && search.queue.count > 0 && asked->expanded < asked->most) {
             int64_t node = wg_heap_pop(&search.queue).second;
-            if (add_bin(&search, bin_of(&search, &search.nodes[node]))) {
+            if (add_bin(&search, bin_of(&search, search.nodes[node].pose, search.nodes[node].is_along_wall != 0))) {
                 found = expand(&search, node);
                 asked->expanded++;
             }

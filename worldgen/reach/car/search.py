@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from worldgen.lattice import (
     lattice_units,
 )
 from worldgen.reach.car.guide import guides
+from worldgen.reach.car.stretches import leg_of
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.lattice_graph import clear_from
 from worldgen.reach.still.path import make_witness, ticks_per_second
@@ -61,15 +62,19 @@ class CarPath(NamedTuple):
     searched: int
 
 
-def find_path(world: World) -> CarPath:
+def find_path(world: World, efforts: Sequence[Effort] = EFFORTS) -> CarPath:
     """Search for a path of the world's robot, which must be a car with a disc as its body.
 
     First a quick search for one without many manoeuvres; then, if the car may reverse, along paths
     of the body alone; then finer searches.
+
+    Args:
+        world: The world; what changes in it later is ignored.
+        efforts: How finely to search, each tried if the one before finds nothing.
     """
     walls = Walls(world.walls, in_cells(world.robot_radius, world.cell_size))
     searched = 0
-    for effort in EFFORTS:
+    for effort in efforts:
         query = _query(world, walls, effort)
         check(lib.wg_car_search(walls.described, query))
         searched += query.expanded
@@ -157,8 +162,6 @@ def _with_steering(witness: Witness, poses: Ints, rate: float) -> Witness:
 
 def _steering(poses: Ints) -> Iterator[int]:
     """Yield the steering of each leg: 1 left, 0 straight, -1 right."""
-    for (x, y, heading), (next_x, next_y, next_heading) in itertools.pairwise(poses.tolist()):
-        turn = (next_heading - heading + TURN // 2) % TURN - TURN // 2
-        along = (heading + turn / 2) * math.tau / TURN
-        ahead = (next_x - x) * math.cos(along) + (next_y - y) * math.sin(along)
-        yield (turn > 0) - (turn < 0) if ahead >= 0 else (turn < 0) - (turn > 0)
+    for before, after in itertools.pairwise(poses.tolist()):
+        leg = leg_of(before, after)
+        yield leg.gear * ((leg.turn > 0) - (leg.turn < 0))
