@@ -34,7 +34,7 @@ class Headings(NamedTuple):
     """Headings of the lattice: the first one, and how many follow counter-clockwise."""
 
     first: int
-    count: int
+    count: int  # type: ignore[assignment]
 
 
 ALL_HEADINGS = Headings(0, TURN - 1)
