@@ -64,6 +64,9 @@ static bool fits(const WgLooks *looks)
             return false;
         }
     }
+    if (looks->flood_reach < 0 || looks->flood_reach > WG_WIDEST) {
+        return false;
+    }
     for (int64_t k = 0; k < looks->radius_count; k++) {
         if (looks->discs[k].reach < 0 || looks->discs[k].reach > WG_WIDEST) {
             return false;

@@ -126,30 +126,34 @@ static double lost_to_wall(const WgSettings *settings)
     return settings->contact == WG_CONTACT_SLIDE ? settings->wall_friction : 1.0;
 }
 
-// Returns the solid cell that is nearest to a robot that a wall has stopped; if none is near, the
-// first one that its move meets.
+// Returns the solid cell that stops a robot: of those that cut its disc on a way, the one nearest to
+// the place where it stops; for a body, the nearest to its sides.
 static WgFound stopping_cell(const WgArena *arena, const WgSettings *settings, int64_t x, int64_t y, WgSegment way,
                              int64_t heading)
 {
-    enum { SLACK = 20 };  // lattice units that a robot may stop before the wall
+    enum { SLACK = 20 };  // lattice units that a robot may stop before a wall
 
     WgGrid grid = wg_grid(arena);
+    double radius = sqrt((double)settings->clear_sq);
     int64_t reach = settings->reach + SLACK;
     int64_t nearest = reach * reach;
     WgFound found = {false, 0, 0};
     if (settings->footprint.count > 0) {
-        found = wg_body_nearest(grid, arena->headings, &settings->footprint, x, y, heading, SLACK);
+        found = wg_body_stopping_cell(grid, arena->headings, &settings->footprint, x, y, way, heading);
         return found.found ? found : first_cut(arena, settings, WG_SOLID, way, heading);
     }
     for (int64_t iy = wg_cell_of(y - reach); iy <= wg_cell_of(y + reach); iy++) {
         for (int64_t ix = wg_cell_of(x - reach); ix <= wg_cell_of(x + reach); ix++) {
             int64_t away = wg_point_box_distance_sq(x, y, ix, iy);
-            if (wg_cell_state(grid, ix, iy) == WG_SOLID && away < nearest) {
+            // A wall that the robot drives along touches its disc, but does not cut it.
+            if (away < nearest && wg_cell_state(grid, ix, iy) == WG_SOLID
+                && wg_segment_box_depth(radius, way, ix, iy) > 1e-6) {
                 nearest = away;
                 found = (WgFound){true, ix, iy};
             }
         }
     }
+    // A wall that the robot only grazes may be anywhere on the way.
     return found.found ? found : wg_first_not_clear(grid, WG_SOLID, wg_disc(settings), way);
 }
 
@@ -164,9 +168,14 @@ static void judge_contact(const WgArena *arena, const WgSettings *settings, int6
     }
     // A move that `endpoint` refuses is stopped by what is at its end.
     const WgState *state = &robot->body->state;
-    bool is_refused = settings->motion == WG_ENDPOINT && state->x == way.px && state->y == way.py;
-    WgFound cell = stopping_cell(arena, settings, is_refused ? way.qx : state->x, is_refused ? way.qy : state->y, way,
-                                 state->heading);
+    WgFound cell = {false, 0, 0};
+    if (settings->motion == WG_ENDPOINT && state->x == way.px && state->y == way.py) {
+        cell = stopping_cell(arena, settings, way.qx, way.qy, (WgSegment){way.qx, way.qy, way.qx, way.qy},
+                             state->heading);
+    }
+    if (!cell.found) {
+        cell = stopping_cell(arena, settings, state->x, state->y, way, state->heading);
+    }
     report->ending = WG_CONTACT;
     report->hit_step = step;
     report->hit_ix = cell.ix;
