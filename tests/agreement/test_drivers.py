@@ -19,7 +19,6 @@ from worldgen import generate
 from worldgen.robot import Drive
 
 
-
 def driven_by(world: Any, **parts: Any) -> Any:
     """Return a world whose robot has another body or drive."""
     robot = replace(world.robots[0], **parts)

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -187,7 +185,9 @@ BODIES = {
         Pose(0.0, 0.0), Target(0.0, 0.0, 0.1, contact="fail"), footprint=box(0.1, 0.1)
     ),
     "axle outside": Robot(
-        Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), footprint=((0.02, -0.03), (0.08, -0.03), (0.05, 0.04))
+        Pose(0.0, 0.0),
+        Target(0.0, 0.0, 0.1),
+        footprint=((0.02, -0.03), (0.08, -0.03), (0.05, 0.04)),
     ),
     "car": Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), drive=Drive(0.15, True)),
     "long car": Robot(

@@ -160,7 +160,9 @@ def _first_stop(
     graze = _GRAZE
     while True:
         if isinstance(clear_sq, tuple):
-            t, nx, ny = polygon.first_contact(cells, clear_sq, ends, polygon.GRAZE if graze else 0.0)
+            t, nx, ny = polygon.first_contact(
+                cells, clear_sq, ends, polygon.GRAZE if graze else 0.0
+            )
         else:
             radius = math.sqrt(float(clear_sq))
             t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy, graze)

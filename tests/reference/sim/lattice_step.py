@@ -21,11 +21,11 @@ from tests.reference.sim.geometry import (
 )
 from tests.reference.sim.lattice_motion import endpoint_move, round_away, swept_move
 from tests.reference.sim.lattice_sense import (
-    heading_of,
     NOISE_SLIP,
     NOISE_TURN,
     NOISE_WAY,
     displacement,
+    heading_of,
     noise_channel,
     noise_draw,
     sense,
@@ -437,7 +437,10 @@ def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) 
             nx, ny = float(x - ix * UNIT) - UNIT / 2, float(y - iy * UNIT) - UNIT / 2
     if cell is not None:
         state[-2] = 1 + heading_of(int(nx * UNIT), int(ny * UNIT), 0)
-        if settings[layout.SET_CONTACT] == layout.FAIL and counts[layout.OUT_ENDING] == layout.LIMIT:
+        if (
+            settings[layout.SET_CONTACT] == layout.FAIL
+            and counts[layout.OUT_ENDING] == layout.LIMIT
+        ):
             counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.CONTACT, step
             counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = cell
     state[layout.STATE_HEADING] = (heading + made) % TURN

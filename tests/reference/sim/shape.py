@@ -30,9 +30,7 @@ def segment_first_not_clear(
     return geometry.segment_first_not_clear(cells, state, shape, reach, ends)
 
 
-def segment_box_depth(
-    shape: Shape, ends: tuple[int, int, int, int], ix: int, iy: int
-) -> float:
+def segment_box_depth(shape: Shape, ends: tuple[int, int, int, int], ix: int, iy: int) -> float:
     """How deep the robot cuts a cell on its way from p to q, lattice units."""
     if isinstance(shape, tuple):
         return polygon.depth(shape, ends, ix, iy)
