@@ -65,7 +65,10 @@ def first_not_clear(
     px, py, qx, qy = ends
     dx, dy = qx - px, qy - py
     xs, ys = zip(*corners, strict=True)
-    left, right = (min(xs) + min(0, dx) * SCALE) // SCALE, -((-max(xs) - max(0, dx) * SCALE) // SCALE)
+    left, right = (
+        (min(xs) + min(0, dx) * SCALE) // SCALE,
+        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
+    )
     low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
     height, width = cells.shape
     for iy in range(max((py + low) // UNIT, -1), min((py + high - 1) // UNIT, height) + 1):
@@ -80,11 +83,7 @@ def first_not_clear(
 
 
 def clear_turn(
-    cells: Cells,
-    table: Sequence[int],
-    body: Corners,
-    pose: tuple[int, int, int],
-    turn: int,
+    cells: Cells, table: Sequence[int], body: Corners, pose: tuple[int, int, int], turn: int
 ) -> tuple[int, tuple[int, int] | None]:
     """How far a body turns through every heading, and the first cell in its way, if one is."""
     x, y, heading = pose
@@ -140,7 +139,10 @@ def first_contact(
     fx, fy = float(dx), float(dy)
     best, normal_x, normal_y = 2.0, 0.0, 0.0
     xs, ys = zip(*corners, strict=True)
-    left, right = (min(xs) + min(0, dx) * SCALE) // SCALE, -((-max(xs) - max(0, dx) * SCALE) // SCALE)
+    left, right = (
+        (min(xs) + min(0, dx) * SCALE) // SCALE,
+        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
+    )
     low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
     height, width = cells.shape
     for iy in range(max((y + low) // UNIT, -1), min((y + high - 1) // UNIT, height) + 1):
