@@ -78,7 +78,7 @@ class HybridCar:
             drive = replace(robot.drive, turning_radius=radius * (1.0 + share * self.spare_lock))
             target = replace(robot.target, radius=robot.target.radius * (1.0 - 0.5 * share))
             wide = _padded(replace(robot, drive=drive, target=target), share * self.margin)
-            yield replace(world, robots=[wide], certificate=None)
+            yield replace(world, robots=(wide,), certificate=None)
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command for the next step, and the new memory."""
@@ -128,8 +128,8 @@ def _stretch(memory: Memory, index: int) -> Stretch | None:
     begin = _STRETCHES + _NUMBERS * index
     if begin >= len(memory):
         return None
-    *numbers, gear = memory[begin : begin + _NUMBERS]
-    return Stretch(*numbers, int(gear))
+    x, y, heading, curvature, length, gear = memory[begin : begin + _NUMBERS]
+    return Stretch(x, y, heading, curvature, length, int(gear))
 
 
 def _stops_after(memory: Memory, index: int) -> bool:
