@@ -2,18 +2,15 @@
 
 At the start, the prover's search (``worldgen/reach/car``) finds a path of arcs and lines for the
 robot's turning radius, at first with some room to walls and to full lock, then with less. In each
-step, the controller takes the curvature of the path at the robot's place, and corrects it by how far
-the robot is off to the side and off in its heading. Where the path changes gear, it stops exactly
-there. If no path is found, the robot stays where it is.
+step, the controller turns to the heading that the path will have, and a little towards the path if
+the robot is off to its side. Where the path changes gear, it stops exactly there. If no path is
+found, the robot stays where it is.
 
 It plans once. It does not look for changes of the world, and what pushes the robot away from its
 path by more than its steering can correct is not noticed.
 
-Sources: D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for autonomous vehicles in
+Source: D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for autonomous vehicles in
     unknown semi-structured environments", The International Journal of Robotics Research 29 (2010).
-    For the law that keeps to the path: C. Samson, "Control of chained systems: application to path
-    following and time-varying point-stabilization of mobile robots", IEEE Transactions on Automatic
-    Control 40 (1995).
 """
 
 from __future__ import annotations
@@ -29,15 +26,18 @@ from worldgen.reach.car.stretches import Stretch, stretches_of
 from worldgen.world import Robot, World
 
 # Places in the memory: the stretch that is being driven, steps for which the wheels still turn, the
-# largest curvature, rad/m, and the share of it that the wheels turn in a second; then the stretches.
-_STRETCH, _WAIT, _LOCK, _RATE = range(4)
-_STRETCHES = 4
+# largest curvature, rad/m, the share of it that the wheels turn in a second, and the distance from
+# the end of a stretch, m, at which the robot is there; then the stretches.
+_STRETCH, _WAIT, _LOCK, _RATE, _NEAR = range(5)
+_STRETCHES = 5
 _NUMBERS = len(Stretch._fields)
 
-# Share of a step, and m: nearer to the end of a stretch than this, the robot is there.
-_NEAR = 1e-3
-# Steps of driving in which an error of the pose decays.
-_SETTLING = 3.0
+# Cells; a simulated robot stands on multiples of half of it.
+_THERE = 1 / 512
+# Margins of driving in which an error to the side decays, and the largest angle, rad, between the
+# robot and the path meanwhile.
+_SETTLING = 5.0
+_MOST_BACK = 0.2
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,8 @@ class HybridCar:
                 stretches = stretches_of(poses, arcs, world.cell_size)
                 break
         numbers = [float(value) for stretch in stretches for value in stretch]
-        return (0.0, 0.0, 1.0 / radius, robot.drive.steering_rate, *numbers)
+        near = _THERE * world.cell_size
+        return (0.0, 0.0, 1.0 / radius, robot.drive.steering_rate, near, *numbers)
 
     def _wary(self, world: World, radius: float) -> Iterator[World]:
         """Yield the world with less and less room kept from walls, target's rim and full lock."""
@@ -83,33 +84,39 @@ class HybridCar:
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command for the next step, and the new memory."""
         index, wait = int(memory[_STRETCH]), memory[_WAIT]
-        reach = observation.top_speed * observation.time_step
-        near = _NEAR * reach
         stretch = _stretch(memory, index)
         if stretch is None:
             return Command(), memory
-        left = stretch.length - _driven(stretch, observation)
-        # The next stretch begins in the middle of a step, unless the robot has to stop first.
-        while left < (near if _stops_after(memory, index) else reach / 2):
+        reach = observation.top_speed * observation.time_step
+        driven = _driven(stretch, observation)
+        # Where the robot has to stop, it drives on until it is there.
+        while stretch.length - driven < (memory[_NEAR] if _stops_after(memory, index) else 0.0):
             index += 1
             before, stretch = stretch, _stretch(memory, index)
             if stretch is None:
                 return Command(), (float(index), 0.0, *memory[_LOCK:])
-            if memory[_RATE] and before.gear * before.curvature != stretch.gear * stretch.curvature:
-                change = abs(before.gear * before.curvature - stretch.gear * stretch.curvature)
+            driven = _driven(stretch, observation)
+            if memory[_RATE]:
+                change = abs(before.curvature * before.gear - stretch.curvature * stretch.gear)
                 seconds = change / memory[_LOCK] / memory[_RATE]
                 wait = math.ceil(seconds / observation.time_step)
-            left = stretch.length - _driven(stretch, observation)
         kept = (float(index), max(0.0, wait - 1.0), *memory[_LOCK:])
         if wait > 0:
             # The wheels of a car that stands turn as far as they go, or straight ahead.
             return Command(0.0, stretch.curvature * stretch.gear), kept
-        speed = observation.top_speed
+        if stretch.curvature:
+            # A step is straight, and the turn follows it, so long steps would leave the arc.
+            reach = min(reach, self.margin / 2)
         if _stops_after(memory, index):
-            speed = min(speed, left / observation.time_step)
-        curvature = _curvature(stretch, observation, _SETTLING * reach)
-        curvature = max(-memory[_LOCK], min(memory[_LOCK], curvature))
-        return Command(stretch.gear * speed, curvature * speed), kept
+            reach = min(reach, stretch.length - driven)
+        # Take the heading that the path has after this step, and go back towards the path.
+        back = _off(stretch, observation) / max(_SETTLING * self.margin, 3.0 * reach)
+        heading = _heading(memory, index, driven + reach) - max(-_MOST_BACK, min(_MOST_BACK, back))
+        turn = math.remainder(heading - observation.heading, math.tau)
+        most = memory[_LOCK] * reach
+        turn = max(-most, min(most, turn))
+        speed = stretch.gear * reach / observation.time_step
+        return Command(speed, turn / observation.time_step), kept
 
 
 hybrid_car = HybridCar()
@@ -141,8 +148,7 @@ def _stops_after(memory: Memory, index: int) -> bool:
 
 def _driven(stretch: Stretch, observation: Observation) -> float:
     """Return the length, m, of a stretch up to the point next to the robot."""
-    cosine, sine = math.cos(stretch.heading), math.sin(stretch.heading)
-    ahead, left = _relative(stretch, observation, cosine, sine)
+    ahead, left = _relative(stretch, observation)
     if not stretch.curvature:
         return stretch.gear * ahead
     # The angle around the centre of the arc, which is to the left by a signed radius.
@@ -154,32 +160,33 @@ def _driven(stretch: Stretch, observation: Observation) -> float:
     return angle * radius
 
 
-def _relative(
-    stretch: Stretch, observation: Observation, cosine: float, sine: float
-) -> tuple[float, float]:
+def _relative(stretch: Stretch, observation: Observation) -> tuple[float, float]:
     """Return where the robot is, seen from the start of a stretch: ahead and to the left, m."""
+    cosine, sine = math.cos(stretch.heading), math.sin(stretch.heading)
     dx, dy = observation.x - stretch.x, observation.y - stretch.y
     return dx * cosine + dy * sine, dy * cosine - dx * sine
 
 
-def _curvature(stretch: Stretch, observation: Observation, settling: float) -> float:
-    """Return the turn per length, rad/m, that leads back to a stretch and along it.
-
-    Args:
-        stretch: A line or an arc.
-        observation: The robot's pose.
-        settling: Length in which errors decay, m.
-    """
-    driven = _driven(stretch, observation)
-    heading = stretch.heading + stretch.curvature * driven
-    cosine, sine = math.cos(stretch.heading), math.sin(stretch.heading)
-    ahead, left = _relative(stretch, observation, cosine, sine)
-    off = left
+def _off(stretch: Stretch, observation: Observation) -> float:
+    """Return how far the robot is to the left of a stretch, m, seen in the direction of the drive."""
+    ahead, left = _relative(stretch, observation)
     if stretch.curvature:
-        # The centre is to the left by the radius if the curvature and the gear agree.
+        # The centre of the arc is to the left by a signed radius.
         radius = 1.0 / (stretch.gear * stretch.curvature)
-        off = radius - math.copysign(math.hypot(ahead, left - radius), radius)
-    # Seen in the direction of the drive, which is back to front in reverse.
-    off *= stretch.gear
-    askew = math.remainder(observation.heading - heading, math.tau)
-    return stretch.curvature - 2.0 * askew / settling - off / settling**2
+        left = radius - math.copysign(math.hypot(ahead, left - radius), radius)
+    return stretch.gear * left
+
+
+def _heading(memory: Memory, index: int, driven: float) -> float:
+    """Return the heading of the path, rad, some length after the start of a stretch.
+
+    It is the last one before the robot has to stop if that is nearer.
+    """
+    stretch = _stretch(memory, index)
+    while stretch is not None and driven > stretch.length and not _stops_after(memory, index):
+        index += 1
+        driven -= stretch.length
+        stretch = _stretch(memory, index)
+    if stretch is None:
+        return 0.0
+    return stretch.heading + stretch.curvature * min(driven, stretch.length)
