@@ -364,7 +364,7 @@ void wg_seats_sense(WgSeat **seats, int64_t count, double *observations, double 
     for (int64_t n = 0; n < count; n++) {
         const WgEpisode *episode = seats[n]->episode;
         int64_t size = episode->controller.memory_size;
-        int64_t seen = WG_SENSES + episode->workspace.observation.beam_count;
+        int64_t seen = wg_flat_size(episode->settings, 0);
         memcpy(observations + n * seen, episode->workspace.flat, (size_t)seen * sizeof(double));
         if (size > 0) {
             memcpy(memories + n * size, episode->robot.body->memory, (size_t)size * sizeof(double));

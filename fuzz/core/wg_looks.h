@@ -154,7 +154,7 @@ int64_t wg_seats_board(WgSeat **seats, int64_t count);
 
 // Copies the senses and memories of the first `count` seats.
 //
-// observations: (count, 17 + beams)
+// observations: (count, 17 + beams, and 1 for a declared goal's heading)
 // memories:     (count, memory)
 // numbers:      (count,) numbers of the seats
 // fresh:        (count,) 1 before the first act in a world

@@ -135,7 +135,7 @@ def map_provenance(world: World) -> Provenance | None:
     world.
     """
     made = world.provenance
-    return made if made is not None and made.family in ("import", MAP) else None
+    return made if made is not None and made.is_of_map else None
 
 
 def changes_on_map(world: World) -> str:

@@ -23,8 +23,8 @@ enum {
 };
 
 // A controller over flat arrays, as compiled by numba. It takes the first 17 numbers of an
-// observation, then its beams; the memory; and speed, turn rate and whether the random number was
-// used, all zero. A nonzero result means that it failed: the run ends as WG_CRASH.
+// observation, then its beams, the rows of neighbours and the goal's heading if it declares them;
+// the memory; and speed, turn rate and whether the random number was used, all zero. A nonzero result means that it failed: the run ends as WG_CRASH.
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
@@ -99,6 +99,7 @@ typedef struct WgWorkspace {
     WgCommand command;
     double *beams;   // what observation.beams points to
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
+    int64_t ends_with_goal;  // 1: the goal's heading follows everything else in `flat`
     double *answer;  // (4 + memory,)
     WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
     // rows of neighbours that follow the beams in `flat`; 0 for a single robot

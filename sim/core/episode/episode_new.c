@@ -62,7 +62,7 @@ static bool measure(const WgArena *arena, const WgSettings *settings, const WgCo
     parts->state = WG_STATE_WORDS + memory;
     parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
     parts->beams = beams;
-    parts->flat = WG_SENSES + beams;
+    parts->flat = wg_flat_size(settings, 0);
     parts->answer = WG_ANSWER + memory;
     parts->prints = wg_blocks(parts->state) + 1;
     parts->log = log_steps > 0 ? log_steps + 1 : 0;
@@ -220,6 +220,8 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
     seen->time_step = settings->time_step;
     seen->top_speed = settings->top_speed;
     seen->radius = settings->radius;
+    seen->goal_heading = wg_sensed_goal_heading(settings);
+    workspace->ends_with_goal = (settings->senses & WG_SENSE_GOAL_HEADING) != 0;
     seen->beams = workspace->beams;
     seen->beam_count = settings->beams;
     for (int64_t k = 0; k < settings->beams; k++) {

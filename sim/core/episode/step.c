@@ -91,6 +91,53 @@ void wg_arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t
     wg_arrive(settings, x, y, robot);
 }
 
+// The share of a slide that is lost to a wall.
+static double lost_to_wall(const WgSettings *settings)
+{
+    return settings->contact == WG_CONTACT_SLIDE ? settings->wall_friction : 1.0;
+}
+
+// Returns the solid cell that is nearest to a robot that a wall has stopped; if none is near, the
+// first one that its move meets.
+static WgFound stopping_cell(const WgArena *arena, const WgSettings *settings, int64_t x, int64_t y, WgSegment way)
+{
+    enum { SLACK = 20 };  // lattice units that a robot may stop before the wall
+
+    WgGrid grid = wg_grid(arena);
+    int64_t reach = settings->reach + SLACK;
+    int64_t nearest = reach * reach;
+    WgFound found = {false, 0, 0};
+    for (int64_t iy = wg_cell_of(y - reach); iy <= wg_cell_of(y + reach); iy++) {
+        for (int64_t ix = wg_cell_of(x - reach); ix <= wg_cell_of(x + reach); ix++) {
+            int64_t away = wg_point_box_distance_sq(x, y, ix, iy);
+            if (wg_cell_state(grid, ix, iy) == WG_SOLID && away < nearest) {
+                nearest = away;
+                found = (WgFound){true, ix, iy};
+            }
+        }
+    }
+    return found.found ? found : wg_first_not_clear(grid, WG_SOLID, wg_disc(settings), way);
+}
+
+// Ends the run if a wall has cut a move short that was to lead from p to q, and walls may not be
+// touched.
+static void judge_contact(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way,
+                          WgMoved moved, WgRobot *robot)
+{
+    WgReport *report = &robot->report;
+    if (settings->contact != WG_CONTACT_FAIL || report->ending != WG_LIMIT || !wg_is_contact(moved.contact)) {
+        return;
+    }
+    // A move that `endpoint` refuses is stopped by what is at its end.
+    const WgState *state = &robot->body->state;
+    bool is_refused = settings->motion == WG_ENDPOINT && state->x == way.px && state->y == way.py;
+    WgFound cell = stopping_cell(arena, settings, is_refused ? way.qx : state->x, is_refused ? way.qy : state->y, way);
+    report->ending = WG_CONTACT;
+    report->hit_step = step;
+    report->hit_ix = cell.ix;
+    report->hit_iy = cell.iy;
+}
+
 WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                           int64_t from, int64_t until, WgRobot *robot)
 {
@@ -101,7 +148,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     if (settings->motion == WG_SWEPT) {
         double begin = (double)from / (double)WG_STEP_TIME;
         double end = (double)until / (double)WG_STEP_TIME;
-        moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, begin, end, settings->wall_friction, robot->chain,
+        moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, begin, end, lost_to_wall(settings), robot->chain,
                               before);
     } else {
         moved = wg_endpoint_move(wg_grid(arena), wg_disc(settings), way, robot->chain, before);
@@ -115,6 +162,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     for (int64_t k = before; k < robot->corners; k++) {
         wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
+    judge_contact(arena, settings, step, way, moved, robot);
     return moved.contact;
 }
 
@@ -132,12 +180,17 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
     int64_t now = 0;
     int64_t gone_x = 0;
     int64_t gone_y = 0;
+    bool is_stopped = false;
     while (now < WG_STEP_TIME) {
         bool due = robot->next_event < arena->event_count && arena->events[robot->next_event].step == step;
         int64_t until = due && exact ? arena->events[robot->next_event].time : WG_STEP_TIME;
         if (until > now && (exact || !due)) {
             int64_t there_x = until == WG_STEP_TIME ? dx : wg_share_of(dx, until);
             int64_t there_y = until == WG_STEP_TIME ? dy : wg_share_of(dy, until);
+            if (is_stopped) {
+                there_x = gone_x;
+                there_y = gone_y;
+            }
             WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
 
             // The robot waits for the next event.
@@ -147,6 +200,7 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
             }
             if (contact.x != 0.0 || contact.y != 0.0) {
                 last = contact;
+                is_stopped = settings->contact != WG_CONTACT_SLIDE;
             }
             gone_x = there_x;
             gone_y = there_y;
@@ -178,7 +232,7 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
     // All of this takes no time and happens at the end of the step.
     int64_t before = robot->corners;
     WgSegment way = {state->x, state->y, state->x + by->dx, state->y + by->dy};
-    WgMoved moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, 1.0, 1.0, settings->wall_friction,
+    WgMoved moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, 1.0, 1.0, lost_to_wall(settings),
                                   robot->chain, before);
     robot->corners = moved.count;
     if (wg_is_contact(moved.contact)) {
@@ -187,6 +241,7 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
     for (int64_t k = before; k < robot->corners && robot->report.ending == WG_LIMIT; k++) {
         wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
+    judge_contact(arena, settings, step, way, moved, robot);
 }
 
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
@@ -262,6 +317,14 @@ void wg_take_answer(WgEpisode *episode)
     memcpy(episode->robot.body->memory, answer + WG_ANSWER, size);
 }
 
+// Returns how many numbers the flat array has.
+static int64_t flat_size(const WgWorkspace *workspace)
+{
+    const WgObservation *seen = &workspace->observation;
+    int64_t neighbours = workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
+    return WG_SENSES + seen->beam_count + neighbours + workspace->ends_with_goal;
+}
+
 // Copies the neighbours into rows of a flat array; rows without one are NaN.
 static void flatten_neighbours(const WgWorkspace *workspace, double *rows)
 {
@@ -288,6 +351,9 @@ void wg_flatten(WgWorkspace *workspace)
     if (workspace->neighbour_room > 0) {
         flatten_neighbours(workspace, workspace->flat + WG_SENSES + beams);
     }
+    if (workspace->ends_with_goal != 0) {
+        workspace->flat[flat_size(workspace) - 1] = workspace->observation.goal_heading;
+    }
 }
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
@@ -297,9 +363,7 @@ void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double 
     wg_flatten(workspace);
     double command[3 + WG_MOST_MESSAGE] = {0.0};
     const WgObservation *seen = &workspace->observation;
-    int64_t size =
-        WG_SENSES + seen->beam_count + workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
-    if (controller->flat(workspace->flat, size, memory, controller->memory_size, command) != 0) {
+    if (controller->flat(workspace->flat, flat_size(workspace), memory, controller->memory_size, command) != 0) {
         workspace->command.error = "the controller failed";
     }
     workspace->command.speed = command[0];

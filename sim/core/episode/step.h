@@ -73,6 +73,13 @@ void wg_take_answer(WgEpisode *episode);
 // Copies the observation into workspace->flat.
 void wg_flatten(WgWorkspace *workspace);
 
+// Returns how many numbers the flat array of an observation has. `neighbours`: numbers in the rows
+// of neighbours.
+static inline int64_t wg_flat_size(const WgSettings *settings, int64_t neighbours)
+{
+    return WG_SENSES + settings->beams + neighbours + ((settings->senses & WG_SENSE_GOAL_HEADING) != 0);
+}
+
 // Lets a library's function act in its cage, on copies of the observation and the command.
 void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot);
 
@@ -167,6 +174,21 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
     corner->time = time;
 }
 
+// Returns true if a robot with this heading may arrive.
+static inline bool wg_heads_for_goal(const WgSettings *settings, int64_t heading)
+{
+    return settings->has_goal_heading == 0
+           || wg_abs(wg_turn_towards(settings->goal_heading, heading)) <= settings->heading_tolerance;
+}
+
+// Returns true if the robot's pose is one of the goal's.
+static inline bool wg_is_at_goal(const WgSettings *settings, const WgState *state)
+{
+    int64_t dx = state->x - settings->target_x;
+    int64_t dy = state->y - settings->target_y;
+    return dx * dx + dy * dy <= settings->target_radius_sq && wg_heads_for_goal(settings, state->heading);
+}
+
 // Moves the robot to the end of a straight piece of its path, and updates if the target is reached
 // on it, and the path's length.
 static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, WgRobot *robot)
@@ -176,7 +198,8 @@ static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, W
     if (report->ending == WG_LIMIT) {
         bool swept = settings->motion == WG_SWEPT;
         WgSegment way = {swept ? state->x : x, swept ? state->y : y, x, y};
-        if (wg_segment_point_within(way, settings->target_x, settings->target_y, settings->target_radius_sq)) {
+        if (wg_segment_point_within(way, settings->target_x, settings->target_y, settings->target_radius_sq)
+            && settings->arrival == WG_ARRIVAL_TOUCH && wg_heads_for_goal(settings, state->heading)) {
             report->ending = WG_REACHED;
         }
     }
@@ -272,6 +295,9 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->push_count > 0 && report->ending == WG_LIMIT) {
         wg_disturb(arena, settings, step, robot);
     }
+    if (settings->arrival == WG_ARRIVAL_STEP && report->ending == WG_LIMIT && wg_is_at_goal(settings, state)) {
+        report->ending = WG_REACHED;
+    }
 
     return wg_keep_books(arena, step, robot);
 }
@@ -347,7 +373,7 @@ static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCom
 }
 
 // Applies a command: the turn now, the speed in the next step; clamps both, and refuses NaN and
-// infinities.
+// infinities. A robot that then stands at its goal may have arrived.
 static inline void wg_apply_command(const WgSettings *settings, const WgCommand *command, int64_t step, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -365,6 +391,10 @@ static inline void wg_apply_command(const WgSettings *settings, const WgCommand 
     state->speed = wg_next_speed(state->speed, wg_commanded_speed(settings, command), settings);
     if (wg_is_nonzero(command->used_random)) {
         state->draws++;
+    }
+    if (settings->arrival == WG_ARRIVAL_STOP && wg_abs(state->speed) <= settings->arrival_speed
+        && wg_abs(turn) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
+        robot->report.ending = WG_REACHED;
     }
 }
 

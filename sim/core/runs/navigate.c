@@ -252,9 +252,11 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     bool touched = false;
     if (report->ending == WG_LIMIT) {
         command(crew, robot, turn, speed);
+    }
+    if (report->ending == WG_LIMIT) {
         touched = advance(crew, robot);
     } else {
-        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it began where episodes end
+        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it is where episodes end
     }
     observe(crew, observation);
     crew->elapsed[robot]++;
