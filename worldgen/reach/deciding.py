@@ -64,7 +64,9 @@ def _decide_body(world: World, *, margin: float, cut: bool) -> Decision:
         if inside.result == BLOCKED:
             return inside
     if robot.drive.is_car:
-        return Decision(UNDECIDED, None, "paths of cars are not searched")
+        from worldgen.reach.car.decide import decide_car
+
+        return decide_car(world, margin=margin)
     around = prove.decide(world, radius=robot.radius, margin=margin, cut=False)
     if around.result == REACHABLE:
         return around

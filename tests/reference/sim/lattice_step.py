@@ -145,7 +145,8 @@ def _judge_contact(
 ) -> None:
     """Ends the run if a wall has cut a move from p to q short, and may not.
 
-    The cell is the solid one nearest to the robot, or to the place where it may not go.
+    The cell is that of the walls cutting its disc on the way which is nearest to the robot, or to the
+    place where it may not go.
     """
     counts = robot.counts
     forbidden = settings[layout.SET_CONTACT] == layout.FAIL
@@ -153,14 +154,18 @@ def _judge_contact(
         return
     px, py, dx, dy = (int(number) for number in ends)
     x, y = int(robot.state[layout.STATE_X]), int(robot.state[layout.STATE_Y])
+    way = (px, py, px + dx, py + dy)
     if settings[layout.SET_MOTION] != SWEPT and (x, y) == (px, py):
         x, y = px + dx, py + dy
+        way = (x, y, x, y)
     height, width = arena.cells.shape
+    radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
     solid = [
         (_cell_distance(x, y, ix, iy), iy, ix)
         for iy in range(-1, height + 1)
         for ix in range(-1, width + 1)
         if not (0 <= ix < width and 0 <= iy < height) or arena.cells[iy, ix] == SOLID
+        if segment_box_depth(radius, *way, ix, iy) > 1e-6
     ]
     away, iy, ix = min(solid)
     # No wall of these tests stops a robot farther away.

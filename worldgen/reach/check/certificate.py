@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from worldgen.reach.check.car import car_fault
 from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
@@ -83,8 +84,12 @@ def check_certificate(
         if isinstance(certificate, Cut):
             _require(certificate.boxes is None, "a cut of poses is not checked")
         else:
-            _require(certificate.headings is None, "a witness with headings is not checked")
-            _require(not (is_about_robot and robot.drive.is_car), "a car's witness needs headings")
+            is_car = is_about_robot and robot.drive.is_car
+            _require(
+                is_car or certificate.headings is None, "a witness with headings is not checked"
+            )
+            fault = car_fault(world, certificate) if is_car else None
+            _require(fault is None, str(fault))
         # A hostile file may contain times whose difference overflows.
         with np.errstate(all="ignore"):
             if isinstance(certificate, Witness):
