@@ -133,7 +133,13 @@ CORES = (
     Core(
         "worldgen._core",
         ("worldgen/core",),
-        (_TYPES, "worldgen/core/wg_reach.h", "worldgen/core/wg_making.h", _BODY),
+        (
+            _TYPES,
+            "worldgen/core/wg_reach.h",
+            "worldgen/core/wg_making.h",
+            _BODY,
+            "worldgen/core/car/wg_car.h",
+        ),
         ("worldgen/include",),
     ),
     Core(

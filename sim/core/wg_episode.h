@@ -63,6 +63,14 @@ typedef struct WgController {
     int64_t memory_size;
 } WgController;
 
+// The state of a body, or of a car, besides its WgState. It follows the controller's memory; a disc that turns
+// on the spot has none.
+typedef struct WgCarriage {
+    // 1 more than the heading of the direction away from the wall that cut its last turn short; 0 if none did
+    int64_t bumped;
+    int64_t steering;  // a car's curvature to the left, 2^-30 of the largest
+} WgCarriage;
+
 // The complete state, with the controller's memory: what a recurrence must repeat, word by word.
 typedef struct WgBody {
     WgState state;
@@ -80,7 +88,9 @@ typedef struct WgOdometry {
 typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
+    WgCarriage *carriage;  // NULL for a disc that turns on the spot
     WgCorner *chain;     // corners of the path of the last step
+    int64_t *chain_headings;  // the heading on the way to each corner; NULL for a disc that turns on the spot
     int64_t corners;     // number of corners
     WgNormal contact;    // contact in the last step
     int64_t touched;     // 1 if the step before touched a wall
@@ -122,6 +132,7 @@ typedef struct WgRecording {
     int64_t row_count;
     int64_t first_step;   // the step of the first row
     WgPathPoint *path;
+    int64_t *path_headings;  // (path_size,) heading on the way to each point; NULL for a disc that turns on the spot
     int64_t path_size;
     int64_t first_point;  // number of points of the path before it
 } WgRecording;
@@ -184,7 +195,13 @@ WgStatus wg_episode_begin(WgEpisode *episode);
 
 // Records `rows` steps starting with the next one, and their path.
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
-                           int64_t path_size);
+                           int64_t *path_headings, int64_t path_size);
+
+// Words of the WgCarriage that follows a robot's memory; 0 if it has none.
+int64_t wg_carriage_words(const WgSettings *settings);
+
+// Returns how many straight legs a step may have: one, or several for a car.
+int64_t wg_most_legs(const WgSettings *settings);
 
 // Runs at most this many steps, at least one, and for about a tenth of a second.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);

@@ -18,6 +18,7 @@ enum {
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
     WG_NEAR = 2,            // number of cells that a mask of WgArena.near covers to each side
+    WG_MOST_FOOTPRINT = 16,  // corners of a body
 };
 
 // The state of a cell.
@@ -138,6 +139,14 @@ typedef struct WgOthers {
     int64_t count;
 } WgOthers;
 
+// A convex polygonal body: its corners in the robot's frame, counter-clockwise, lattice units. The
+// origin is the point that the pose is about, x is ahead and y to the left.
+typedef struct WgFootprint {
+    int64_t count;  // corners; 0: the robot is a disc
+    int64_t x[WG_MOST_FOOTPRINT];
+    int64_t y[WG_MOST_FOOTPRINT];
+} WgFootprint;
+
 // The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -182,10 +191,12 @@ typedef struct WgSettings {
     int64_t arrival_speed;      // for WG_ARRIVAL_STOP: largest speed, units of speed
     int64_t arrival_turn;       // and largest turn in a step, heading units
     int64_t contact;            // WG_CONTACT_SLIDE, ...
+    int64_t reverse;            // 1: a car may drive backwards
 
     // The disc: its squared radius, lattice units; the radius rounded up.
     int64_t clear_sq;
     int64_t reach;
+    WgFootprint footprint;  // its body; then the disc is the smallest about the origin that holds it
 
     // The run.
     int64_t motion;      // WG_SWEPT or WG_ENDPOINT
@@ -223,6 +234,9 @@ typedef struct WgSettings {
     double radians;         // rad per heading unit
     double time_step;       // s
     double top_speed;       // m/s
+    double turning_radius;  // m, of a car; 0: it turns on the spot
+    double turn_per_unit;   // heading units that a car turns, at most, on a lattice unit of its path; 0: it is no car
+    double steering_rate;   // largest change of a car's curvature, as a share of the largest, 1/s
     double radius;          // m, of the robot
     double start_speed;     // m/s during the first step, before the controller has sensed anything
     double tolerance;       // overlap that is not reported, lattice units

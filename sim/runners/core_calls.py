@@ -154,7 +154,9 @@ def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
     Each move adds a few corners: one for the step, one for each event and each push, and every step
     may end in a place that pushes.
     """
-    moves = steps * (2 if settings.place_count else 1) + len(arena.events)
+    moves = steps * (int(lib.wg_most_legs(settings)) + bool(settings.place_count)) + len(
+        arena.events
+    )
     return MOST_CORNERS * (moves + int(settings.push_count))
 
 
@@ -305,11 +307,14 @@ class EpisodeHandle:
     Attributes:
         c: A WgEpisode.
         words: Words of the robot's complete state.
+        memory: Where the core looks for its arrays.
     """
+
+    memory: CoreMemory = PRIVATE
 
     c: Any
     words: int
-    _recording: tuple[Ints, Ints] | None = None
+    _recording: tuple[Ints, ...] | None = None
 
     @property
     def report(self) -> Any:
@@ -338,13 +343,30 @@ class EpisodeHandle:
                 state.
             path: (points, 4) int64, WgPathPoint.
         """
-        self._recording = (rows, path)
+        headings = PRIVATE.zeros(0, np.int64)
+        if self.c.robot.chain_headings != ffi.NULL:
+            headings = self.memory.zeros(len(path), np.int64)
+        self._recording = (rows, path, headings)
         points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
         check(
             lib.wg_episode_record(
-                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
+                self.c,
+                writable(ffi, rows, np.int64),
+                len(rows),
+                points,
+                writable(ffi, headings, np.int64) if len(headings) else ffi.NULL,
+                len(path),
             )
         )
+
+    def with_headings(self, path: Ints) -> Ints:
+        """Return the path of the recording, with the heading on the way to each point.
+
+        Returns:
+            (points, 5) int64 for a body or a car; ``path`` for a disc that turns on the spot.
+        """
+        headings = np.zeros(0) if self._recording is None else self._recording[2]
+        return np.column_stack((path, headings[: len(path)])) if len(headings) else path
 
 
 class CoreEpisode(EpisodeHandle):
@@ -373,6 +395,7 @@ class CoreEpisode(EpisodeHandle):
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
         # A guarded episode lives in shared memory, so that the other process can continue it.
+        self.memory = arena.memory
         held = (arena.c, settings, driver.c)
         if driver.cage is not None:
             self.c: Any = self._placed(arena, settings, driver, log_steps)

@@ -16,7 +16,7 @@ from sim.options.robot import SIGNALS, RobotOptions
 from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost
 from sim.runners.core_calls import headings
-from sim.runners.packing import disc_numbers, target_sq
+from sim.runners.packing import body_of, disc_numbers, target_sq
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import (
     TURN,
@@ -62,6 +62,10 @@ def fill_settings(settings: Any, world: World, host: ControllerHost, options: Ru
     # Target and disc, in lattice units.
     step = options.time_step
     settings.clear_sq, settings.reach = disc_numbers(world)
+    body = body_of(world)
+    settings.footprint.count = len(body)
+    settings.footprint.x[0 : len(body)] = body[:, 0].tolist()
+    settings.footprint.y[0 : len(body)] = body[:, 1].tolist()
     settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
     settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
     settings.target_radius_sq = target_sq(world)
@@ -80,8 +84,19 @@ def fill_settings(settings: Any, world: World, host: ControllerHost, options: Ru
     settings.radius = world.robot_radius
     settings.tolerance = motion.overlap_tolerance * UNIT
     settings.start_speed = min(host.start_speed, world.robot_speed)
+    _fill_drive(settings, world)
     _fill_dynamics(settings, options)
     _fill_sensors(settings, options, senses_of(host.controller))
+
+
+def _fill_drive(settings: Any, world: World) -> None:
+    """Fill in what a car can do; by default a robot is none."""
+    drive = world.robots[0].drive
+    settings.reverse = int(drive.reverse)
+    settings.steering_rate = drive.steering_rate or math.inf
+    if drive.is_car:
+        settings.turning_radius = drive.turning_radius
+        settings.turn_per_unit = settings.metres / drive.turning_radius * (TURN / (2.0 * math.pi))
 
 
 def _fill_goal(settings: Any, world: World, time_step: float) -> None:

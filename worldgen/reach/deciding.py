@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from worldgen.reach.decision import (
-    REACHABLE,
+    BLOCKED,
     UNDECIDED,
     Decision,
     check_margin,
@@ -64,6 +64,8 @@ def _decide_body(world: World, *, margin: float, certificate: bool, cut: bool) -
         from worldgen.reach.body.prove import decide_body
 
         body = decide_body(world, margin=margin, certificate=certificate, cut=cut)
-    if robot.drive.is_car and body.result == REACHABLE:
-        return Decision(UNDECIDED, None, "paths of cars are not searched")
-    return body
+    if not robot.drive.is_car or body.result == BLOCKED:
+        return body
+    from worldgen.reach.car.decide import decide_car
+
+    return decide_car(world, margin=margin)

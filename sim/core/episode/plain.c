@@ -26,7 +26,7 @@ bool wg_is_plain(const WgEpisode *episode)
 {
     const WgArena *arena = episode->arena;
     const WgSettings *settings = episode->settings;
-    return arena->event_count == 0 && settings->arrival == WG_ARRIVAL_TOUCH && settings->has_goal_heading == 0
+    return arena->event_count == 0 && !wg_has_carriage(settings) && settings->arrival == WG_ARRIVAL_TOUCH && settings->has_goal_heading == 0
            && settings->slip <= 0.0 && settings->measures == 0
            && settings->disturbed == 0 && settings->turn_limit == INFINITY && settings->gain == INFINITY
            && settings->loss == INFINITY && settings->digest == 0 && settings->find_loop == WG_SEEK_LOOP

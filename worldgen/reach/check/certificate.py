@@ -27,6 +27,7 @@ from worldgen.reach.check.body import (
     check_ends,
     footprint_of,
 )
+from worldgen.reach.check.car import car_fault
 from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
@@ -116,9 +117,10 @@ def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[fl
         _require(radius > 0.0, "the footprint holds no disc about the axle that a chain could stop")
         return _check_cut(world, certificate, radius, measured)
     headings = certificate.headings
-    _require(headings is not None or not robot.drive.is_car, "a car's witness needs headings")
+    if robot.drive.is_car:
+        fault = car_fault(world, certificate)
+        _require(fault is None, str(fault))
     if body is None:
-        _require(not robot.drive.is_car, "a car's witness is not checked")
         _check_witness(world, certificate, robot.radius, measured)
         return f"the path is clear for discs of up to {measured[0]:.6g} m"
     if headings is None:
@@ -138,6 +140,8 @@ def _check_body_path(
     _require(bool(np.isfinite(headings).all()), "the witness has a heading that is not finite")
     check_ends(world, headings)
     turns = np.repeat(headings, 2) if len(headings) == 1 else headings
+    if world.robots[0].drive.is_car:
+        path, turns = _half_turns(path, turns)
     # In a world that changes, the disc around the body may be what the times are made for.
     if world.is_dynamic:
         around, _ = _static_clearance(world, path)
@@ -147,6 +151,24 @@ def _check_body_path(
             return
     claim = witness.clearance / size
     measured[0] = body_clearance(world, BodyPath(path.x, path.y, turns), claim) * size
+
+
+def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floats]:
+    """Return a car's path with each leg as it is driven: half of its turn, straight, and the rest.
+
+    Args:
+        path: n points.
+        turns: (n,) float64, rad, the headings at them.
+
+    Returns:
+        The path of 3 n - 2 points, and their headings.
+    """
+    middle = turns[:-1] + np.remainder(np.diff(turns) + np.pi, 2 * np.pi) / 2 - np.pi / 2
+    legs = np.arange(len(middle))
+    order = np.concatenate(([0], np.column_stack((legs, legs + 1, legs + 1)).ravel()))
+    headings = np.column_stack((middle, middle, turns[1:])).ravel()
+    points = WitnessPoints(path.times[order], path.x[order], path.y[order])
+    return points, np.concatenate((turns[:1], headings))
 
 
 def _check_joint(world: World, joint: JointWitness, radius: float | None) -> CheckReport:
