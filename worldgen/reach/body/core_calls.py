@@ -174,11 +174,7 @@ def _cosines() -> Ints:
 def _described(footprint: tuple[Corner, ...], cell_size: float) -> Any:
     corners = footprint_on_lattice(footprint, cell_size)
     table = _cosines()
-    numbers = (
-        pointer(ffi, corners, np.int64),
-        len(corners),
-        pointer(ffi, table, np.int64),
-    )
+    numbers = (pointer(ffi, corners, np.int64), len(corners), pointer(ffi, table, np.int64))
     return kept(ffi, ffi.new("WgBody *", numbers), corners, table)
 
 

@@ -29,8 +29,7 @@ from worldgen.reach.body.core_calls import ALL_HEADINGS, Body, BodyAnswer, BodyP
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.single import prove
 from worldgen.reach.still.disc import target_disc
-from worldgen.reach.still.path import travel_ticks
-from worldgen.reach.still.path import ticks_per_second
+from worldgen.reach.still.path import ticks_per_second, travel_ticks
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Target, Witness, World
 
@@ -199,9 +198,7 @@ class _Question:
     def _by_disc(self, headings: Headings) -> Decision | None:
         """Return the path of the disc that holds the body, if it has one."""
         around = _disc_of(self.world, outer=True)
-        decision = prove.decide(
-            self.world, radius=around, certificate=self.certificate, cut=False
-        )
+        decision = prove.decide(self.world, radius=around, certificate=self.certificate, cut=False)
         if decision.result != REACHABLE:
             return None
         proof = decision.certificate
