@@ -34,7 +34,7 @@ class Headings(NamedTuple):
     """Headings of the lattice: the first one, and how many follow counter-clockwise."""
 
     first: int
-    count: int  # type: ignore[assignment]
+    following: int
 
 
 ALL_HEADINGS = Headings(0, TURN - 1)
@@ -73,6 +73,11 @@ class Body:
         self._walls = described_walls(solid)
         self._body = _described(footprint, cell_size)
         self._clear = ffi.new("int64_t *")
+
+    @property
+    def described(self) -> Any:
+        """The body in the form that C reads, valid as long as this object."""
+        return self._body
 
     @property
     def outer_sq(self) -> int:
@@ -137,7 +142,7 @@ class Body:
                 "target_y": float(target.y),
                 "target_radius": float(target.radius),
                 "from_heading": headings.first,
-                "headings": headings.count,
+                "headings": headings.following,
                 "most_boxes": most_boxes,
                 "wants_proof": proof,
             },
@@ -174,11 +179,7 @@ def _cosines() -> Ints:
 def _described(footprint: tuple[Corner, ...], cell_size: float) -> Any:
     corners = footprint_on_lattice(footprint, cell_size)
     table = _cosines()
-    numbers = (
-        pointer(ffi, corners, np.int64),
-        len(corners),
-        pointer(ffi, table, np.int64),
-    )
+    numbers = (pointer(ffi, corners, np.int64), len(corners), pointer(ffi, table, np.int64))
     return kept(ffi, ffi.new("WgBody *", numbers), corners, table)
 
 
