@@ -141,6 +141,8 @@ def _check_body_path(
     _require(bool(np.isfinite(headings).all()), "the witness has a heading that is not finite")
     check_ends(world, headings)
     turns = np.repeat(headings, 2) if len(headings) == 1 else headings
+    if world.robots[0].drive.is_car:
+        path, turns = _half_turns(path, turns)
     # In a world that changes, the disc around the body may be what the times are made for.
     if world.is_dynamic:
         around, _ = _static_clearance(world, path)
@@ -150,6 +152,24 @@ def _check_body_path(
             return
     claim = witness.clearance / size
     measured[0] = body_clearance(world, BodyPath(path.x, path.y, turns), claim) * size
+
+
+def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floats]:
+    """Return a car's path with each leg as it is driven: half of its turn, straight, and the rest.
+
+    Args:
+        path: n points.
+        turns: (n,) float64, rad, the headings at them.
+
+    Returns:
+        The path of 3 n - 2 points, and their headings.
+    """
+    middle = turns[:-1] + np.remainder(np.diff(turns) + np.pi, 2 * np.pi) / 2 - np.pi / 2
+    legs = np.arange(len(middle))
+    order = np.concatenate(([0], np.column_stack((legs, legs + 1, legs + 1)).ravel()))
+    headings = np.column_stack((middle, middle, turns[1:])).ravel()
+    points = WitnessPoints(path.times[order], path.x[order], path.y[order])
+    return points, np.concatenate((turns[:1], headings))
 
 
 def _check_joint(world: World, joint: JointWitness, radius: float | None) -> CheckReport:
