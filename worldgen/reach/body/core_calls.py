@@ -150,7 +150,8 @@ class Body:
         check(lib.wg_body_decide(self._walls, self._body, query))
         try:
             columns = 3 if query.outcome == lib.WG_BODY_REACHED else 6
-            rows = np.array(ffi.unpack(query.rows, columns * query.count), np.int64)
+            numbers = ffi.unpack(query.rows, columns * query.count) if query.count else []
+            rows = np.array(numbers, np.int64)
         finally:
             lib.wg_body_free(query)
         return BodyAnswer(
