@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from worldgen.world import Robot, Witness, World
 
 # Cells by which the car may be away from a point of the witness: the points are rounded to 1/1024
@@ -24,8 +22,9 @@ HEADING_BOUND = 0.51 * _UNIT
 def car_fault(world: World, witness: Witness) -> str | None:
     """Return why the world's car cannot drive a witness, in one sentence; None if it can.
 
-    Between two points the car drives as :func:`turned_on_the_spot` says. A leg that turns must be
-    at least as long as the chord of an arc that turns as much.
+    From one point to the next, the car turns by half of the difference of their headings, drives
+    straight, and turns by the rest. A leg that turns must be at least as long as the chord of an
+    arc that turns as much.
 
     Args:
         world: A world of one robot, a car.
@@ -69,30 +68,6 @@ def car_fault(world: World, witness: Witness) -> str | None:
         if length * abs(turn) / 8 > BOUND:
             return f"the witness turns too much in one leg to be an arc, after point {leg}"
     return None
-
-
-def turned_on_the_spot(witness: Witness) -> Witness:
-    """Return a car's witness with its turns made explicit, on the spot.
-
-    From one point to the next, the car turns by half of the difference of their headings, rounded
-    towards zero to 1/65536 turn, drives straight, and turns by the rest.
-    """
-    if witness.headings is None or len(witness.times) < 2:
-        return witness
-    turns = np.remainder(np.diff(witness.headings) + np.pi, 2 * np.pi) - np.pi
-    # Rounding errors of whole units must not make them one less.
-    units = np.round(turns / _UNIT, 3)
-    along = witness.headings[:-1] + np.trunc(units / 2) * _UNIT
-    legs = [
-        np.stack([values[:-1], values[1:], values[1:]], axis=1).ravel()
-        for values in (witness.times, witness.x, witness.y)
-    ]
-    headings = np.stack([along, along, witness.headings[1:]], axis=1).ravel()
-    times, x, y = (
-        np.concatenate([values[:1], leg])
-        for values, leg in zip((witness.times, witness.x, witness.y), legs, strict=True)
-    )
-    return Witness(times, x, y, witness.clearance, np.concatenate([witness.headings[:1], headings]))
 
 
 def _end_fault(robot: Robot, headings: list[float]) -> str | None:
