@@ -113,8 +113,15 @@ class Provenance:
         Such as ``"box of 0.5 x 0.3 m at (3.4, 2) m"``; empty for all other worlds.
         """
         changed = self.params.get("changed")
-        is_from_map = self.family in ("import", "map")
-        return tuple(map(str, changed)) if is_from_map and isinstance(changed, list) else ()
+        return tuple(map(str, changed)) if self.is_of_map and isinstance(changed, list) else ()
+
+    @property
+    def is_of_map(self) -> bool:
+        """True if it is about the cells alone: those of a foreign map, or of one with changes.
+
+        It then holds for any robot and any start. A family's is about the whole world.
+        """
+        return self.family in ("import", "map")
 
     @property
     def origin(self) -> tuple[float, float]:

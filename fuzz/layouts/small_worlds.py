@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
+from fuzz.layouts.variation import generated, layout_disc, overrides_in
+from worldgen.body_room import with_room
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
-from worldgen.family import FAMILIES
-from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.support.arrays import Bools
@@ -92,25 +92,26 @@ def small_world(
     Args:
         stream: Source of randomness; it is advanced.
         number: Place in the sequence, which decides what is made and how large it is.
-        values: The robot's ``robot_radius``, m, and ``robot_speed``, m/s, if they are not the usual
-            ones; others are ignored.
+        values: The robot's ``robot_radius``, m, ``robot_speed``, m/s, body, drive and goal, if they
+            are not the usual ones; others are ignored.
         time_step: Duration of a step, s.
 
     Returns:
         The world; ``None`` if no draw has a path.
     """
-    radius = float(cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)))
+    radius, _ = layout_disc(values)
     speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
+    maker = _Maker(stream, values, radius, speed, speed * time_step)
     turn, place = divmod(number, 2 * len(_FAMILIES))
     low, high = (min(steps + _MORE_STEPS * turn, _MOST_STEPS) for steps in _FIRST_STEPS)
     best: World | None = None
     for _ in range(_DRAWS):
         steps = stream.between(low, high)
         if place % 2:
-            world = _of_family(_FAMILIES[place // 2], stream, steps, radius, speed, time_step)
+            world = maker.of_family(_FAMILIES[place // 2], steps)
         else:
             scene = _SCENES[(place // 2 + turn * len(_FAMILIES)) % len(_SCENES)]
-            world = _of_scene(scene, stream, steps, radius, speed, time_step)
+            world = maker.of_scene(scene, steps)
         if world is None:
             continue
         if best is None or _duration(world) < _duration(best):
@@ -124,55 +125,70 @@ def _duration(world: World) -> float:
     return world.certificate.duration if isinstance(world.certificate, Witness) else math.inf
 
 
-def _of_family(
-    family: str, stream: RandomStream, steps: int, radius: float, speed: float, time_step: float
-) -> World | None:
-    """Return a family's world of about the size that the robot crosses in these steps."""
-    side = round(radius / _USUAL_RADIUS, 4)
-    cells = math.ceil(steps * speed * time_step / side)
-    size = min(max(cells + 3, _SMALLEST_SIDE), _LARGEST_SIDE)
-    given: dict[str, Value] = {
-        "size": size,
-        "robot_radius": radius,
-        "robot_speed": speed,
-        "cell_size": side,
-    }
-    try:
-        return generate(FAMILIES.get(family), stream.next64(), **given)
-    except (GenerationFailed, InvalidParameter, InvalidWorld):
-        return None
+@dataclass(frozen=True)
+class _Maker:
+    """Makes small worlds for a robot.
 
+    Args:
+        stream: Source of randomness.
+        values: As for :func:`small_world`.
+        radius: Radius of the disc for which worlds are laid out, m.
+        speed: Top speed, m/s.
+        step: Length of a step, m.
+    """
 
-def _of_scene(
-    build: Build, stream: RandomStream, steps: int, radius: float, speed: float, time_step: float
-) -> World | None:
-    """Return a scene's world, turned and mirrored at random; ``None`` if it has no path."""
-    side = radius / _USUAL_RADIUS
-    length = steps * speed * time_step / side
-    scene = build(stream, min(max(round(length), _SHORTEST), _LONGEST))
-    if scene.tight:
-        side = scene.tight * radius
-    side = round(side, 4)
-    # Mark start and target, so that they turn with the walls.
-    cells = np.pad(scene.walls.astype(np.int8), 1, constant_values=_WALL)
-    cells[scene.start[0] + 1, scene.start[1] + 1] = _START
-    cells[scene.target[0] + 1, scene.target[1] + 1] = _TARGET
-    cells = np.rot90(cells, stream.below(4))[:, :: 1 if stream.below(2) else -1]
-    heading = stream.below(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
-    try:
-        world = World(
-            np.ascontiguousarray(cells == _WALL),
-            start=Pose(*_middle(cells == _START, side), heading),
-            target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
-            cell_size=side,
-            robot_radius=radius,
-            robot_speed=speed,
-        )
-        decision = decide(world, cut=False)
-    except (InvalidWorld, InvalidParameter):
-        return None
-    is_reachable = decision.result == REACHABLE
-    return replace(world, certificate=decision.certificate) if is_reachable else None
+    stream: RandomStream
+    values: Mapping[str, Value]
+    radius: float
+    speed: float
+    step: float
+
+    def of_family(self, family: str, steps: int) -> World | None:
+        """Return a family's world of about the size that the robot crosses in these steps."""
+        side = round(self.radius / _USUAL_RADIUS, 4)
+        cells = math.ceil(steps * self.step / side)
+        given: dict[str, Value] = {
+            "size": min(max(cells + 3, _SMALLEST_SIDE), _LARGEST_SIDE),
+            "robot_radius": self.radius,
+            "robot_speed": self.speed,
+            "cell_size": side,
+        }
+        try:
+            return generated(family, self.stream.next64(), {**self.values, **given})
+        except (GenerationFailed, InvalidParameter, InvalidWorld):
+            return None
+
+    def of_scene(self, build: Build, steps: int) -> World | None:
+        """Return a scene's world, turned and mirrored at random; ``None`` if it has no path."""
+        side = self.radius / _USUAL_RADIUS
+        length = steps * self.step / side
+        scene = build(self.stream, min(max(round(length), _SHORTEST), _LONGEST))
+        if scene.tight:
+            side = scene.tight * self.radius
+        side = round(side, 4)
+        # Mark start and target, so that they turn with the walls.
+        cells = np.pad(scene.walls.astype(np.int8), 1, constant_values=_WALL)
+        cells[scene.start[0] + 1, scene.start[1] + 1] = _START
+        cells[scene.target[0] + 1, scene.target[1] + 1] = _TARGET
+        cells = np.rot90(cells, self.stream.below(4))[:, :: 1 if self.stream.below(2) else -1]
+        heading = self.stream.below(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
+        try:
+            world = World(
+                np.ascontiguousarray(cells == _WALL),
+                start=Pose(*_middle(cells == _START, side), heading),
+                target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
+                cell_size=side,
+                robot_radius=cast("float", self.values.get("robot_radius", DEFAULT_ROBOT_RADIUS)),
+                robot_speed=self.speed,
+            )
+            overrides = overrides_in(self.values)
+            if overrides.given():
+                world = with_room(world, overrides.applied_to_robot(world.robots[0]))
+            decision = decide(world, cut=False)
+        except (InvalidWorld, InvalidParameter):
+            return None
+        is_reachable = decision.result == REACHABLE
+        return replace(world, certificate=decision.certificate) if is_reachable else None
 
 
 def _middle(place: Bools, side: float) -> tuple[float, float]:

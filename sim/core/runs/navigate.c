@@ -46,6 +46,14 @@ void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_c
         case WG_SHOW_TARGET_DIRECTION:
             shown = show_direction(seen->target_heading - seen->heading, shown);
             break;
+        case WG_SHOW_GOAL_DIRECTION:
+            if (!isnan(seen->goal_heading)) {
+                shown = show_direction(seen->goal_heading - seen->heading, shown);
+            } else {
+                *shown++ = 0.0f;
+                *shown++ = 0.0f;
+            }
+            break;
         case WG_SHOW_TARGET_DISTANCE:
             shown = show_share(seen->target_distance, rules->extent, shown);
             break;
@@ -156,15 +164,18 @@ static double distance_of(const WgCrew *crew, int64_t robot)
     return sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
 }
 
-static void observe(const WgCrew *crew, float *observation)
+// Shows what a robot has just sensed.
+static void observe(WgCrew *crew, int64_t robot, float *observation)
 {
+    crew->workspace.observation.goal_heading = wg_sensed_goal_heading(settings_of(crew, robot));
     wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
 }
 
-void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain)
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorner *chain)
 {
     for (int64_t robot = 0; robot < crew->count; robot++) {
         crew->robots[robot].body = (WgBody *)&states[robot];  // a body without a memory
+        crew->robots[robot].carriage = &carriages[robot];
         crew->robots[robot].chain = chain;
     }
 }
@@ -188,7 +199,7 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
 
     // Make the first move, at standstill.
     advance(crew, robot);
-    observe(crew, observation);
+    observe(crew, robot, observation);
     crew->distance[robot] = distance_of(crew, robot);
     crew->over[robot] = 0;
 }
@@ -220,7 +231,8 @@ static void command(WgCrew *crew, int64_t robot, double turn, double speed)
         .speed = wg_clamp(speed, rules->slowest, 1.0) * settings->top_speed,
         .turn_rate = wg_clamp(turn, -1.0, 1.0) * rules->turn_rate,
     };
-    wg_apply_command(settings, &wanted, crew->clock[robot], &crew->robots[robot]);
+    WgArena arena = arena_of(crew, robot);
+    wg_apply_command(&arena, settings, &wanted, crew->clock[robot], &crew->robots[robot]);
 }
 
 // Returns the value of a step, and notes the new distance.
@@ -252,11 +264,13 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     bool touched = false;
     if (report->ending == WG_LIMIT) {
         command(crew, robot, turn, speed);
+    }
+    if (report->ending == WG_LIMIT) {
         touched = advance(crew, robot);
     } else {
-        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it began where episodes end
+        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it is where episodes end
     }
-    observe(crew, observation);
+    observe(crew, robot, observation);
     crew->elapsed[robot]++;
     told->reward[robot] = reward_of(crew, robot, touched);
     told->terminated[robot] = report->ending != WG_LIMIT;

@@ -24,6 +24,7 @@ enum {
     WG_SHOW_POSITION = 7,
     WG_SHOW_ODOMETRY = 8,
     WG_SHOW_BEAMS = 9,
+    WG_SHOW_GOAL_DIRECTION = 10,
 };
 
 // When the next episode begins: in the step after the last one, in the same step,
@@ -85,7 +86,7 @@ typedef struct WgCrew {
 typedef struct WgTold {
     float *observation;   // (count, size)
     double *reward;       // (count,)
-    uint8_t *terminated;  // (count,) 1 if it arrived, or burned
+    uint8_t *terminated;  // (count,) 1 if it arrived, burned, or touched a wall that it may not touch
     uint8_t *truncated;   // (count,) 1 if its time is over
     uint8_t *reached;     // (count,) 1 if it arrived
     uint8_t *began;       // (count,) 1 if the observation is the first of an episode
@@ -105,7 +106,7 @@ int64_t wg_run_of_episode(uint64_t seed, int64_t episode);
 
 // Gives the robots their states (count,), and one chain that is long enough for any step of any
 // robot.
-void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorner *chain);
 
 // Puts a robot at the start of its episode in a world, and observes: (size,).
 void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observation);

@@ -16,7 +16,8 @@ Floats = npt.NDArray[np.float64]
 _SETTINGS = (
     "start_x", "start_y", "start_heading", "target_x", "target_y", "target_radius_sq", "clear_sq", "reach", "motion",
     "steps", "find_loop", "seed", "senses", "digest", "sensor_cells", "signal", "beams", "plain_sensor", "smoke_reach",
-    "loop_entry", "disturbed", "measures", "drift_x", "drift_y", "drift_reach", "place_count",
+    "loop_entry", "disturbed", "measures", "drift_x", "drift_y", "drift_reach", "place_count", "arrival", "contact",
+    "has_goal_heading", "goal_heading", "heading_tolerance", "arrival_speed", "arrival_turn",
 )  # fmt: skip
 _SCALES = (
     "metres", "speed", "turn", "radians", "time_step", "top_speed", "tolerance", "start_speed", "turn_limit", "gain",
@@ -52,4 +53,19 @@ def arena_of(arena: CoreArena, settings: Any) -> lattice_state.Arena:
         ),
         tuple((int(d.x), int(d.y), float(d.strength)) for d in decoys),
         arena.wanted,
+        _carriage_of(settings),
+    )
+
+
+def _carriage_of(settings: Any) -> lattice_state.Carriage | None:
+    body = settings.footprint
+    corners = tuple((int(body.x[k]), int(body.y[k])) for k in range(body.count))
+    if not corners and settings.turn_per_unit == 0.0:
+        return None
+    return lattice_state.Carriage(
+        corners,
+        float(settings.turn_per_unit),
+        float(settings.turning_radius),
+        float(settings.steering_rate),
+        bool(settings.reverse),
     )
