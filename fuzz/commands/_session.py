@@ -279,8 +279,12 @@ class CampaignSession:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
         # Natural worlds may show what the search did not.
         state = self._campaign.state
-        more = began.since().differences
-        state.effort = replace(state.effort, differences=state.effort.differences | more)
+        more = began.since()
+        state.effort = replace(
+            state.effort,
+            differences=state.effort.differences | more.differences,
+            lines=state.effort.lines | more.lines,
+        )
         # Earlier results are not all processed, so the folder's files know more.
         if self._goes_on:
             return stopped

@@ -99,8 +99,7 @@ def small_world(
     Returns:
         The world; ``None`` if no draw has a path.
     """
-    radius = float(cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)))
-    speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
+    radius, speed = robot_in(values)
     turn, place = divmod(number, 2 * len(_FAMILIES))
     low, high = (min(steps + _MORE_STEPS * turn, _MOST_STEPS) for steps in _FIRST_STEPS)
     best: World | None = None
@@ -109,7 +108,7 @@ def small_world(
         if place % 2:
             world = _of_family(_FAMILIES[place // 2], stream, steps, radius, speed, time_step)
         else:
-            scene = _SCENES[(place // 2 + turn * len(_FAMILIES)) % len(_SCENES)]
+            scene = SCENES[(place // 2 + turn * len(_FAMILIES)) % len(SCENES)]
             world = _of_scene(scene, stream, steps, radius, speed, time_step)
         if world is None:
             continue
@@ -118,6 +117,13 @@ def small_world(
         if _duration(best) <= _MOST_TIMES * steps * time_step:
             break
     return best
+
+
+def robot_in(values: Mapping[str, Value]) -> tuple[float, float]:
+    """Return the radius, m, and the speed, m/s, of a robot with these values."""
+    radius = float(cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)))
+    speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
+    return radius, speed
 
 
 def _duration(world: World) -> float:
@@ -146,10 +152,23 @@ def _of_family(
 def _of_scene(
     build: Build, stream: RandomStream, steps: int, radius: float, speed: float, time_step: float
 ) -> World | None:
-    """Return a scene's world, turned and mirrored at random; ``None`` if it has no path."""
+    """Return the world of a scene of about the size that the robot crosses in these steps."""
     side = radius / _USUAL_RADIUS
     length = steps * speed * time_step / side
     scene = build(stream, min(max(round(length), _SHORTEST), _LONGEST))
+    return world_of_scene(scene, stream, radius, speed)
+
+
+def world_of_scene(scene: Scene, stream: RandomStream, radius: float, speed: float) -> World | None:
+    """Return a scene's world, turned and mirrored at random; ``None`` if it has no path.
+
+    Args:
+        scene: The scene.
+        stream: Source of randomness; it is advanced.
+        radius: Radius of the robot, m.
+        speed: Speed of the robot, m/s.
+    """
+    side = radius / _USUAL_RADIUS
     if scene.tight:
         side = scene.tight * radius
     side = round(side, 4)
@@ -311,4 +330,4 @@ def _posts(stream: RandomStream, cells: int) -> Scene:
     return Scene(walls, start, target)
 
 
-_SCENES: tuple[Build, ...] = (_near, _door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)
+SCENES: tuple[Build, ...] = (_near, _door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)
