@@ -119,6 +119,7 @@ class Core:
 _TYPES = "worldgen/include/wg_types.h"
 _CONTROLLER = "sim/include/worldgen_controller.h"
 _BEHAVIOURS = "sim/include/worldgen_behaviours.h"
+_BODY = "worldgen/core/body/wg_body.h"
 _SIM = (
     "sim/core/wg_sim.h",
     "sim/core/wg_episode.h",
@@ -132,7 +133,13 @@ CORES = (
     Core(
         "worldgen._core",
         ("worldgen/core",),
-        (_TYPES, "worldgen/core/wg_reach.h", "worldgen/core/wg_making.h"),
+        (
+            _TYPES,
+            "worldgen/core/wg_reach.h",
+            "worldgen/core/wg_making.h",
+            _BODY,
+            "worldgen/core/car/wg_car.h",
+        ),
         ("worldgen/include",),
     ),
     Core(

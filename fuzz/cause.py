@@ -63,9 +63,14 @@ class Cause(StrEnum):
     GIVES_NO_ANSWER = "gives-no-answer"
     INVALID_COMMAND = "invalid-command"
 
-    # Hazards.
+    # Hazards, and walls that may not be touched.
+    TOUCHES_A_WALL = "touches-a-wall"
     DRIVES_INTO_A_HAZARD = "drives-into-a-hazard"
     CAUGHT_BY_A_CHANGE = "caught-by-a-change"
+
+    # The robot is at its target, but does not arrive as its goal asks.
+    PASSES_ITS_GOAL = "passes-its-goal"
+    NEVER_SETTLES = "never-settles"
 
     # The robot does not arrive: what it repeats.
     STANDS_STILL = "stands-still"
@@ -228,6 +233,12 @@ _TEXTS = {
         Severity.CONTROLLER_ERROR,
         "its controller sends invalid commands",
     ),
+    Cause.TOUCHES_A_WALL: _Texts(
+        "{It} touches a wall, which its goal forbids.",
+        "Keep the radius of the robot, and the length of a step, away from walls.",
+        Severity.HARMED,
+        "touches walls",
+    ),
     Cause.DRIVES_INTO_A_HAZARD: _Texts(
         "{It} drives into a cell that is already burning or solid.",
         "Check its reaction to walls sensed ahead.",
@@ -237,6 +248,16 @@ _TEXTS = {
         "{It} is in a cell when the cell catches fire or becomes solid.",
         "Check how soon it leaves cells that it can sense are about to close.",
         Severity.HARMED,
+    ),
+    Cause.PASSES_ITS_GOAL: _Texts(
+        "{It} drives through its target between the ends of two steps, and never ends a step in it.",
+        "Slow down near the target, or make the time step smaller: a step must be shorter than the "
+        "target is wide.",
+    ),
+    Cause.NEVER_SETTLES: _Texts(
+        "{It} gets to its target, but does not settle there with the heading, or as still, as its goal asks.",
+        "Check what it does last: a turn may move it out of the target again, and its own "
+        "tolerances may be wider than the goal's.",
     ),
     Cause.STANDS_STILL: _Texts(
         "{It} stops{where} and does not move again.",

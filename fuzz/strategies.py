@@ -58,8 +58,9 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
     """
     # Parameters that are neither fixed nor in the table below keep the family's defaults.
     made_by = FAMILIES.get(family)
+    known = (*made_by.all_parameters, *made_by.robot_parameters)
     for name in sorted(fixed):
-        find_parameter(name, made_by.all_parameters, family)
+        find_parameter(name, known, family)
     robots = ROBOTS_PARAMETER.accept(fixed.get(ROBOTS, 1), family)
     drawn: dict[str, Value] = {}
     for parameter in made_by.parameters:

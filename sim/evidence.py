@@ -159,6 +159,19 @@ class WallEvidence:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ContactEvidence:
+    """A wall cut a move short, and the goal forbids contact.
+
+    Args:
+        step: Step of the move.
+        cell: The wall's cell (ix, iy).
+    """
+
+    step: int
+    cell: Cell
+
+
+@dataclass(frozen=True, kw_only=True)
 class BurnedEvidence:
     """Fire or falling debris caught the robot.
 
@@ -226,6 +239,7 @@ Evidence: TypeAlias = (
     | BudgetEvidence
     | WallEvidence
     | CollisionEvidence
+    | ContactEvidence
     | BurnedEvidence
     | FaultEvidence
 )
@@ -242,6 +256,7 @@ _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.TUNNEL: WallEvidence,
     Verdict.OVERLAP: WallEvidence,
     Verdict.COLLISION: CollisionEvidence,
+    Verdict.CONTACT: ContactEvidence,
     Verdict.BURNED: BurnedEvidence,
     Verdict.CRASH: FaultEvidence,
     Verdict.HANG: FaultEvidence,

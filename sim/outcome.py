@@ -37,6 +37,7 @@ ENDINGS: Mapping[int, Ending] = {
     lib.WG_CRASH: Verdict.CRASH,
     lib.WG_COVERED: Verdict.COVERED,
     lib.WG_COLLISION: Verdict.COLLISION,
+    lib.WG_CONTACT: Verdict.CONTACT,
 }
 """The ending for each of the core's numbers."""
 
@@ -46,7 +47,7 @@ class Outcome:
     """The core's claims about a run; checks of the evidence confirm them from the trace.
 
     Args:
-        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of
+        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, ``contact``, or one of
             :data:`sim.verdict.BY_THE_CONTROLLER`.
         steps: Steps simulated.
         period: Length of the recurrence, steps; for ``loop``.
@@ -55,7 +56,7 @@ class Outcome:
         collisions: Times that the robot began to touch a wall.
         digest: 16 hex digits; meaningless unless requested.
         last_new_cell: Last step in which the centre entered a cell for the first time.
-        hit_step: Step of the tunnel, fire or debris; -1 if none.
+        hit_step: Step of the tunnel, contact, fire or debris; -1 if none.
         hit_cell: Its cell (ix, iy).
         hit_state: ``solid`` or ``burning``, for ``burned``.
         overlap_step: First step whose path cut a wall by more than the tolerance; -1 if none.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -50,7 +50,10 @@ class Trace:
         recall: Shows the memory of a lean recording, which was too large to hold it. Such a
             recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
-        message_size: How many numbers at the end of a state are the robot's message to others.
+        after_memory: How many words at the end of a state follow the memory: a robot's message to
+            others, or what a body or a car keeps of its last turn and its steering.
+        path_heading: (m,) rad, the heading on the way to each point of the path; empty for a disc
+            that turns on the spot, whose heading does not matter there.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
         task: The robot's task: ``target`` or ``cover``.
     """
@@ -71,7 +74,8 @@ class Trace:
     active: npt.NDArray[np.int8] | None = None
     recall: Recall | None = None
     recalled: int = 0
-    message_size: int = 0
+    after_memory: int = 0
+    path_heading: Floats = field(default_factory=lambda: np.zeros(0))
     robot: RobotOptions | None = None
     task: str = "target"
 
@@ -87,7 +91,19 @@ class Trace:
             return self.recalled
         if self.memory_at < 0:
             return 0
-        return max(0, int(self.states.shape[1]) - self.memory_at - self.message_size)
+        return max(0, int(self.states.shape[1]) - self.memory_at - self.after_memory)
+
+    @property
+    def moves(self) -> Words:
+        """(n + 1, w) the states without the controller's memory, all of them whole numbers."""
+        first = self.memory_at
+        return np.delete(self.states, np.s_[first : first + self.memory_size], axis=1)
+
+    @property
+    def memories(self) -> Floats:
+        """(n + 1, m) the controller's memory after each step, of a recording that holds it."""
+        first = self.memory_at
+        return self.states[:, first : first + self.memory_size].view(np.float64)
 
     def memory(self, step: int) -> Floats:
         """Return the controller's memory after a step, (m,)."""
@@ -105,7 +121,7 @@ class Trace:
         if self.recall is not None:
             self.recall(steps, take)
             return
-        first = self.states.shape[1] - self.message_size - self.memory_size
+        first = self.states.shape[1] - self.after_memory - self.memory_size
         for step in steps.tolist():
             take(step, self.states[step, first : first + self.memory_size].view(np.float64))
 

@@ -22,6 +22,7 @@ class Verdict(StrEnum):
     TUNNEL = "tunnel"
     OVERLAP = "overlap"
     COLLISION = "collision"
+    CONTACT = "contact"
     BURNED = "burned"
     CRASH = "crash"
     HANG = "hang"
@@ -52,7 +53,7 @@ UNENDED = (*NEVER, *OUT_OF_BUDGET)
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 """Verdicts on a fault of the controller itself, wherever the robot was."""
 
-AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.BURNED, *BY_THE_CONTROLLER)
+AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.CONTACT, Verdict.BURNED, *BY_THE_CONTROLLER)
 """Verdicts on an event that ends a run in the step in which it happens."""
 
 
@@ -92,6 +93,7 @@ MEANINGS = {
     Verdict.TUNNEL: "The robot's centre passes through a wall.",
     Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
     Verdict.COLLISION: "Two robots drive through each other.",
+    Verdict.CONTACT: "The robot touches a wall, which its goal forbids.",
     Verdict.BURNED: "Fire or falling debris catches the robot.",
     Verdict.CRASH: "The controller raises an exception, or its program ends.",
     Verdict.HANG: "The controller gives no answer in time.",

@@ -1,7 +1,7 @@
 """Worlds for mobile robots: generated, proved reachable, written as one text file.
 
 Contents, each imported when it is first used:
-    World, Robot, Pose, Target, Provenance, FailureRecord: A world and its parts.
+    World, Robot, Pose, Target, Drive, Provenance, FailureRecord: A world and its parts.
     Witness, JointWitness, Cut: The proofs that a target can, or cannot, be reached.
     Timeline, Event, CellState: How a world changes over time.
     generate: A world of a family, with its proof.
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from worldgen.timeline import CellState, Event, Timeline
     from worldgen.world import (
         Cut,
+        Drive,
         FailureRecord,
         JointWitness,
         Pose,
@@ -69,6 +70,7 @@ _lazy, __dir__ = lazy_names(
         "timeline": ("CellState", "Event", "Timeline"),
         "world": (
             "Cut",
+            "Drive",
             "FailureRecord",
             "JointWitness",
             "Pose",
@@ -106,7 +108,7 @@ def _picture(world: World) -> bytes:
 world_methods.update(digest=_digest, picture=_picture)
 
 __all__ = [
-    "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed",
+    "CellState", "Cut", "Drive", "Event", "FailureRecord", "FormatError", "GenerationFailed",
     "InvalidParameter", "InvalidWorld", "JointWitness", "OutputError", "Pose", "Provenance",
     "Robot", "Target", "Timeline", "Witness", "World", "WorldgenError", "check_certificate",
     "decide", "generate", "read_world", "stream", "world_digest", "write_world",

@@ -12,6 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
+from worldgen.body_room import layout_radius, usual_cell, with_room
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.lattice import in_cells
@@ -27,8 +28,9 @@ from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
 from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
+from worldgen.robot_overrides import RobotOverrides, option_flag
 from worldgen.support.progress import Work, working
-from worldgen.world import JointWitness, Provenance, Value, Witness, World
+from worldgen.world import JointWitness, Pose, Provenance, Robot, Target, Value, Witness, World
 
 __all__ = [
     "FAMILIES",
@@ -135,7 +137,8 @@ class Family:
         complete = self.complete(params)
         number = seed_of(seed)
         margin = float(cast("float", complete.get(MARGIN, 0.0)))
-        own = dict(complete)
+        overrides = self.overrides(complete)
+        own = {name: value for name, value in complete.items() if name not in overrides.given()}
         robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
         fleet = int(cast("int", complete.get(ROBOTS, 1)))
         is_fleet = fleet != 1
@@ -151,6 +154,8 @@ class Family:
             with _placing(fleet, attempt) as work:
                 try:
                     world = self.build(rng, **own)
+                    if overrides.given():
+                        world = with_room(world, overrides.applied_to_robot(world.robots[0]))
                     decision = _decided(world, margin)
                     if decision.result == REACHABLE and robots > 1:
                         stream = rng.child(ROBOTS)
@@ -174,21 +179,38 @@ class Family:
         if crowded is not None:
             raise crowded
         # Say which parameters leave no room.
-        settings = ", ".join(
-            f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
-        )
+        shown = [parameter.name for parameter in self.parameters] + list(overrides.given())
+        settings = ", ".join(f"{name}={complete[name]}" for name in shown)
         raise GenerationFailed(
             "no-layout-found",
             "{family}: none of {layouts} layouts lets "
             + (f"{complete[ROBOTS]} robots" if is_fleet else "the robot")
             + " through (seed {seed}; {settings})",
-            "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
+            "give it more room: a larger size"
+            + (" or cell_size, a smaller footprint" if overrides.changes_body else "")
+            + ("" if overrides.changes_body else ", a smaller robot_radius")
+            + ", or fewer obstacles"
             + (" or robots" if is_fleet else ""),
             family=self.name,
             layouts=attempt + 1,
             seed=number,
             settings=settings,
         )
+
+    @property
+    def robot_parameters(self) -> tuple[Parameter, ...]:
+        """Parameters of the robot's body, drive and goal that every family of one robot has.
+
+        A family's own parameter of the same name comes first.
+        """
+        own = {known.name for known in self.parameters}
+        declared = () if self.places_robots else RobotOverrides.declared()
+        return tuple(known for known in declared if known.name not in own)
+
+    def overrides(self, params: Mapping[str, Value | None]) -> RobotOverrides:
+        """Return the robot's body, drive and goal, of all of a world's parameters."""
+        names = {known.name for known in self.robot_parameters}
+        return RobotOverrides.of({name: params[name] for name in params if name in names})
 
     def provenance(self, seed: int, complete: Mapping[str, Value]) -> Provenance:
         """Return the origin of a world: with several robots, it names the planner's version too.
@@ -321,7 +343,7 @@ class Family:
         Defaults are omitted.
         """
         words: list[str] = []
-        for parameter in self.all_parameters:
+        for parameter in (*self.all_parameters, *self.robot_parameters):
             value = params.get(parameter.name, parameter.default)
             flag = parameter.name.replace("_", "-")
             if value == parameter.default:
@@ -347,17 +369,57 @@ class Family:
                 find_parameter(PLANNER, self.all_parameters, self.name)
             self._check_planner(cast("Value", params[PLANNER]), fixed[PLANNER])
             return complete
+        robot = self.overrides(params)
+        if robot.given():
+            names = {known.name for known in self.robot_parameters}
+            rest = {name: value for name, value in params.items() if name not in names}
+            return self.complete(self._suited(robot, rest)) | robot.given()
         known = {parameter.name: parameter for parameter in self.parameters}
         if ROBOTS in params and not self.places_robots:
             robots = ROBOTS_PARAMETER.accept(params[ROBOTS], self.name)
             rest = {name: value for name, value in params.items() if name != ROBOTS}
             # The provenance of a world of one robot stays as it always was.
             return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
+        others = {known.name for known in self.robot_parameters}
         for name in params:
-            find_parameter(name, self.all_parameters, self.name)
+            if name not in others:
+                find_parameter(name, (*self.all_parameters, *self.robot_parameters), self.name)
         return {
             name: parameter.accept(params.get(name, parameter.default), self.name)
             for name, parameter in known.items()
+        }
+
+    def _suited(
+        self, overrides: RobotOverrides, params: dict[str, Value | None]
+    ) -> dict[str, Value | None]:
+        """Return the parameters with the sizes that suit a body, unless they are given.
+
+        ``robot_radius`` is that of the disc for which the layout is made.
+        """
+        robots = params.get(ROBOTS, 1)
+        if robots not in (None, 1):
+            raise InvalidParameter(
+                "not-for-fleets",
+                "{option} is for worlds of one robot, and robots={robots}",
+                "omit one of the two",
+                option=option_flag(next(iter(overrides.given()))),
+                robots=robots,
+            )
+        if not overrides.changes_body:
+            return params
+        # Passages that the body can drive along, in cells of which the usual sizes suit it. Where
+        # walls change, the body may have to turn anywhere.
+        plain = Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 1.0))
+        given = params.get("robot_radius")
+        if isinstance(given, int | float):
+            plain = replace(plain, radius=float(given))
+        body = overrides.applied_to_robot(plain)
+        radius = layout_radius(body, any_heading=self.changes)
+        suited: dict[str, Value | None] = {"robot_radius": radius}
+        suited["cell_size"] = usual_cell(radius)
+        known = {one.name for one in self.parameters}
+        return {name: value for name, value in suited.items() if name in known} | {
+            name: value for name, value in params.items() if value is not None
         }
 
     def _check_planner(self, value: Value, here: Value) -> None:

@@ -26,6 +26,16 @@ from worldgen.domain import (
 )
 from worldgen.domain.robot_pairs import pair_fault
 from worldgen.errors import InvalidWorld
+from worldgen.robot import (
+    ARRIVALS,
+    CONTACTS,
+    DEFAULT_ROBOT_RADIUS,
+    DEFAULT_ROBOT_SPEED,
+    Drive,
+    Pose,
+    Robot,
+    Target,
+)
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.support.world_methods import world_methods
@@ -37,6 +47,7 @@ __all__ = [
     "DEFAULT_ROBOT_SPEED",
     "Certificate",
     "Cut",
+    "Drive",
     "FailureRecord",
     "JointWitness",
     "Pose",
@@ -48,59 +59,16 @@ __all__ = [
     "World",
 ]
 
-# The thesis's robot: 10 px cells, a 14 px disc at 0.2 px/ms, at 10 px = 0.1 m.
-# Side of a cell, m.
+# Side of a cell, m; 10 px of the thesis.
 DEFAULT_CELL_SIZE = 0.1
-# Radius, m.
-DEFAULT_ROBOT_RADIUS = 0.07
-# Speed, m/s.
-DEFAULT_ROBOT_SPEED = 2.0
+
+# Cells from the axle to the farthest corner of a footprint, so that exact tests fit into 128 bits.
+MOST_OF_A_FOOTPRINT = 256
 
 _NO_CHANGES = Timeline()
 
 Value: TypeAlias = "bool | int | float | str | list[Value] | dict[str, Value]"
 """A value that a TOML header can hold."""
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """A pose of the robot: x and y in m, heading in rad, counter-clockwise from +x."""
-
-    x: float
-    y: float
-    heading: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Target:
-    """The disc that the robot's centre must enter.
-
-    Args:
-        x: The centre's x, m.
-        y: The centre's y, m.
-        radius: Radius, m.
-    """
-
-    x: float
-    y: float
-    radius: float
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """One robot of a world: its start, its target, its disc and its top speed.
-
-    Args:
-        start: Pose at the start.
-        target: Disc that the robot's centre must enter.
-        radius: Radius of the robot's disc, m.
-        speed: Top speed, m/s.
-    """
-
-    start: Pose
-    target: Target
-    radius: float = DEFAULT_ROBOT_RADIUS
-    speed: float = DEFAULT_ROBOT_SPEED
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,8 +113,15 @@ class Provenance:
         Such as ``"box of 0.5 x 0.3 m at (3.4, 2) m"``; empty for all other worlds.
         """
         changed = self.params.get("changed")
-        is_from_map = self.family in ("import", "map")
-        return tuple(map(str, changed)) if is_from_map and isinstance(changed, list) else ()
+        return tuple(map(str, changed)) if self.is_of_map and isinstance(changed, list) else ()
+
+    @property
+    def is_of_map(self) -> bool:
+        """True if it is about the cells alone: those of a foreign map, or of one with changes.
+
+        It then holds for any robot and any start. A family's is about the whole world.
+        """
+        return self.family in ("import", "map")
 
     @property
     def origin(self) -> tuple[float, float]:
@@ -235,19 +210,24 @@ class Witness(HoldsFrozen):
         times: (n,) float64, s, ascending; the first is 0.
         x: (n,) float64, m; straight lines between the points.
         y: (n,) float64, m.
-        clearance: Largest radius, m, of a disc that can follow this path.
+        clearance: Largest radius, m, of a disc that can follow this path; for a robot with a
+            footprint, the distance by which the footprint could be padded all around.
+        headings: (n,) float64, rad; None if the heading does not matter, as for a disc that turns
+            on the spot. From point to point, a robot either keeps its heading or turns on the spot,
+            the shorter way; only a car turns while it drives.
     """
 
     times: Floats
     x: Floats
     y: Floats
     clearance: float
+    headings: Floats | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(
             self, "times", _frozen_array(self.times, np.float64, "witness times", (None,))
         )
-        for name in ("x", "y"):
+        for name in ("x", "y") if self.headings is None else ("x", "y", "headings"):
             object.__setattr__(
                 self,
                 name,
@@ -271,7 +251,7 @@ class Witness(HoldsFrozen):
             return NotImplemented
         return self.clearance == other.clearance and all(
             np.array_equal(getattr(self, name), getattr(other, name))
-            for name in ("times", "x", "y")
+            for name in ("times", "x", "y", "headings")
         )
 
     __hash__ = None  # type: ignore[assignment]
@@ -323,31 +303,44 @@ class JointWitness:
 
 @dataclass(frozen=True, eq=False)
 class Cut(HoldsFrozen):
-    """A closed chain of solid cells, with gaps narrower than the robot, between start and target.
+    """What the robot cannot pass between start and target.
+
+    For a disc, it is a closed chain of solid cells with gaps narrower than the disc; it also stops
+    every body that holds the disc. For a footprint, it can be poses in which the body overlaps a
+    wall, and without which no path leads from the start to a pose in the target.
 
     Args:
         cells: (n, 2) int64, rows (ix, iy) in chain order; the last is linked to the first. Cells
             just outside the grid (index -1 or the grid's side) count as solid, like everything
-            outside.
+            outside. Empty for poses.
         clearance: Half the widest gap of the chain, m: the cut stops every disc with a larger
-            radius.
+            radius. For poses, the distance by which the footprint could be shrunk all around and
+            still be stopped; 0 if it is not known.
         robot: Number of the robot that it stops, from 1.
+        boxes: (n, 6) int64, rows (heading, span, side, y, x_begin, x_end), each a run of poses in
+            which the body overlaps a wall: headings from ``heading`` to ``heading + span``, 1/65536
+            turn; y from ``y`` to ``y + side`` and x from ``x_begin`` to ``x_end``, 1/1024 cell; all
+            bounds included. None for a chain.
     """
 
     cells: Ints
     clearance: float
     robot: int = 1
+    boxes: Ints | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(
             self, "cells", _frozen_array(self.cells, np.int64, "cut cells", (None, 2))
         )
+        if self.boxes is not None:
+            boxes = _frozen_array(self.boxes, np.int64, "cut boxes", (None, 6))
+            object.__setattr__(self, "boxes", boxes)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
             return NotImplemented
-        return (self.clearance, self.robot) == (other.clearance, other.robot) and np.array_equal(
-            self.cells, other.cells
+        return (self.clearance, self.robot) == (other.clearance, other.robot) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("cells", "boxes")
         )
 
     __hash__ = None  # type: ignore[assignment]
@@ -404,6 +397,16 @@ def _robots_of(given: object) -> tuple[Robot, ...]:
 
 def _article(name: str) -> str:
     return "None" if name == "NoneType" else f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
+def _check_not_negative(name: str, value: float) -> None:
+    if not (math.isfinite(value) and value >= 0.0):
+        raise InvalidWorld(
+            "below-minimum",
+            "{name}={value}: must be a finite number, 0 or more",
+            name=name,
+            value=value,
+        )
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -544,12 +547,20 @@ class World(HoldsFrozen):
         if isinstance(proof, Cut):
             fits = 1 <= proof.robot <= count
             kind = f"a cut for robot {proof.robot}"
+            # Poses in which a body overlaps a wall say nothing about discs and fleets.
+            if proof.boxes is not None:
+                fits = count == 1 and not self.robots[0].is_disc
+                kind = "a cut for a footprint"
         elif isinstance(proof, JointWitness):
             fits = len(proof.paths) == count and count > 1
             kind = f"a joint witness of {len(proof.paths)} paths"
         else:
             fits = proof is None or count == 1
             kind = "a witness for one robot"
+            # Only version 2 of a file has headings.
+            if proof is not None and proof.headings is not None:
+                fits = count == 1 and not self.robots[0].is_plain
+                kind = "a witness with headings"
         if not fits:
             raise InvalidWorld(
                 "wrong-certificate",
@@ -575,8 +586,74 @@ class World(HoldsFrozen):
                 name=f"{prefix}start",
                 heading=robot.start.heading,
             )
+        self._check_goal(robot, prefix)
+        self._check_body(robot, prefix)
         self._check_inside(f"{prefix}start", robot.start.x, robot.start.y)
         self._check_inside(f"{prefix}target", robot.target.x, robot.target.y)
+
+    def _check_goal(self, robot: Robot, prefix: str) -> None:
+        """Reject what a goal cannot be."""
+        goal = robot.target
+        for name, value, known in (
+            ("arrival", goal.arrival, ARRIVALS),
+            ("contact", robot.contact, CONTACTS),
+        ):
+            if value not in known:
+                raise InvalidWorld(
+                    "unknown-name",
+                    "{name}={value!q} is not one of {known!l}",
+                    "use one of them",
+                    name=f"{prefix}{name}",
+                    value=value,
+                    known=list(known),
+                )
+        if goal.heading is not None and not math.isfinite(goal.heading):
+            raise InvalidWorld(
+                "not-finite",
+                "{name}={heading}: must be a finite number of radians",
+                name=f"{prefix}target_heading",
+                heading=goal.heading,
+            )
+        for name in ("heading_tolerance", "arrival_speed", "arrival_turn_rate"):
+            _check_not_negative(f"{prefix}{name}", getattr(goal, name))
+
+    def _check_body(self, robot: Robot, prefix: str) -> None:
+        """Reject a body or a drive that no robot can have in this grid."""
+        widest = MOST_OF_A_FOOTPRINT * self.cell_size
+        if not robot.is_disc and robot.radius > widest:
+            raise InvalidWorld(
+                "out-of-range",
+                "{name}: a corner is {radius:.6g} m from the axle, more than {most} cells of "
+                "{cell_size:g} m",
+                "use a smaller footprint or larger cells",
+                name=f"{prefix}footprint",
+                radius=robot.radius,
+                most=MOST_OF_A_FOOTPRINT,
+                cell_size=self.cell_size,
+            )
+        drive = robot.drive
+        for name in ("turning_radius", "steering_rate"):
+            _check_not_negative(f"{prefix}{name}", getattr(drive, name))
+        if drive.is_car:
+            fault = radius_fault(f"{prefix}turning_radius", drive.turning_radius, self.cell_size)
+            if fault is not None:
+                raise InvalidWorld.of(fault)
+        elif drive != Drive():
+            name = "reverse" if drive.reverse else "steering_rate"
+            raise InvalidWorld(
+                "not-a-car",
+                "{name} without a turning radius",
+                "give turning_radius, or leave {name} out: a robot that turns on the spot drives "
+                "both ways, and does not steer",
+                name=f"{prefix}{name}",
+            )
+        if drive.is_car and robot.contact == "slide":
+            raise InvalidWorld(
+                "car-slides",
+                "{name}=slide: a car cannot slide along a wall",
+                "use stop, which is a car's default, or fail",
+                name=f"{prefix}contact",
+            )
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width = self.width * self.cell_size

@@ -78,6 +78,12 @@ def index_of(value: float) -> int:
     return exponent * _DECADE + round(exact.scaleb(2 - exponent)) - 100
 
 
+def _radius(subject: Subject) -> int | None:
+    """Return the index of the radius; None for a robot with a footprint, which has none to vary."""
+    robot = subject.world.robots[0]
+    return index_of(robot.radius) if robot.is_disc else None
+
+
 def _with_radius(subject: Subject, value: float) -> Subject:
     """Return the robot with another radius.
 
@@ -135,7 +141,7 @@ AXES = {
     axis.name: axis
     for axis in (
         Axis("radius", "m", index_of(1e-4), index_of(1e3), three_digits,
-             lambda subject: index_of(subject.world.robot_radius), _with_radius, "robot_radius"),
+             _radius, _with_radius, "robot_radius"),
         Axis("speed", "m/s", index_of(1e-3), index_of(1e4), three_digits,
              lambda subject: index_of(subject.world.robot_speed), _with_speed, "robot_speed"),
         Axis("time-step", "s", index_of(1e-3), index_of(1e1), three_digits,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterable
 from dataclasses import fields, replace
 
 from fuzz.facts.proofs import certified
-from fuzz.layouts.variation import Variation
+from fuzz.layouts.features import arena_for
+from fuzz.layouts.variation import OVERRIDES, Variation, quantities_of, with_robot
 from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.registry import check_strategy
 from fuzz.unit.config import CampaignConfig
@@ -55,7 +57,10 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
             controller=options.controller,
         )
     usual = RunOptions.time_step
+    robot = options.robot
     fixed_map = None if options.world is None else read_whole_world(options.world)
+    if fixed_map is not None:
+        fixed_map = robot.applied_to(fixed_map)
     scenario = Scenario.parse(
         options.controller,
         motion=options.motion,
@@ -73,10 +78,13 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     fixes_time_step = options.time_step is not None or "time_step" in settings
     if not fixes_time_step and MOTIONS.get(scenario.run.motion).name == "endpoint":
         time_steps = TIME_STEPS
-    # Read the quantities that vary; each may be named only once.
+    # Read the quantities that vary; each may be named only once. The robot's options vary, too, each
+    # with one value.
+    quantities = quantities_of(robot)
+    fixed = tuple(Variation(name, (value,)) for name, value in quantities.items())
     varied = tuple(Variation.parse(text, scenario) for text in options.vary)
     given = {"time_step"} if fixes_time_step else set()
-    _refuse_both(varied, given | scenario.run.changed().keys())
+    _refuse_both(varied, given | scenario.run.changed().keys() | quantities.keys())
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InvalidParameter(
@@ -86,6 +94,8 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
             option=_VARY,
             name=min(twice),
         )
+    varied = (*fixed, *varied)
+    _check_robot(varied, fixed_map, robots)
     kept = {field.name: getattr(options, field.name) for field in fields(SearchOptions)}
     config = CampaignConfig(
         scenario,
@@ -108,6 +118,33 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         spent = step_times(scenario, at_most=_TO_MEASURE * seconds, world=begins_on)
     pace = spent and measured_pace(CONTROLLERS.get(scenario.controller), *spent)
     return replace(config, measured=pace)
+
+
+def _check_robot(varied: Collection[Variation], fixed_map: World | None, robots: int) -> None:
+    """Refuse bodies, drives and goals that no robot of the campaign can have."""
+    chosen = {one.name: one.values for one in varied if one.name in OVERRIDES}
+    radius = next((one for one in varied if one.name == "robot_radius"), None)
+    if chosen and robots > 1:
+        raise InvalidParameter(
+            "not-for-fleets",
+            "{option} is for worlds of one robot, and this campaign has {robots}",
+            "omit it",
+            option=OVERRIDES[next(iter(chosen))].flag,
+            robots=robots,
+        )
+    if radius is not None and "robot_footprint" in chosen:
+        raise InvalidParameter(
+            "no-effect",
+            "{option} robot_radius has no effect on a robot with a footprint",
+            "omit one of the two",
+            option=_VARY,
+        )
+    for values in itertools.product(*chosen.values()):
+        overrides = dict(zip(chosen, values, strict=True))
+        if fixed_map is None:
+            arena_for(overrides)
+        else:
+            with_robot(fixed_map, overrides)
 
 
 def _refuse_both(varied: Iterable[Variation], given: Collection[str]) -> None:
@@ -154,7 +191,9 @@ def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedO
     It reveals a wrong name or a compile error immediately.
     """
     scenario = config.scenario
-    outcome = try_out(scenario, seconds=seconds)
+    first = {one.name: one.values[0] for one in config.vary if one.name in OVERRIDES}
+    arena = arena_for(first) if first and config.fixed_map is None else EMPTY_ARENA
+    outcome = try_out(scenario, arena, seconds=seconds)
     # Every other run would fail too, each after the whole start-up deadline.
     if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(
@@ -165,6 +204,6 @@ def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedO
             controller=scenario.controller,
             seconds=outcome.fault.deadline,
         )
-    proved = certified(EMPTY_ARENA) or EMPTY_ARENA
+    proved = certified(arena) or arena
     for oracle in oracles:
-        oracle.check(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
+        oracle.check(Trial(proved, scenario.controller, scenario.options(arena, 2)))

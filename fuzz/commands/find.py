@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fuzz.commands._options import budget_options, declared_options, seconds_of
+from fuzz.commands._options import budget_options, seconds_of
 from fuzz.unit.options import CampaignOptions
 from sim.verdict import OUT_OF_BUDGET, Verdict
+from worldgen.cli.declared_options import declared_options
 from worldgen.cli.output import (
     PATH,
     draw_seed,

@@ -8,14 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fuzz.commands._options import (
-    budget_options,
-    code_option,
-    declared_options,
-    output_options,
-    seconds_of,
-)
+from fuzz.commands._options import budget_options, code_option, output_options, seconds_of
 from fuzz.unit.options import BASELINE_HELP, CampaignOptions
+from worldgen.cli.declared_options import declared_options
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     PATH,

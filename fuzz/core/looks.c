@@ -49,6 +49,12 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
     settings->radius = looks->radii[radius];
 }
 
+// Returns the reach of the disc for which the path of a run must be wide enough.
+static int64_t flood_reach(const WgLooks *looks, const uint8_t *bytes)
+{
+    return looks->flood_reach > 0 ? looks->flood_reach : looks->discs[radius_of(looks, bytes)].reach;
+}
+
 static int64_t own_budget(const WgPatience *patience, const WgSettings *settings, int64_t distance)
 {
     int64_t by_path = patience->multiple * distance * WG_UNIT / fastest(settings);
@@ -84,7 +90,7 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     WgLook *look = &looks->looks[run];
     uint64_t solid[WG_ROWS];
     const uint8_t *bytes = looks->layouts + run * looks->layout_bytes;
-    WgPlaces places = note_world(bytes, looks->discs[radius_of(looks, bytes)].reach, solid, look);
+    WgPlaces places = note_world(bytes, flood_reach(looks, bytes), solid, look);
     if (look->distance < 0) {
         return false;
     }

@@ -64,6 +64,9 @@ static bool fits(const WgLooks *looks)
             return false;
         }
     }
+    if (looks->flood_reach < 0 || looks->flood_reach > WG_WIDEST) {
+        return false;
+    }
     for (int64_t k = 0; k < looks->radius_count; k++) {
         if (looks->discs[k].reach < 0 || looks->discs[k].reach > WG_WIDEST) {
             return false;
@@ -201,7 +204,7 @@ int64_t wg_seat_step(WgSeat *seat)
     } else if (episode->waits != 0) {
         episode->waits = 0;
         wg_take_answer(episode);
-        wg_apply_command(seat->settings, &workspace->command, watched_step(seat), &episode->robot);
+        wg_apply_command(seat->arena, seat->settings, &workspace->command, watched_step(seat), &episode->robot);
         wg_look_note_step(seat);
     }
     while (wg_look_goes_on(seat)) {
@@ -253,7 +256,7 @@ static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
         }
         int64_t step = watched_step(seat);
         bool acts = wg_move_and_sense(seat->arena, seat->settings, robot, workspace, step);
-        if (acts && !wg_act(seat->settings, &episode->controller, workspace, step, robot)) {
+        if (acts && !wg_act(seat->arena, seat->settings, &episode->controller, workspace, step, robot)) {
             note_crash(seat);
             *over = true;
             return done + 1;
@@ -364,7 +367,7 @@ void wg_seats_sense(WgSeat **seats, int64_t count, double *observations, double 
     for (int64_t n = 0; n < count; n++) {
         const WgEpisode *episode = seats[n]->episode;
         int64_t size = episode->controller.memory_size;
-        int64_t seen = WG_SENSES + episode->workspace.observation.beam_count;
+        int64_t seen = wg_flat_size(episode->settings, 0);
         memcpy(observations + n * seen, episode->workspace.flat, (size_t)seen * sizeof(double));
         if (size > 0) {
             memcpy(memories + n * size, episode->robot.body->memory, (size_t)size * sizeof(double));

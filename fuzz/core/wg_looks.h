@@ -77,6 +77,8 @@ typedef struct WgLooks {
     const WgDisc *discs; // (radius_count,) for each radius of a scene's robot
     const double *radii; // (radius_count,) the same in m
     int64_t radius_count;
+    // Reach of the disc for which a path must be wide enough, lattice units; 0 for the robot's own.
+    int64_t flood_reach;
     const int64_t *targets; // (target_count,) squared radii of a scene's targets, lattice units
     int64_t target_count;
     const int64_t *headings; // the table of wg_heading_table
@@ -154,7 +156,7 @@ int64_t wg_seats_board(WgSeat **seats, int64_t count);
 
 // Copies the senses and memories of the first `count` seats.
 //
-// observations: (count, 17 + beams)
+// observations: (count, 17 + beams, and 1 for a declared goal's heading)
 // memories:     (count, memory)
 // numbers:      (count,) numbers of the seats
 // fresh:        (count,) 1 before the first act in a world

@@ -8,7 +8,7 @@ Contents:
     check_evidence: Finds errors in an episode's verdict, of any kind.
     check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
-    budget, burned, covered, loop, reached, walls: Modules, one for each kind of verdict; each is
+    budget, burned, contact, covered, loop, reached, walls: Modules, one for each kind of verdict; each is
         imported when a run has that verdict.
 """
 
@@ -51,6 +51,9 @@ def check_evidence(
         evidence: The claim's evidence.
         motion: The motion model, which states how much overlap is tolerated.
     """
+    # A goal that forbids contact ends every run at the first one.
+    if world.robots[0].contact == "fail" and trace.bump[:-1].any():
+        return f"the robot touches a wall in step {int(trace.bump.argmax())}"
     check = _check_of(verdict)
     return check(world, trace, evidence, motion) if check else ""
 
@@ -61,6 +64,10 @@ def _check_of(verdict: Verdict) -> EvidenceCheck | None:
         from fuzz.evidence_checks.burned import check_burned
 
         return check_burned
+    if verdict == Verdict.CONTACT:
+        from fuzz.evidence_checks.contact import check_contact
+
+        return check_contact
     if verdict == Verdict.COVERED:
         from fuzz.evidence_checks.covered import check_covered
 

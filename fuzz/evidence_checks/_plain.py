@@ -95,6 +95,25 @@ def lattice_cell(places: npt.ArrayLike) -> Floats:
     return cells
 
 
+def set_speed(world: World, trace: Trace, step: int) -> float:
+    """Return the speed, m/s, that is set after a step; the next step drives at it.
+
+    The fourth number of a state is the speed in 1/65536 of 1/1024 of a cell per step.
+    """
+    units = int(trace.states[step, 3].astype(np.int64))
+    return units / (65536 * 1024) * world.cell_size / trace.time_step
+
+
+def off_goal(world: World, headings: Floats) -> Floats:
+    """Return by how much headings exceed the tolerance of the goal's, rad; negative within it."""
+    goal = world.target
+    if goal.heading is None:
+        return np.full(headings.shape, -np.inf)
+    off = np.abs((headings - goal.heading + np.pi) % (2 * np.pi) - np.pi)
+    exceeded: Floats = off - goal.heading_tolerance
+    return exceeded
+
+
 def target_gap(world: World, x: Floats, y: Floats) -> float:
     """Return the smallest distance, m, from a path to the target's disc; negative inside."""
     points = np.stack([x, y], axis=1)
@@ -104,5 +123,12 @@ def target_gap(world: World, x: Floats, y: Floats) -> float:
 
 def places_gap(world: World, x: Floats, y: Floats) -> float:
     """Return the smallest distance, m, from any place to the target's disc; negative inside."""
-    apart = shapely.distance(shapely.points(x, y), shapely.Point(world.target.x, world.target.y))
-    return float(np.min(apart)) - world.target.radius
+    return float(np.min(place_gaps(world, x, y)))
+
+
+def place_gaps(world: World, x: Floats, y: Floats) -> Floats:
+    """Return the distance, m, from each place to the target's disc; negative inside."""
+    goal = world.target
+    gaps: Floats = np.array(shapely.distance(shapely.points(x, y), shapely.Point(goal.x, goal.y)))
+    gaps -= goal.radius
+    return gaps

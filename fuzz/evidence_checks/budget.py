@@ -77,10 +77,10 @@ def _check_memory(trace: Trace, evidence: BudgetEvidence) -> str:
     number, drift = evidence.memory_drift or (0, 0.0)
     if period < 1 or not trace.steps // 2 <= entry <= trace.steps - _PERIODS * period:
         return f"a period of {period} steps is not shown {_PERIODS} times after step {entry}"
-    moves = trace.states[entry:, : trace.memory_at]
+    moves = trace.moves[entry:]
     if not np.array_equal(moves[period:], moves[:-period]):
         return f"after step {entry} poses do not recur every {period} steps"
-    memory = trace.states[entry:, trace.memory_at :].view(np.float64)
+    memory = trace.memories[entry:]
     with np.errstate(invalid="ignore"):
         change = memory[period:] - memory[:-period]
     change = np.where(memory[period:] == memory[:-period], 0.0, change)

@@ -13,6 +13,7 @@ from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    ContactEvidence,
     FaultEvidence,
     JointLoopEvidence,
     LoopEvidence,
@@ -65,6 +66,8 @@ def failure_class(world: World, episode: Episode) -> str:
             return _joined(verdict, *_of_loop(world, trace, entry, period))
         case BudgetEvidence(kind=kind):
             return _joined(verdict, kind, *_of_second_half(world, trace))
+        case ContactEvidence(cell=cell):
+            return _joined(verdict, part_of(world, *cell))
         case BurnedEvidence() as burned:
             return _joined(verdict, *_of_fire(world, trace, burned))
     return verdict

@@ -9,6 +9,7 @@ shrinks towards it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +29,7 @@ from fuzz.layouts.layout_bytes import (
     SMALLEST_SIDE,
     SPREAD_OF_SIDES,
 )
+from fuzz.layouts.variation import layout_disc, with_robot
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import cell_middle
 from worldgen.support.arrays import Bools
@@ -37,6 +39,7 @@ from worldgen.world import (
     DEFAULT_ROBOT_SPEED,
     Pose,
     Target,
+    Value,
     World,
 )
 
@@ -47,15 +50,18 @@ All fit if a layout leaves room for the default one, and none is as wide as a ga
 cells, where even complete controllers fail."""
 
 TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
-"""Radii of a scene's target, m."""
+"""Radii of a scene's target, m, with cells of the usual size."""
 
 
-def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> World:
+def decode_world(
+    data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS, cell_size: float = DEFAULT_CELL_SIZE
+) -> World:
     """Return the world that a layout string describes; any ``LAYOUT_BYTES`` bytes describe one.
 
     Args:
         data: ``LAYOUT_BYTES`` bytes.
         robot_radius: Radius of the robot, m.
+        cell_size: Side of a cell, m.
 
     Returns:
         An arena of 8 to 28 cells per side inside a border of solid cells, without certificate.
@@ -73,18 +79,28 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
         walls[iy - CLEAR : iy + CLEAR + 1, ix - CLEAR : ix + CLEAR + 1] = False
     walls[[0, -1], :] = True
     walls[:, [0, -1]] = True
-    x, y, to_x, to_y = (cell_middle(index, DEFAULT_CELL_SIZE) for index in (*start, *target))
+    x, y, to_x, to_y = (cell_middle(index, cell_size) for index in (*start, *target))
     return World(
         walls,
         start=Pose(x, y, data[4] % HEADINGS * (2 * math.pi / HEADINGS)),
-        target=Target(to_x, to_y, DEFAULT_CELL_SIZE / 2),
-        cell_size=DEFAULT_CELL_SIZE,
+        target=Target(to_x, to_y, cell_size / 2),
+        cell_size=cell_size,
         robot_radius=robot_radius,
         robot_speed=DEFAULT_ROBOT_SPEED,
     )
 
 
-def decode_scene(data: bytes) -> World:
+def arena_for(values: Mapping[str, Value]) -> World:
+    """Return the simplest arena, with cells that suit the robot of these values, and that robot.
+
+    Args:
+        values: As for :func:`fuzz.layouts.variation.applied`.
+    """
+    _, cell_size = layout_disc(values)
+    return with_robot(decode_world(bytes(LAYOUT_BYTES), cell_size=cell_size), values)
+
+
+def decode_scene(data: bytes, *, cell_size: float = DEFAULT_CELL_SIZE) -> World:
     """Return the world that a scene describes.
 
     A scene is a layout, and three bytes for the robot's radius, the target's radius and the
@@ -92,12 +108,13 @@ def decode_scene(data: bytes) -> World:
 
     Args:
         data: ``SCENE_BYTES`` or ``LAYOUT_BYTES`` bytes.
+        cell_size: Side of a cell, m, to which the target's radius is in proportion.
 
     Raises:
         InvalidParameter: If there are more or fewer.
     """
     if len(data) == LAYOUT_BYTES:
-        return decode_world(data)
+        return decode_world(data, cell_size=cell_size)
     if len(data) != SCENE_BYTES:
         raise InvalidParameter(
             "wrong-size",
@@ -107,13 +124,22 @@ def decode_scene(data: bytes) -> World:
             scene_bytes=SCENE_BYTES,
             layout_bytes=LAYOUT_BYTES,
         )
-    world = decode_world(data, robot_radius=RADII[data[SCENE_RADIUS] % len(RADII)])
+    radius = RADII[data[SCENE_RADIUS] % len(RADII)]
+    world = decode_world(data, robot_radius=radius, cell_size=cell_size)
+    reach = target_radii(cell_size)[data[SCENE_TARGET] % len(TARGET_RADII)]
     heading = data[4] % HEADINGS * FINER + data[SCENE_HEADING] % FINER
     return replace(
         world,
         start=replace(world.start, heading=heading * (2 * math.pi / (HEADINGS * FINER))),
-        target=replace(world.target, radius=TARGET_RADII[data[SCENE_TARGET] % len(TARGET_RADII)]),
+        target=replace(world.target, radius=reach),
     )
+
+
+def target_radii(cell_size: float) -> tuple[float, ...]:
+    """Return the radii of a scene's target, m, in proportion to its cells."""
+    if cell_size == DEFAULT_CELL_SIZE:
+        return TARGET_RADII
+    return tuple(round(radius / DEFAULT_CELL_SIZE * cell_size, 9) for radius in TARGET_RADII)
 
 
 def _draw(walls: Bools, feature: bytes) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fuzz.layouts.layout_bytes import SCENE_BYTES
-from fuzz.layouts.small_worlds import SCENES, Build, Scene, robot_in, world_of_scene
+from fuzz.layouts.small_worlds import SCENES, Build, Scene, world_of_scene
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
@@ -71,7 +71,7 @@ def grown_world(genome: bytes, values: Mapping[str, Value]) -> World | None:
         if max(edited.walls.shape) <= _LONGEST_SIDE and edited.walls.size <= _MOST_CELLS:
             scene = edited
     # Of a small scene that is continued, nothing may be left between the two.
-    return None if scene.start == scene.target else world_of_scene(scene, stream, *robot_in(values))
+    return None if scene.start == scene.target else world_of_scene(scene, stream, values)
 
 
 def _edits(genome: bytes) -> list[tuple[int, int]]:

@@ -21,12 +21,13 @@ import numpy as np
 
 from fuzz.layouts.narrow_places import Ground, NarrowPlace, narrow_places
 from fuzz.layouts.variation import MAP, map_provenance
+from worldgen.body_room import layout_radius, with_fitting_heading
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.reach.still.grid_search import components, shortest_path, steps_from
 from worldgen.support.arrays import Bools, Floats, Ints
-from worldgen.world import Pose, Provenance, Target, Value, World
+from worldgen.world import Pose, Provenance, Value, World
 
 # Steps of the robot from start to target: enough to see it react, few enough that a slow controller
 # runs many windows.
@@ -135,7 +136,11 @@ class Windows:
         self._plain = replace(world, certificate=None, provenance=None, failure=None)
         self._made = map_provenance(world)
         self._family = "" if world.provenance is None else world.provenance.family
-        self._disc = in_cells(world.robot_radius, world.cell_size)
+        # Narrow places for a body are those where it has to turn while it moves.
+        robot = world.robots[0]
+        is_plain = robot.is_disc and not robot.drive.is_car
+        radius = robot.radius if is_plain else layout_radius(robot)
+        self._disc = in_cells(radius, world.cell_size)
         self.walls = world.walls
         self.cell = world.cell_size
         self.radius = 2.0 * float(self._disc)
@@ -298,9 +303,10 @@ class Windows:
             self._plain,
             walls=(self.walls if walls is None else walls)[box.cells],
             start=Pose(start[1], start[0], heading),
-            target=Target(target[1], target[0], self._plain.target.radius),
+            target=replace(self._plain.target, x=target[1], y=target[0]),
             provenance=self._provenance(kind, box, words),
         )
+        world = with_fitting_heading(world)
         decision = decide(world, cut=False)
         if decision.result != REACHABLE:
             return None

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
+from fuzz.layouts.variation import generated, layout_disc, overrides_in
+from worldgen.body_room import with_room
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
-from worldgen.family import FAMILIES
-from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.support.arrays import Bools
@@ -92,24 +92,26 @@ def small_world(
     Args:
         stream: Source of randomness; it is advanced.
         number: Place in the sequence, which decides what is made and how large it is.
-        values: The robot's ``robot_radius``, m, and ``robot_speed``, m/s, if they are not the usual
-            ones; others are ignored.
+        values: The robot's ``robot_radius``, m, ``robot_speed``, m/s, body, drive and goal, if they
+            are not the usual ones; others are ignored.
         time_step: Duration of a step, s.
 
     Returns:
         The world; ``None`` if no draw has a path.
     """
-    radius, speed = robot_in(values)
+    radius, _ = layout_disc(values)
+    speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
+    maker = _Maker(stream, values, radius, speed, speed * time_step)
     turn, place = divmod(number, 2 * len(_FAMILIES))
     low, high = (min(steps + _MORE_STEPS * turn, _MOST_STEPS) for steps in _FIRST_STEPS)
     best: World | None = None
     for _ in range(_DRAWS):
         steps = stream.between(low, high)
         if place % 2:
-            world = _of_family(_FAMILIES[place // 2], stream, steps, radius, speed, time_step)
+            world = maker.of_family(_FAMILIES[place // 2], steps)
         else:
             scene = SCENES[(place // 2 + turn * len(_FAMILIES)) % len(SCENES)]
-            world = _of_scene(scene, stream, steps, radius, speed, time_step)
+            world = maker.of_scene(scene, steps)
         if world is None:
             continue
         if best is None or _duration(world) < _duration(best):
@@ -119,55 +121,60 @@ def small_world(
     return best
 
 
-def robot_in(values: Mapping[str, Value]) -> tuple[float, float]:
-    """Return the radius, m, and the speed, m/s, of a robot with these values."""
-    radius = float(cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)))
-    speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
-    return radius, speed
-
-
 def _duration(world: World) -> float:
     return world.certificate.duration if isinstance(world.certificate, Witness) else math.inf
 
 
-def _of_family(
-    family: str, stream: RandomStream, steps: int, radius: float, speed: float, time_step: float
-) -> World | None:
-    """Return a family's world of about the size that the robot crosses in these steps."""
-    side = round(radius / _USUAL_RADIUS, 4)
-    cells = math.ceil(steps * speed * time_step / side)
-    size = min(max(cells + 3, _SMALLEST_SIDE), _LARGEST_SIDE)
-    given: dict[str, Value] = {
-        "size": size,
-        "robot_radius": radius,
-        "robot_speed": speed,
-        "cell_size": side,
-    }
-    try:
-        return generate(FAMILIES.get(family), stream.next64(), **given)
-    except (GenerationFailed, InvalidParameter, InvalidWorld):
-        return None
+@dataclass(frozen=True)
+class _Maker:
+    """Makes small worlds for a robot.
+
+    Args:
+        stream: Source of randomness.
+        values: As for :func:`small_world`.
+        radius: Radius of the disc for which worlds are laid out, m.
+        speed: Top speed, m/s.
+        step: Length of a step, m.
+    """
+
+    stream: RandomStream
+    values: Mapping[str, Value]
+    radius: float
+    speed: float
+    step: float
+
+    def of_family(self, family: str, steps: int) -> World | None:
+        """Return a family's world of about the size that the robot crosses in these steps."""
+        side = round(self.radius / _USUAL_RADIUS, 4)
+        cells = math.ceil(steps * self.step / side)
+        given: dict[str, Value] = {
+            "size": min(max(cells + 3, _SMALLEST_SIDE), _LARGEST_SIDE),
+            "robot_radius": self.radius,
+            "robot_speed": self.speed,
+            "cell_size": side,
+        }
+        try:
+            return generated(family, self.stream.next64(), {**self.values, **given})
+        except (GenerationFailed, InvalidParameter, InvalidWorld):
+            return None
+
+    def of_scene(self, build: Build, steps: int) -> World | None:
+        """Return the world of a scene of about the size that the robot crosses in these steps."""
+        side = self.radius / _USUAL_RADIUS
+        length = steps * self.step / side
+        scene = build(self.stream, min(max(round(length), _SHORTEST), _LONGEST))
+        return world_of_scene(scene, self.stream, self.values)
 
 
-def _of_scene(
-    build: Build, stream: RandomStream, steps: int, radius: float, speed: float, time_step: float
-) -> World | None:
-    """Return the world of a scene of about the size that the robot crosses in these steps."""
-    side = radius / _USUAL_RADIUS
-    length = steps * speed * time_step / side
-    scene = build(stream, min(max(round(length), _SHORTEST), _LONGEST))
-    return world_of_scene(scene, stream, radius, speed)
-
-
-def world_of_scene(scene: Scene, stream: RandomStream, radius: float, speed: float) -> World | None:
+def world_of_scene(scene: Scene, stream: RandomStream, values: Mapping[str, Value]) -> World | None:
     """Return a scene's world, turned and mirrored at random; ``None`` if it has no path.
 
     Args:
         scene: The scene.
         stream: Source of randomness; it is advanced.
-        radius: Radius of the robot, m.
-        speed: Speed of the robot, m/s.
+        values: As for :func:`small_world`.
     """
+    radius, _ = layout_disc(values)
     side = radius / _USUAL_RADIUS
     if scene.tight:
         side = scene.tight * radius
@@ -184,9 +191,12 @@ def world_of_scene(scene: Scene, stream: RandomStream, radius: float, speed: flo
             start=Pose(*_middle(cells == _START, side), heading),
             target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
             cell_size=side,
-            robot_radius=radius,
-            robot_speed=speed,
+            robot_radius=cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)),
+            robot_speed=float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED))),
         )
+        overrides = overrides_in(values)
+        if overrides.given():
+            world = with_room(world, overrides.applied_to_robot(world.robots[0]))
         decision = decide(world, cut=False)
     except (InvalidWorld, InvalidParameter):
         return None

@@ -9,14 +9,25 @@ from typing import Any
 from sim.controllers.fields import OF_A_WORLD
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
+from worldgen.body_room import layout_radius, usual_cell
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.parameters.known_names import unknown_name
-from worldgen.world import Provenance, Value, World
+from worldgen.robot import DEFAULT_ROBOT_RADIUS
+from worldgen.robot_overrides import RobotOverrides
+from worldgen.world import DEFAULT_CELL_SIZE, Pose, Provenance, Robot, Target, Value, World
 
 # Fields of a world.
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
+_PREFIX = "robot_"
+OVERRIDES = {_PREFIX + option.name: option for option in RobotOverrides.declared()}
+"""Quantities of the robot's body, drive and goal: ``robot_footprint``, ``robot_arrival``, ..."""
+OF_THE_ROBOT = frozenset({*_OF_THE_ROBOT, *OVERRIDES})
+"""Quantities that :func:`with_robot` sets."""
+# Cells around start and target that layouts leave free, in which a body must be able to turn.
+_ROOM = 1.5
+_USUAL_RADIUS = DEFAULT_ROBOT_RADIUS / DEFAULT_CELL_SIZE
 MAP = "map"
 """Family in the provenance of a world that was made from a map which is not a foreign program's."""
 
@@ -29,8 +40,8 @@ class Variation:
     """One quantity and its values.
 
     Args:
-        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), an option of the
-            motion model, or a field of the controller's class.
+        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), one of
+            :data:`OVERRIDES`, an option of the motion model, or a field of the controller's class.
         values: Values, the simplest first.
     """
 
@@ -77,7 +88,7 @@ class Variation:
                     value=value,
                     unit=unit,
                 )
-        elif self.name != "time_step":
+        elif self.name != "time_step" and self.name not in OVERRIDES:
             scenario.with_option(self.name, value)
 
 
@@ -94,18 +105,65 @@ def applied(
     Raises:
         InvalidWorld: If the robot does not fit the world.
     """
+    world = with_robot(world, values)
+    for name, value in values.items():
+        if name == "time_step":
+            scenario = scenario.with_run(time_step=value)
+        elif name not in OF_THE_ROBOT:
+            scenario = scenario.with_option(name, value)
+    return world, scenario
+
+
+def with_robot(world: World, values: Mapping[str, Value]) -> World:
+    """Return the world with the robot of these values.
+
+    Args:
+        world: The world; it loses what was true of another robot only, such as its certificate.
+        values: As for :func:`applied`; those of the run are ignored.
+
+    Raises:
+        InvalidWorld: If the robot does not fit the world.
+    """
     robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
     if any(getattr(world, name) != value for name, value in robot.items()):
         parts: dict[str, Any] = {name.removeprefix("robot_"): robot[name] for name in robot}
         robots = tuple(replace(one, **parts) for one in world.robots)
         provenance = map_provenance(world)
         world = replace(world, robots=robots, certificate=None, provenance=provenance)
-    for name, value in values.items():
-        if name == "time_step":
-            scenario = scenario.with_run(time_step=value)
-        elif name not in robot:
-            scenario = scenario.with_option(name, value)
-    return world, scenario
+    return overrides_in(values).applied_to(world)
+
+
+def overrides_in(values: Mapping[str, Value]) -> RobotOverrides:
+    """Return the robot's body, drive and goal among some values."""
+    given: dict[str, Any] = {
+        option.name: values[name] for name, option in OVERRIDES.items() if name in values
+    }
+    return RobotOverrides(**given)
+
+
+def quantities_of(overrides: RobotOverrides) -> dict[str, Value]:
+    """Return overrides as values by the names of their quantities."""
+    return {_PREFIX + name: value for name, value in overrides.given().items()}
+
+
+def layout_disc(values: Mapping[str, Value]) -> tuple[float, float]:
+    """Return the disc for which worlds of a robot with these values are laid out, and their cells.
+
+    Args:
+        values: As for :func:`applied`.
+
+    Returns:
+        The radius, and the side of a cell of a feature layout, m. The usual ones, if the robot is a
+        disc that turns on the spot.
+    """
+    overrides = overrides_in(values)
+    radius = values.get("robot_radius", DEFAULT_ROBOT_RADIUS)
+    assert isinstance(radius, float)
+    if not overrides.changes_body:
+        return radius, DEFAULT_CELL_SIZE
+    robot = overrides.applied_to_robot(Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 1.0), radius))
+    radius = layout_radius(robot)
+    return radius, max(usual_cell(radius), usual_cell(robot.radius * _USUAL_RADIUS / _ROOM))
 
 
 def generated(family: str, seed: int, values: Mapping[str, Value]) -> World:
@@ -124,7 +182,10 @@ def generated(family: str, seed: int, values: Mapping[str, Value]) -> World:
     """
     found = FAMILIES.get(family)
     own = {one.name for one in found.all_parameters}
-    return generate(found, seed, **{name: value for name, value in values.items() if name in own})
+    robot = {one.name for one in found.robot_parameters}
+    given = {name: value for name, value in values.items() if name in own}
+    body = overrides_in(values).given()
+    return generate(found, seed, **given, **{n: v for n, v in body.items() if n in robot})
 
 
 def map_provenance(world: World) -> Provenance | None:
@@ -135,7 +196,7 @@ def map_provenance(world: World) -> Provenance | None:
     world.
     """
     made = world.provenance
-    return made if made is not None and made.family in ("import", MAP) else None
+    return made if made is not None and made.is_of_map else None
 
 
 def changes_on_map(world: World) -> str:
@@ -151,6 +212,10 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
     if name == "time_step":
         seconds: float = TIME_STEP.parse(word, "run")
         return seconds
+    if name in OVERRIDES:
+        given: Value = OVERRIDES[name].parse(word, "robot")
+        overrides_in({name: given})
+        return given
     field = next((one for one in scenario.fields if one.name == name), None)
     if field is not None and name not in _OF_THE_ROBOT:
         value: Value = field.parse(word, scenario.controller)
@@ -181,7 +246,7 @@ def _check_name(name: str, scenario: Scenario) -> None:
             name=name,
         )
     fields = (one.name for one in scenario.fields)
-    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names(), *fields)
+    known = (*_OF_THE_ROBOT, *OVERRIDES, "time_step", *switch_class(motion).names(), *fields)
     if name not in known:
         problem = "{option} {name}: nothing with that name can be varied under {motion}"
         raise InvalidParameter.of(unknown_name(problem, name, known, option=_OPTION, motion=motion))

@@ -15,6 +15,7 @@ from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    ContactEvidence,
     JointLoopEvidence,
     LoopEvidence,
     WallEvidence,
@@ -37,6 +38,7 @@ _FEWEST_STEPS = 400  # per robot's run, however many robots there are
 _BREACHES = {
     Verdict.TUNNEL: ("Breach", "goes through this wall"),
     Verdict.OVERLAP: ("Overlap", "cuts into this wall"),
+    Verdict.CONTACT: ("Contact", "touches this wall"),
     Verdict.BURNED: ("Caught", "is caught"),
 }
 _LEAD_UP = 300  # steps around a breach that take precedence over others
@@ -262,7 +264,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
             if wall.reached is not None:
                 found.append(_mark(wall.reached, "last", "Arrives", "enters the walled-off target"))
             return found
-        case BurnedEvidence(step=step, cell=cell):
+        case BurnedEvidence(step=step, cell=cell) | ContactEvidence(step=step, cell=cell):
             return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]
         case BudgetEvidence(last_new_cell=step):
             return [_mark(step, "last", "Nothing new after", "enters a new cell for the last time")]

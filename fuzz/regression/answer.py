@@ -11,7 +11,14 @@ from fuzz.regression.fixed import is_fixed
 from fuzz.triage.replaying import Replay, replay
 from sim.episode import Episode
 from sim.episode.differences import count_sources
-from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.evidence import (
+    BurnedEvidence,
+    ContactEvidence,
+    Evidence,
+    FaultEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import WorldgenError
 
@@ -152,7 +159,7 @@ def _in_short(verdict: str, evidence: Evidence | None) -> str:
     match evidence:
         case LoopEvidence(period=period):
             return f"loop, period {period}"
-        case WallEvidence(step=step) | BurnedEvidence(step=step):
+        case WallEvidence(step=step) | ContactEvidence(step=step) | BurnedEvidence(step=step):
             return f"{verdict} in step {step}"
         case FaultEvidence(step=step) if verdict == Verdict.HANG:
             return f"{verdict} in step {step}"

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from fuzz._core import ffi, lib
 from fuzz.facts.crash_bucket import crash_bucket
 from fuzz.layouts import layout_bytes
-from fuzz.layouts.features import TARGET_RADII, decode_world
+from fuzz.layouts.features import decode_world, target_radii
 from sim._core import ffi as sim_ffi
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.shared.guarded import PRIVATE, CoreMemory
@@ -90,6 +90,21 @@ class Patience(NamedTuple):
     watched: int
 
 
+class SceneRobots(NamedTuple):
+    """The sizes of robots and cells in scenes.
+
+    Args:
+        radii: Radii of the robots, of which a scene chooses one, m.
+        cell_size: Side of a cell, m.
+        passage: Radius of the disc for which a path to the target must be wide enough, m; 0 for the
+            robot's own. For a body it is an estimate, and the prover decides the worlds that matter.
+    """
+
+    radii: tuple[float, ...]
+    cell_size: float
+    passage: float = 0.0
+
+
 class Batch:
     """Runs and their results.
 
@@ -99,7 +114,7 @@ class Batch:
         kinds: (n,) index into the settings.
         budgets: (n,) steps; 0 for a number derived from the path to the target.
         settings: WgSettings for each time step, for any start.
-        radii: Radii of a scene's robots, m.
+        robots: Sizes of the robots, and of cells.
         patience: For runs without a budget.
         memory: Where the core finds the inputs and writes the results.
 
@@ -114,7 +129,7 @@ class Batch:
         kinds: Ints,
         budgets: Ints,
         settings: Sequence[Any],
-        radii: tuple[float, ...],
+        robots: SceneRobots,
         patience: Patience,
         memory: CoreMemory = PRIVATE,
     ) -> None:
@@ -124,8 +139,8 @@ class Batch:
         self._settings = memory.new("WgSettings[]", len(settings), ffi)
         for k, one in enumerate(settings):
             ffi.memmove(ffi.addressof(self._settings, k), one, ffi.sizeof("WgSettings"))
-        discs, targets = _discs(radii)
-        made = (layouts, seeds, kinds, budgets, np.array(radii), targets)
+        discs, targets, flood_reach = _sizes(robots)
+        made = (layouts, seeds, kinds, budgets, np.array(robots.radii), targets)
         arrays = (*(memory.own(array) for array in made), headings())
         described_discs = memory.new("WgDisc[]", discs, ffi)
         rays = ray_table()
@@ -145,7 +160,8 @@ class Batch:
                 "setting_count": len(settings),
                 "discs": described_discs,
                 "radii": radii_at,
-                "radius_count": len(radii),
+                "radius_count": len(robots.radii),
+                "flood_reach": flood_reach,
                 "targets": targets_at,
                 "target_count": len(targets),
                 "headings": headings_at,
@@ -256,10 +272,18 @@ class Seat:
 
 
 @functools.cache
-def _discs(radii: tuple[float, ...]) -> tuple[list[tuple[int, int]], Ints]:
-    """Return a scene's squared clear distances, reaches and target radii, lattice units."""
+def _sizes(robots: SceneRobots) -> tuple[list[tuple[int, int]], Ints, int]:
+    """Return the squared clear distances and reaches of robots, target radii, and a path's reach.
+
+    All are in lattice units; the last is 0 for each robot's own.
+    """
     plain = bytes(layout_bytes.LAYOUT_BYTES)
-    discs = [disc_numbers(decode_world(plain, robot_radius=radius)) for radius in radii]
-    side = decode_world(plain).cell_size
-    within = [in_cells(radius, side) * UNIT for radius in TARGET_RADII]
-    return discs, np.array([math.floor(w * w) for w in within], np.int64)
+    side = robots.cell_size
+
+    def disc(radius: float) -> tuple[int, int]:
+        return disc_numbers(decode_world(plain, robot_radius=radius, cell_size=side))
+
+    within = [in_cells(radius, side) * UNIT for radius in target_radii(side)]
+    targets = np.array([math.floor(w * w) for w in within], np.int64)
+    flood_reach = disc(robots.passage)[1] if robots.passage else 0
+    return [disc(radius) for radius in robots.radii], targets, flood_reach

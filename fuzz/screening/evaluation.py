@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from fuzz._core import lib
 from fuzz.layouts import layout_bytes
-from fuzz.layouts.features import RADII, decode_scene, decode_world
-from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
+from fuzz.layouts.features import RADII, arena_for, decode_scene
+from fuzz.layouts.variation import layout_disc, overrides_in, with_robot
+from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, SceneRobots, Seat
 from fuzz.screening.in_core import screen_in_core
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne, SeededOptions
@@ -27,13 +28,13 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints, Words
-from worldgen.world import DEFAULT_CELL_SIZE, World
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 WIDEST = 1.5 * DEFAULT_CELL_SIZE
 """Largest radius of a robot, m: a cell around start and target is free in every layout."""
 
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
-_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
+_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, max(_KNOWN) + 1)])
 # Exceeds the key of any run without a crash.
 _MOST_KEYS = 1 << 16
 # Patience of screening runs. It equals a witness's budget, so a run that spends it has failed,
@@ -57,7 +58,7 @@ class Screening:
         seeds: uint64.
         time_steps: s.
         raw: (n,) :data:`fuzz.screening.batch.LOOK`.
-        robot: Size and speed of all robots, if the scenes do not set them.
+        robot: What is the same for all robots, whatever the scenes say.
         deaths: Runs that ended the process that ran a shared library's controller.
     """
 
@@ -66,7 +67,7 @@ class Screening:
     seeds: Words
     time_steps: Floats
     raw: npt.NDArray[np.void]
-    robot: Mapping[str, float] = field(default_factory=dict)
+    robot: Mapping[str, Value] = field(default_factory=dict)
     deaths: int = 0
 
     def __len__(self) -> int:
@@ -235,7 +236,7 @@ def evaluate(
     seeds: Words,
     time_steps: float | npt.ArrayLike,
     budget: int | npt.ArrayLike | None = None,
-    **robot: float,
+    **robot: Value,
 ) -> Screening:
     """Run a controller once in the world of each layout and describe the result without proving it.
 
@@ -252,8 +253,10 @@ def evaluate(
         time_steps: Time steps, s; (n,), or one for all.
         budget: Steps, (n,) or one for all; if omitted, derived from the path to the target: 4,000
             to 8,000 for a compiled controller, 800 to 2,400 for another.
-        **robot: ``robot_radius`` (m, at most :data:`WIDEST`) and ``robot_speed`` (m/s) of all worlds,
-            overriding their bytes.
+        **robot: Quantities of all robots, overriding the bytes of their worlds, by their names in
+            :data:`fuzz.layouts.variation.OF_THE_ROBOT`: ``robot_radius`` (m, at most
+            :data:`WIDEST`), ``robot_speed`` (m/s), ``robot_footprint``, ... With a body, cells grow
+            so that the disc for which worlds are laid out is as wide as the usual robot.
 
     Raises:
         InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not match.
@@ -276,7 +279,7 @@ def evaluate(
     return Screening(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
 
 
-def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
+def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, Value]) -> None:
     """Reject arguments that the core cannot process."""
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
@@ -310,19 +313,21 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             budget=budget,
             most=MAX_STEPS,
         )
-    if robot.get("robot_radius", 0.0) > WIDEST:
+    radius = robot.get("robot_radius", 0.0)
+    if not isinstance(radius, float) or radius > WIDEST:
         raise InvalidParameter(
             "robot-too-wide",
             "robot_radius={robot_radius:g} m is more than {widest:g} m, the room around start and "
             "target in the worlds of native search",
             "use a smaller one, or use another strategy",
-            robot_radius=robot["robot_radius"],
+            robot_radius=radius,
             widest=WIDEST,
         )
 
 
-def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
-    return replace(decode_scene(layouts[n].tobytes()), **robot)  # type: ignore[arg-type]
+def _world_of(layouts: Bytes, n: int, robot: Mapping[str, Value]) -> World:
+    _, cell_size = layout_disc(robot)
+    return with_robot(decode_scene(layouts[n].tobytes(), cell_size=cell_size), robot)
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
@@ -339,27 +344,35 @@ def _spread(values: Any, count: int, name: str) -> Any:
     return np.array(np.broadcast_to(values, (count,)))
 
 
+def _scene_robots(world: World, robot: Mapping[str, Value]) -> SceneRobots:
+    """Return the sizes of robots like one that is packed, and of their cells."""
+    is_fixed = "robot_radius" in robot or not world.robots[0].is_disc
+    radii = (world.robot_radius,) if is_fixed else RADII
+    passage, cell_size = layout_disc(robot)
+    return SceneRobots(radii, cell_size, passage if overrides_in(robot).changes_body else 0.0)
+
+
 @dataclass(frozen=True)
 class _Packed:
     """A scenario in the form that the core expects."""
 
     host: ControllerHost
     runs: tuple[LatticeRun, ...]
-    radii: tuple[float, ...]
+    robots: SceneRobots
 
     @classmethod
     def of(
-        cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]
+        cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, Value]
     ) -> _Packed:
         """Pack the simplest layout for each time step.
 
         The core replaces the parts that other layouts have.
         """
         host = host_of(CONTROLLERS.get(scenario.controller))
-        world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
+        world = arena_for(robot)
         each = (scenario.with_run(time_step=time_step).options(world) for time_step in time_steps)
         runs = tuple(LatticeRun(world, host, options) for options in each)
-        return cls(host, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
+        return cls(host, runs, _scene_robots(world, robot))
 
     def batch(self, layouts: Bytes, seeds: Words, kinds: Ints, budgets: Ints) -> Batch:
         """Return the runs of one call."""
@@ -369,7 +382,7 @@ class _Packed:
         patience = _PATIENT if self.host.in_core else _BRISK
         settings = [run.settings for run in self.runs]
         memory = self.runs[0].memory
-        return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
+        return Batch(layouts, seeds, kinds, budgets, settings, self.robots, patience, memory)
 
     def run(
         self, batch: Batch, world: Callable[[int], World], options: Callable[[int], SeededOptions]

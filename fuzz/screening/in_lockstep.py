@@ -39,7 +39,7 @@ class _Seats:
     """
 
     def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
-        self.observation = np.full((count, OBS_SIZE + batch.beams), np.nan)
+        self.observation = np.full((count, OBS_SIZE + batch.beams + 1), np.nan)
         self.memory = np.zeros((count, memory.size))
         self.after = np.zeros((count, memory.size))
         # Speed, turn rate, whether the random number was used.

@@ -24,7 +24,7 @@ from fuzz.boundary import (
 from fuzz.facts.proofs import certified
 from fuzz.layouts.features import decode_world
 from fuzz.layouts.layout_bytes import LAYOUT_BYTES
-from fuzz.layouts.variation import applied, generated
+from fuzz.layouts.variation import applied, generated, layout_disc
 from fuzz.search.task import SearchTask
 from sim.clock.stopping import OutOfTime, check_time
 from sim.episode import Episode
@@ -130,7 +130,9 @@ def _drawn(
 ) -> Subject | None:
     """Return a world in which the robot can arrive, and the scenario, with the drawn values."""
     if axis.name != "depth":
-        world = decode_world(stream.bits(LAYOUT_BYTES // 8).astype("<u8").tobytes())
+        _, cell_size = layout_disc(values)
+        data = stream.bits(LAYOUT_BYTES // 8).astype("<u8").tobytes()
+        world = decode_world(data, cell_size=cell_size)
     else:
         world = generated("trap", stream.below(2**32), values)
     world, scenario = applied(values, world, scenario)

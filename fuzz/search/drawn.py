@@ -6,8 +6,9 @@ They draw feature layouts, worlds of families, poses on a map, and worlds with a
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, cast
@@ -22,7 +23,7 @@ from fuzz.failure import regardless_of_walls
 from fuzz.layouts.features import decode_world
 from fuzz.layouts.map_variations import MapVariations, variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
-from fuzz.layouts.variation import map_provenance
+from fuzz.layouts.variation import OVERRIDES, Variation, layout_disc, map_provenance, overrides_in
 from fuzz.search.database import Failed, exception_of, remembered
 from fuzz.search.fleets import fleet_worlds
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
@@ -35,10 +36,11 @@ from sim.episode import prepare, simulate
 from sim.options.run import COVER, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import OUT_OF_BUDGET, Verdict
+from worldgen.body_room import with_fitting_heading
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
 from worldgen.random_streams import RandomStream
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Value, World
 
 # Budget of a first run, before the witness is known.
 _SEARCH_STEPS = 6_000
@@ -219,23 +221,47 @@ def strategy_scenarios(
     config: CampaignConfig, strategy: str
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
     """Return the Hypothesis strategy that a search strategy draws from."""
-    on_map = strategy == "map"
-    worlds = _worlds_on_map(config) if on_map else strategy_worlds(strategy, config.robots)
-    return scenarios_in(worlds, config.scenario, config.time_steps, config.vary)
+    # What is drawn for the robot's body decides how its worlds are laid out.
+    bodies = [one for one in config.vary if one.name in OVERRIDES]
+    others = [one for one in config.vary if one.name not in OVERRIDES]
+
+    def scenarios(*chosen: Value) -> st.SearchStrategy[tuple[World, Scenario]]:
+        body = {one.name: value for one, value in zip(bodies, chosen, strict=True)}
+        worlds = (
+            _worlds_on_map(config)
+            if strategy == "map"
+            else strategy_worlds(strategy, config.robots, body)
+        )
+        fixed = (Variation(name, (value,)) for name, value in body.items())
+        return scenarios_in(worlds, config.scenario, config.time_steps, (*fixed, *others))
+
+    choices = list(itertools.product(*(one.values for one in bodies)))
+    if len(choices) == 1:
+        return scenarios(*choices[0])
+    return st.sampled_from(choices).flatmap(lambda chosen: scenarios(*chosen))
 
 
-def strategy_worlds(strategy: str, robots: int = 1) -> st.SearchStrategy[World]:
+def strategy_worlds(
+    strategy: str, robots: int = 1, body: Mapping[str, Value] | None = None
+) -> st.SearchStrategy[World]:
     """Return the Hypothesis strategy of the worlds of a search strategy.
 
     Args:
         strategy: ``features``, ``sealed``, or a family's name.
         robots: Number of robots in each world.
+        body: Quantities of the robot's body, drive and goal, which decide how worlds are laid out.
     """
+    body = body or {}
     if strategy == "features":
-        return fleet_worlds(layouts().map(decode_world), robots)
+        _, cell_size = layout_disc(body)
+        decode = partial(decode_world, cell_size=cell_size)
+        return fleet_worlds(layouts().map(decode), robots)
     if strategy == SEALED:
         return st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
-    return family_worlds(strategy) if robots == 1 else family_worlds(strategy, robots=robots)
+    given = overrides_in(body).given()
+    if robots == 1:
+        return family_worlds(strategy, **given)
+    return family_worlds(strategy, robots=robots)
 
 
 def _worlds_on_map(config: CampaignConfig) -> st.SearchStrategy[World]:
@@ -283,12 +309,10 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
         at = free[start]
         to = free[target]
         side = world.cell_size
-        return replace(
-            plain,
-            start=Pose(cell_middle(at[1], side), cell_middle(at[0], side), heading * (math.pi / 8)),
-            target=Target(cell_middle(to[1], side), cell_middle(to[0], side), world.target.radius),
-            robot_radius=radius,
-        )
+        pose = Pose(cell_middle(at[1], side), cell_middle(at[0], side), heading * (math.pi / 8))
+        there = replace(world.target, x=cell_middle(to[1], side), y=cell_middle(to[0], side))
+        placed = replace(plain, start=pose, target=there, robot_radius=radius)
+        return with_fitting_heading(placed)
 
     index = st.integers(0, len(free) - 1)
     return st.builds(place, index, st.integers(0, 15), index, st.sampled_from(radii))

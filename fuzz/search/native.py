@@ -9,12 +9,13 @@ import contextlib
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from fuzz.layouts.features import decode_scene
+from fuzz.layouts.features import arena_for
 from fuzz.layouts.layout_bytes import SCENE_BYTES
-from fuzz.layouts.variation import applied
+from fuzz.layouts.variation import OF_THE_ROBOT, applied
 from fuzz.screening import WIDEST, Screening, can_screen, evaluate
 from fuzz.search.task import SearchTask
 from fuzz.unit.config import CampaignConfig
@@ -250,10 +251,8 @@ def _looks(task: SearchTask, draw: Draw, size: UnitSize) -> Iterator[Screening]:
     stream = task.stream
     # Varied options keep one value for the whole unit.
     values = {one.name: stream.choice(one.values) for one in config.vary}
-    world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
-    robot = {
-        name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")
-    }
+    _, scenario = applied(values, arena_for(values), config.scenario)
+    robot: Any = {name: value for name, value in values.items() if name in OF_THE_ROBOT}
     times = np.array([scenario.run.time_step] if "time_step" in values else config.time_steps)
     # Each beam of a step adds its own cost.
     step = size.step + size.beam * robot_for(task.controller, scenario.run.robot).beams

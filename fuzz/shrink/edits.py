@@ -49,11 +49,10 @@ def drop_lines(world: World, first: int, count: int, axis: int) -> World | None:
     # A point within the dropped cells stays where it is.
     def moved(place: _Place) -> _Place:
         metres = exact(getattr(place, name))
-        return (
-            replace(place, **{name: float(metres - count * side)})
-            if metres >= end * side
-            else place
-        )
+        if metres < end * side:
+            return place
+        place_there: Any = {name: float(metres - count * side)}
+        return replace(place, **place_there)
 
     robots = [
         replace(robot, start=moved(robot.start), target=moved(robot.target))

@@ -235,7 +235,7 @@ class StillFails:
             return outcome.ending == Verdict.TUNNEL and self._is_same_manner(outcome.cause)
         if self.verdict == Verdict.CRASH:
             return outcome.ending == Verdict.CRASH and self._is_same_crash(outcome)
-        if self.verdict in (Verdict.BURNED, *BY_THE_CONTROLLER):
+        if self.verdict in (Verdict.CONTACT, Verdict.BURNED, *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
         if outcome.ending in AT_ONCE:
             return False

@@ -22,6 +22,7 @@ _WANTED = {
     Verdict.LOOP: Wanted(lib.WG_LOOP, overlap=False),
     Verdict.TUNNEL: Wanted(lib.WG_TUNNEL),
     Verdict.OVERLAP: Wanted(ANY_ENDING, overlap=True),
+    Verdict.CONTACT: Wanted(lib.WG_CONTACT),
     Verdict.BURNED: Wanted(lib.WG_BURNED),
     Verdict.INVALID_COMMAND: Wanted(lib.WG_INVALID_COMMAND),
     Verdict.CRASH: Wanted(lib.WG_LIMIT, crash=True),

@@ -33,6 +33,13 @@ _SAME_PLACE = 0.1
 # rectangle twelve times as long as wide.
 _HARDLY = 0.02
 
+# Cells from the edges of robot and target: the closest it gets, and the farthest away it ever is.
+_CLOSE = 1.0
+_NEARBY = 3.0
+
+# Share of a cell by which the lattice may round the distance to the target.
+_LATTICE = 1.0 / 1024
+
 # Places on a straight line that are tested for walls, per cell.
 _SAMPLES = 8
 
@@ -62,6 +69,7 @@ class RepeatedPart:
         reach: The robot's radius plus the target's, cells.
         is_parked: True if the robot hardly leaves its start in the whole run, so that nothing on
             its way explains it.
+        ends_in_target: True if one of its steps ends in the target's disc.
     """
 
     steps: int
@@ -83,6 +91,13 @@ class RepeatedPart:
     radius: float
     reach: float
     is_parked: bool
+    ends_in_target: bool
+
+    @property
+    def is_near(self) -> bool:
+        """True if the robot stays next to the target, with a clear path to it."""
+        near = self.nearest <= self.reach + _CLOSE and self.farthest <= self.reach + _NEARBY
+        return near and not self.is_blocked
 
 
 def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
@@ -151,7 +166,25 @@ def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool
         reach=radius + world.target.radius / side,
         is_parked=float(np.hypot(trace.x - trace.x[0], trace.y - trace.y[0]).max())
         < _PARKED * world.robot_radius,
+        ends_in_target=float(apart[1:].min()) <= world.target.radius / side + _LATTICE,
     )
+
+
+def passes_target(world: World, trace: Trace) -> bool:
+    """Return True if a run's path leads through the target's disc, but no step ends there."""
+    goal = world.target
+    within = goal.radius + _LATTICE * world.cell_size
+    if np.hypot(trace.x - goal.x, trace.y - goal.y).min() <= within:
+        return False
+    # The nearest point of each piece of the path.
+    x = trace.path_x - goal.x
+    y = trace.path_y - goal.y
+    dx = np.diff(x)
+    dy = np.diff(y)
+    length_sq = np.maximum(dx * dx + dy * dy, np.finfo(np.float64).tiny)
+    share = np.clip(-(x[:-1] * dx + y[:-1] * dy) / length_sq, 0.0, 1.0)
+    apart = np.hypot(x[:-1] + share * dx, y[:-1] + share * dy)
+    return bool((apart <= goal.radius).any())
 
 
 def _edge_of(world: World, place: tuple[float, float]) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing, gap_that_sto
 from fuzz.facts.hazards import Hazard, hazard_in
 from fuzz.facts.signature import Standoff, is_entered, standoff
 from fuzz.failure import Failure
-from fuzz.triage.behaviour import RepeatedPart, behaviour_of
+from fuzz.triage.behaviour import RepeatedPart, behaviour_of, passes_target
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (
@@ -28,6 +28,7 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.outcome import FleetEpisode
+from sim.trace import Trace
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, World
@@ -52,8 +53,7 @@ _OFTEN_AROUND = 0.1
 # even at corners.
 _ALONG = 1.0
 
-# Cells from the edges of robot and target: the closest it gets, and the farthest away it ever is.
-_CLOSE = 1.0
+# Cells that a robot stays near the place where it is nearest to its target.
 _NEARBY = 3.0
 
 # Share of steps that touch a wall below which walls are not what holds the robot back.
@@ -64,6 +64,7 @@ _MOSTLY = 0.5
 
 _BY_VERDICT: dict[str, Cause] = {
     Verdict.COLLISION: Cause.COLLIDES,
+    Verdict.CONTACT: Cause.TOUCHES_A_WALL,
     Verdict.CRASH: Cause.CRASHES,
     Verdict.HANG: Cause.GIVES_NO_ANSWER,
     Verdict.INVALID_COMMAND: Cause.INVALID_COMMAND,
@@ -155,6 +156,9 @@ def _of_robot(world: World, episode: Episode) -> tuple[Cause, RepeatedPart | Non
     seen = behaviour_of(world, episode) if is_stuck else None
     if seen is None:
         return known, None
+    at_goal = _at_goal(world, episode.trace, seen)
+    if at_goal is not None:
+        return at_goal, None
     # A robot that only now and then reaches a new place may still end up repeating itself.
     if episode.verdict == Verdict.TIMEOUT and not seen.recurs:
         return Cause.WANDERS, None
@@ -310,6 +314,19 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     return Cause.DRIVES_IN_CIRCLES
 
 
+def _at_goal(world: World, trace: Trace, seen: RepeatedPart) -> Cause | None:
+    """Return what keeps a robot from arriving that gets to its target; None for any other robot."""
+    goal = world.target
+    if goal.arrival == "touch" and goal.heading is None:
+        return None
+    if goal.arrival != "touch" and passes_target(world, trace):
+        return Cause.PASSES_ITS_GOAL
+    # A robot that turns next to its target tries to take up the heading.
+    turns = seen.extent <= _ONE_PLACE * seen.radius and seen.turning >= _TURNS_AT_ALL
+    aligns = goal.heading is not None and turns and seen.is_near
+    return Cause.NEVER_SETTLES if seen.ends_in_target or aligns else None
+
+
 def _with_circumstance(
     world: World, cause: Cause, seen: RepeatedPart, others: OtherWorlds | None
 ) -> Diagnosis:
@@ -333,8 +350,7 @@ def _with_circumstance(
     # A robot that never drove passes nothing, and nothing on its way held it back.
     if seen.is_parked or not hardly_touches:
         return Diagnosis(cause)
-    near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
-    if near and not seen.is_blocked:
+    if seen.is_near:
         return Diagnosis(cause, Circumstance.AT_THE_TARGET)
     # A robot that stays near the place where it is nearest to its target is held there.
     if seen.is_blocked and seen.farthest <= seen.nearest + _NEARBY:

@@ -34,7 +34,8 @@ class CampaignConfig(SearchOptions):
         seed: Seed of the whole campaign.
         families: Families and other strategies to search with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
-        vary: Quantities of the robot and options of the motion model to draw from.
+        vary: Quantities of the robot and options of the motion model to draw from; those of the
+            robot's body, drive and goal that the user fixed have one value each.
         fixed_map: A map to search on: poses on it, windows of it, and variations of them.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
         robots: Number of robots in each world.
@@ -97,7 +98,12 @@ class CampaignConfig(SearchOptions):
 
 
 def radii_on(world: World) -> tuple[float, ...]:
-    """Return the radii, m, of the robots that a campaign puts on a map, the map's own first."""
+    """Return the radii, m, of the robots that a campaign puts on a map, the map's own first.
+
+    A robot with a footprint keeps it.
+    """
+    if not world.robots[0].is_disc:
+        return (world.robot_radius,)
     own = dict.fromkeys(robot.radius for robot in world.robots)
     return tuple(_scaled(radius, share) for share in _SHARES_ON_A_MAP for radius in own)
 

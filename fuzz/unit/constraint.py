@@ -10,8 +10,10 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fuzz.layouts.variation import OVERRIDES, overrides_in
 from fuzz.simplicity import Case
 from sim.options.run import switch_class
+from worldgen.errors import WorldgenError
 from worldgen.world import Robot, Value
 
 FIXED = "fixed"
@@ -31,6 +33,7 @@ class Constraint:
     Args:
         allowed: The quantities in order of their names, each with its values. A quantity is
             ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), ``target_radius`` (m),
+            one of the robot's body, drive or goal (``OVERRIDES`` in :mod:`fuzz.layouts.variation`),
             an option of the motion model or a field of the controller's class. Those of robots hold
             for each robot of a world.
     """
@@ -70,11 +73,7 @@ class Constraint:
 
     def violated_by(self, case: Case) -> tuple[str, ...]:
         """Return the quantities of which a world or the run in it has another value."""
-        return tuple(
-            name
-            for name, values in self.allowed
-            if any(value not in values for value in _values(case, name))
-        )
+        return tuple(name for name, values in self.allowed if not _is_one_of(case, name, values))
 
 
 def _once_each(values: Collection[Value]) -> tuple[Value, ...]:
@@ -84,6 +83,22 @@ def _once_each(values: Collection[Value]) -> tuple[Value, ...]:
         if value not in kept:
             kept.append(value)
     return tuple(kept)
+
+
+def _is_one_of(case: Case, name: str, values: Collection[Value]) -> bool:
+    """Return True if a quantity of a case, if it has that, has one of these values."""
+    if name not in OVERRIDES:
+        return all(value in values for value in _values(case, name))
+    return all(any(_has(robot, name, value) for value in values) for robot in case.world.robots)
+
+
+def _has(robot: Robot, name: str, value: Value) -> bool:
+    """Return True if an option changes nothing about a robot, so that it has this value already."""
+    # A record may come from anywhere.
+    try:
+        return overrides_in({name: value}).applied_to_robot(robot) == robot
+    except WorldgenError:
+        return False
 
 
 def _values(case: Case, name: str) -> list[Any]:

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 
 from worldgen.parameters import Parameter, Written, parameters_of_fields
 from worldgen.parameters.bounds import Bounds
+from worldgen.robot_overrides import RobotOverrides
 
 MOST_ROBOTS = 100
 """Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
@@ -44,8 +45,10 @@ class SearchOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CampaignOptions(SearchOptions):
+class CampaignOptions(SearchOptions, RobotOverrides):
     """Options that define a campaign, but not how long it runs.
+
+    Those of the robot's body, drive and goal hold in all of its worlds.
 
     Args:
         controller: Controller to test; ``+option=value`` changes an option of the run.
@@ -56,8 +59,9 @@ class CampaignOptions(SearchOptions):
             sealed, or a family; may be repeated. docs/explanation/search.md describes them.
         world: Search on this map: with other starts, targets and radii, in windows around its narrow
             places, and with doors closed, boxes, people and moved pieces of the walls.
-        vary: Choose robot_radius, robot_speed, time_step, an option of the motion model or a field
-            of your class at random from these values; list the simplest first. May be repeated.
+        vary: Choose robot_radius, robot_speed, time_step, an option of the robot or of the motion
+            model, or a field of your class at random from these values; list the simplest first.
+            May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
         detour: Count a path longer than RATIO times the witness path as a failure; the same as
             --oracle detour=RATIO.
@@ -94,17 +98,25 @@ class CampaignOptions(SearchOptions):
 
     @classmethod
     def declared(cls) -> tuple[Parameter, ...]:
-        """Return the options: first those that define the campaign, then the others."""
+        """Return the options: those that define the campaign, the robot's, then the others."""
         # Type checkers do not consider the type of a dataclass hashable.
         fields: Any = cls
         found = parameters_of_fields(fields)
-        kept = {option.name for option in parameters_of_fields(SearchOptions)}
-        return tuple(sorted(found, key=lambda option: option.name in kept))
+        later = [
+            {option.name for option in parameters_of_fields(kind)}
+            for kind in (RobotOverrides, SearchOptions)
+        ]
+        return tuple(sorted(found, key=lambda option: [option.name in names for names in later]))
 
     @classmethod
     def named(cls, name: str) -> Parameter:
         """Return one of the options."""
         return next(option for option in cls.declared() if option.name == name)
+
+    @property
+    def robot(self) -> RobotOverrides:
+        """The options of the robot's body, drive and goal."""
+        return RobotOverrides.of(vars(self))
 
     @property
     def asked_oracles(self) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ _WORDS = {
     "other robots": ("neighbours",),
     "clock": ("time",),
     "chance": ("random",),
+    "goal heading": ("goal_heading",),
 }
 """Senses in words, with the fields of an observation that belong to each."""
 

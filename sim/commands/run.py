@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,6 +24,7 @@ from worldgen.cli.output import (
     typed,
     write_out,
 )
+from worldgen.cli.robot_options import apply, robot_options
 from worldgen.errors import InvalidParameter
 from worldgen.support.progress import working
 
@@ -37,6 +38,8 @@ EXAMPLES = (
     "\b\n  worldgen run w.grid --controller turn-right --picture run.png\n"
     "  worldgen run two-robots.grid --controller 1=bug2,2=turn-right\n"
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
+    "  worldgen run w.grid --controller hybrid-car --footprint 0.62x0.9 --drive car --turning-radius "
+    "0.5 --reverse --arrival stop\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 # Steps, 400 MB with a memory of 5,000 numbers: a run of a class that is recorded in any case.
@@ -82,6 +85,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     metavar="OUT",
     help="Save what was sent to a program (cmd:), for use in a debugger.",
 )
+@robot_options
 @json_option
 @force_option
 def run(
@@ -97,6 +101,7 @@ def run(
     transcript: Path | None,
     as_json: bool,
     force: bool,
+    **robot: Any,
 ) -> None:
     """Run a controller in a world and report how it ends.
 
@@ -113,7 +118,8 @@ def run(
     from worldgen.files.grid import read_world
 
     # Read the world and the controllers.
-    world = read_world(path)
+    stored = read_world(path)
+    world = _with_robot(stored, robot)
     duration = RunOptions.time_step if time_step is None else time_step
     common = {"time_step": duration, "seed": seed, "task": task or RunOptions.task}
     scenarios = [
@@ -176,6 +182,17 @@ def run(
         write_out(picture, drawn, force=force)
     if episode.verdict not in ARRIVALS:
         raise SystemExit(1)
+
+
+def _with_robot(stored: World, robot: dict[str, Any]) -> World:
+    """Return the world with the robot that was asked for, and with a proof about that one."""
+    from worldgen.reach import decide
+
+    world = apply(stored, robot)
+    if world is stored or world.certificate is not None or world.unread:
+        return world
+    with working("deciding whether this robot can arrive"):
+        return replace(world, certificate=decide(world).certificate)
 
 
 def _stored_budget(world: World, scenarios: list[Scenario]) -> int | None:

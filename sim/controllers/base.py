@@ -6,6 +6,7 @@ Controllers that are programs are in :mod:`sim.controllers.programs`.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
@@ -79,6 +80,7 @@ class Observation(NamedTuple):
             from straight ahead. Empty unless the controller's ``needs``, such as
             ``RobotOptions(beams=36)``, or an option such as ``+beams=36`` sets their number.
         neighbours: Other robots within range, the nearest first.
+        goal_heading: Heading that the robot must have when it arrives, rad; nan if any will do.
     """
 
     bump: bool
@@ -100,12 +102,13 @@ class Observation(NamedTuple):
     odometry_heading: float
     beams: tuple[float, ...]
     neighbours: tuple[Neighbour, ...] = ()
+    goal_heading: float = math.nan
 
     @classmethod
     def of(cls, array: Floats) -> Observation:
-        """Read the flat array that the core fills."""
+        """Read the flat array, (OBS_SIZE + beams,), that the core fills for a robot of a fleet."""
         values: list[Any] = array.tolist()
-        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]), ())
+        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]), (), math.nan)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
         # The same as _make in half the time, which counts because it runs in every step.
         return tuple.__new__(cls, values)
@@ -113,6 +116,9 @@ class Observation(NamedTuple):
 
 NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
 """Neighbours of robots that do not sense other robots."""
+
+NO_HEADING: Floats = np.zeros(0)
+"""Goal headings of no robots."""
 
 
 class Observations(NamedTuple):
@@ -139,13 +145,15 @@ class Observations(NamedTuple):
     """(n, beams) m, distance to the first wall along each range beam."""
     neighbours: Floats = NO_NEIGHBOURS
     """(n, most, 5 + message) the fields of each :class:`Neighbour`; nan if there is none."""
+    goal_heading: Floats = NO_HEADING
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
-        """Read the rows that the core fills, (n, OBS_SIZE + beams)."""
+        """Read the rows that the core fills, (n, OBS_SIZE + beams + 1)."""
         columns: list[Any] = [array[:, k] for k in range(layout.OBS_SIZE)]
         columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
-        return cls._make([*columns, array[:, layout.OBS_SIZE :], NO_NEIGHBOURS])
+        beams = array[:, layout.OBS_SIZE : layout.OBS_GOAL_HEADING]
+        return cls._make([*columns, beams, NO_NEIGHBOURS, array[:, layout.OBS_GOAL_HEADING]])
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
@@ -153,6 +161,9 @@ DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
 
 The clock is excluded: a controller that reads it never repeats a state, so no loop can be proved.
 """
+
+_COMPILED_SENSES = tuple(name for name in DEFAULT_SENSES if name != "goal_heading")
+"""The same for a function of flat arrays, whose size would otherwise change."""
 
 
 class Command(NamedTuple):
@@ -201,8 +212,9 @@ class CompiledController:
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: True if it uses random numbers.
         senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
-            default it gets all but ``time``, and a step takes up to twice as long. A controller
-            that reads ``time`` never repeats a state, so its loops cannot be proved.
+            default it gets all but ``time`` and ``goal_heading``, and a step takes up to twice as
+            long. A controller that reads ``time`` never repeats a state, so its loops cannot be
+            proved.
         needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. The
             settings of a run take precedence.
         slow: True if a step takes tens of microseconds, like one in Python; a campaign then does
@@ -227,7 +239,7 @@ class CompiledController:
     start_speed: float = 0.0
     thesis_rule: int = 0
     randomised: bool = False
-    senses: tuple[str, ...] = DEFAULT_SENSES
+    senses: tuple[str, ...] = _COMPILED_SENSES
     needs: RobotOptions = _PLAIN
     slow: bool = False
     memory_fields: tuple[MemoryField, ...] = ()
@@ -339,7 +351,7 @@ class VectorController(Protocol):
 
 Controller: TypeAlias = CompiledController | PythonController | VectorController
 
-# Senses that the core computes only on request, because they cost time.
+# Senses that the core computes only on request, because they cost time or room in a flat array.
 _COSTLY_SENSES: dict[str, int] = {
     "bump_bearing": lib.WG_SENSE_BUMP_BEARING,
     "signal": lib.WG_SENSE_SIGNAL,
@@ -353,6 +365,7 @@ _COSTLY_SENSES: dict[str, int] = {
     "odometry_heading": lib.WG_SENSE_ODOMETRY,
     "beams": lib.WG_SENSE_BEAMS,
     "neighbours": lib.WG_SENSE_NEIGHBOURS,
+    "goal_heading": lib.WG_SENSE_GOAL_HEADING,
 }
 
 
@@ -380,7 +393,8 @@ def bits_of(sense: str) -> int:
 
 def senses_of(controller: Controller) -> int:
     """Return the ``WG_SENSE_`` bits of everything that a controller reads."""
-    bits = 0
+    # The rows that a controller outside the core reads always end with the goal's heading.
+    bits = 0 if isinstance(controller, CompiledController) else bits_of("goal_heading")
     for name in getattr(controller, "senses", DEFAULT_SENSES):
         bits |= bits_of(name)
     return bits

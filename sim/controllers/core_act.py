@@ -7,6 +7,7 @@ of its fields from there, so they are listed only once.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -71,6 +72,7 @@ class CoreAct:
         ffi.buffer(seen, OBS_SIZE * _NUMBER)[:] = plain.tobytes()
         seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
         seen.beam_count = beams.size
+        seen.goal_heading = math.nan
         asked = ffi.new("WgCommand *")
         own = (
             ffi.from_buffer("double[]", memory, require_writable=True) if memory.size else ffi.NULL

@@ -23,8 +23,8 @@ enum {
 };
 
 // A controller over flat arrays, as compiled by numba. It takes the first 17 numbers of an
-// observation, then its beams; the memory; and speed, turn rate and whether the random number was
-// used, all zero. A nonzero result means that it failed: the run ends as WG_CRASH.
+// observation, then its beams, the rows of neighbours and the goal's heading if it declares them;
+// the memory; and speed, turn rate and whether the random number was used, all zero. A nonzero result means that it failed: the run ends as WG_CRASH.
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
@@ -63,6 +63,14 @@ typedef struct WgController {
     int64_t memory_size;
 } WgController;
 
+// The state of a body, or of a car, besides its WgState. It follows the controller's memory; a disc that turns
+// on the spot has none.
+typedef struct WgCarriage {
+    // 1 more than the heading of the direction away from the wall that cut its last turn short; 0 if none did
+    int64_t bumped;
+    int64_t steering;  // a car's curvature to the left, 2^-30 of the largest
+} WgCarriage;
+
 // The complete state, with the controller's memory: what a recurrence must repeat, word by word.
 typedef struct WgBody {
     WgState state;
@@ -80,7 +88,9 @@ typedef struct WgOdometry {
 typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
+    WgCarriage *carriage;  // NULL for a disc that turns on the spot
     WgCorner *chain;     // corners of the path of the last step
+    int64_t *chain_headings;  // the heading on the way to each corner; NULL for a disc that turns on the spot
     int64_t corners;     // number of corners
     WgNormal contact;    // contact in the last step
     int64_t touched;     // 1 if the step before touched a wall
@@ -99,6 +109,7 @@ typedef struct WgWorkspace {
     WgCommand command;
     double *beams;   // what observation.beams points to
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
+    int64_t ends_with_goal;  // 1: the goal's heading follows everything else in `flat`
     double *answer;  // (4 + memory,)
     WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
     // rows of neighbours that follow the beams in `flat`; 0 for a single robot
@@ -121,6 +132,7 @@ typedef struct WgRecording {
     int64_t row_count;
     int64_t first_step;   // the step of the first row
     WgPathPoint *path;
+    int64_t *path_headings;  // (path_size,) heading on the way to each point; NULL for a disc that turns on the spot
     int64_t path_size;
     int64_t first_point;  // number of points of the path before it
 } WgRecording;
@@ -183,7 +195,13 @@ WgStatus wg_episode_begin(WgEpisode *episode);
 
 // Records `rows` steps starting with the next one, and their path.
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
-                           int64_t path_size);
+                           int64_t *path_headings, int64_t path_size);
+
+// Words of the WgCarriage that follows a robot's memory; 0 if it has none.
+int64_t wg_carriage_words(const WgSettings *settings);
+
+// Returns how many straight legs a step may have: one, or several for a car.
+int64_t wg_most_legs(const WgSettings *settings);
 
 // Runs at most this many steps, at least one, and for about a tenth of a second.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);

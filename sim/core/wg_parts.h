@@ -43,6 +43,12 @@ typedef struct WgFound {
     int64_t iy;
 } WgFound;
 
+// What stops a turn: a cell, and the direction away from it.
+typedef struct WgStopped {
+    WgFound cell;
+    WgNormal away;
+} WgStopped;
+
 // The progress of a move.
 typedef struct WgMoved {
     int64_t count;  // corners of the path then
@@ -80,7 +86,52 @@ bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 // is inside the cell, the cut is the whole radius deep.
 double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy);
 
+// polygon.c
+
+// Returns true if a body at a pose is clear of every cell in `state`: its inside meets the inside of
+// none.
+bool wg_body_is_clear(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint, int64_t x,
+                      int64_t y, int64_t heading);
+
+// The first cell in `state`, in row order, that a body cuts while it moves along a segment at a
+// heading.
+WgFound wg_body_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint,
+                                WgSegment way, int64_t heading);
+
+// The solid cell nearest to a body at a pose, among those less than `within` lattice units away.
+WgFound wg_body_nearest(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
+                        int64_t heading, double within);
+
+// Returns how deep a body cuts a cell while it moves along a segment at a heading, lattice units: the
+// shortest way in which the hull of the move could be shifted out of the cell. 0 if it does not.
+double wg_body_depth(const int64_t *headings, const WgFootprint *footprint, WgSegment way, int64_t heading, int64_t ix,
+                     int64_t iy);
+
+// Turns a body on the spot, through every heading on the way, as far as it is clear of solid cells.
+//
+// heading:  the body is clear there.
+// turn:     heading units, less than half a turn.
+// stopped:  the solid cell that stops it, and the direction away from it, if one does.
+//
+// Returns how far it turns.
+int64_t wg_clear_turn(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
+                      int64_t heading, int64_t turn, WgStopped *stopped);
+
+// Returns true if a robot, a disc or a body, is clear of every cell in `state` at a pose.
+bool wg_robot_is_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings, int64_t x,
+                       int64_t y, int64_t heading);
+
+// The first cell in `state`, in row order, that a robot cuts along a segment whose first end is assumed to be
+// clear.
+WgFound wg_robot_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings,
+                                 WgSegment way, int64_t heading);
+
 // motion.c
+
+// Moves a body, stopping at walls and sliding along them, like wg_swept_move().
+WgMoved wg_swept_body_move(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t heading,
+                           WgSegment way, double begin, double end, double wall_friction, WgCorner *chain,
+                           int64_t count);
 
 // Moves a disc, stopping at walls and sliding along them.
 //
@@ -95,6 +146,10 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
 // Moves a disc if it is clear at the end of the move, otherwise not at all. Everything in between
 // is ignored, as in most small simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
+
+// The same for a body.
+WgMoved wg_endpoint_body_move(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t heading,
+                              WgSegment way, WgCorner *chain, int64_t count);
 
 // rays.c
 

@@ -18,6 +18,7 @@ enum {
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
     WG_NEAR = 2,            // number of cells that a mask of WgArena.near covers to each side
+    WG_MOST_FOOTPRINT = 16,  // corners of a body
 };
 
 // The state of a cell.
@@ -35,10 +36,27 @@ enum {
     WG_CRASH = 6,
     WG_COVERED = 7,  // the robot's centre has been in every cell of WgArena.wanted
     WG_COLLISION = 8,  // fleets under WG_ENDPOINT only: two robots' paths crossed
+    WG_CONTACT = 9,    // a wall cut a move short, which WG_CONTACT_FAIL forbids
 };
 
 // Motion models on the lattice.
 enum { WG_SWEPT = 0, WG_ENDPOINT = 1 };
+
+// When the robot has arrived. In all cases it heads within the goal's tolerance, if the goal has a
+// heading.
+enum {
+    WG_ARRIVAL_TOUCH = 0,  // its path meets the target's disc
+    WG_ARRIVAL_STEP = 1,   // a step ends in the target's disc
+    // it is in the target's disc when the controller has acted, and hardly moves or turns
+    WG_ARRIVAL_STOP = 2,
+};
+
+// What a wall does to a move that it cuts short.
+enum {
+    WG_CONTACT_SLIDE = 0,  // the robot spends the rest along the wall
+    WG_CONTACT_STOP = 1,   // the rest is lost
+    WG_CONTACT_FAIL = 2,   // the same, and the run ends as WG_CONTACT
+};
 
 // The effect of walls on the target's signal.
 enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
@@ -121,6 +139,14 @@ typedef struct WgOthers {
     int64_t count;
 } WgOthers;
 
+// A convex polygonal body: its corners in the robot's frame, counter-clockwise, lattice units. The
+// origin is the point that the pose is about, x is ahead and y to the left.
+typedef struct WgFootprint {
+    int64_t count;  // corners; 0: the robot is a disc
+    int64_t x[WG_MOST_FOOTPRINT];
+    int64_t y[WG_MOST_FOOTPRINT];
+} WgFootprint;
+
 // The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -157,9 +183,20 @@ typedef struct WgSettings {
     int64_t target_y;
     int64_t target_radius_sq;
 
+    // The rest of the goal.
+    int64_t arrival;            // WG_ARRIVAL_TOUCH, ...
+    int64_t has_goal_heading;   // 1: the goal has a heading
+    int64_t goal_heading;       // heading units
+    int64_t heading_tolerance;  // same
+    int64_t arrival_speed;      // for WG_ARRIVAL_STOP: largest speed, units of speed
+    int64_t arrival_turn;       // and largest turn in a step, heading units
+    int64_t contact;            // WG_CONTACT_SLIDE, ...
+    int64_t reverse;            // 1: a car may drive backwards
+
     // The disc: its squared radius, lattice units; the radius rounded up.
     int64_t clear_sq;
     int64_t reach;
+    WgFootprint footprint;  // its body; then the disc is the smallest about the origin that holds it
 
     // The run.
     int64_t motion;      // WG_SWEPT or WG_ENDPOINT
@@ -197,6 +234,9 @@ typedef struct WgSettings {
     double radians;         // rad per heading unit
     double time_step;       // s
     double top_speed;       // m/s
+    double turning_radius;  // m, of a car; 0: it turns on the spot
+    double turn_per_unit;   // heading units that a car turns, at most, on a lattice unit of its path; 0: it is no car
+    double steering_rate;   // largest change of a car's curvature, as a share of the largest, 1/s
     double radius;          // m, of the robot
     double start_speed;     // m/s during the first step, before the controller has sensed anything
     double tolerance;       // overlap that is not reported, lattice units
@@ -242,7 +282,7 @@ typedef struct WgReport {
     int64_t cells_visited;  // cells that the centre has been in, including the start's
     int64_t cells_left;     // cells that a coverage task still requires
     uint64_t digest;        // rolling FNV-1a hash of every state
-    int64_t hit_step;       // step of a WG_TUNNEL or WG_BURNED; otherwise -1
+    int64_t hit_step;       // step of a WG_TUNNEL, WG_BURNED or WG_CONTACT; otherwise -1
     int64_t hit_ix;
     int64_t hit_iy;
     // WG_SOLID (debris) or WG_BURNING of the cell that ended the run as WG_BURNED

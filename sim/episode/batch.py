@@ -365,7 +365,7 @@ def _fill(
     """Turn the core's reports into results, by the rules of :attr:`sim.outcome.Outcome.verdict`."""
     ending = reports["ending"]
     steps = reports["steps"]
-    decided = (lib.WG_TUNNEL, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
+    decided = (lib.WG_TUNNEL, lib.WG_CONTACT, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
 
     # Later rules override earlier ones: first a spent budget, then an ending of the core, then a
     # cut into a wall, then an event that ends a run in the step in which it happens.

@@ -9,6 +9,7 @@ from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
     CollisionEvidence,
+    ContactEvidence,
     CoveredEvidence,
     Evidence,
     FaultEvidence,
@@ -61,6 +62,8 @@ def describe_evidence(episode: Episode) -> str:
             return f" ({_of_robot(wall.robot)}step {wall.step}, wall cell {wall.cell}{since})"
         case CollisionEvidence(step=step, robots=robots):
             return f" (robots {robots[0]} and {robots[1]} in step {step})"
+        case ContactEvidence(step=step, cell=cell):
+            return f" (step {step}, wall cell {cell})"
         case BurnedEvidence() as burned:
             cause = "fire" if burned.state == CellState.BURNING.word else "debris"
             of_robot = _of_robot(burned.robot)

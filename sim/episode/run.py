@@ -11,6 +11,7 @@ from sim.controllers.catalogue.renewal import as_loaded
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    ContactEvidence,
     CoveredEvidence,
     Evidence,
     FaultEvidence,
@@ -131,6 +132,8 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
     verdict = outcome.verdict
     if verdict in (Verdict.TUNNEL, Verdict.OVERLAP):
         return wall_evidence(outcome)
+    if verdict == Verdict.CONTACT:
+        return ContactEvidence(step=outcome.hit_step, cell=outcome.hit_cell)
     if verdict == Verdict.BURNED:
         return BurnedEvidence(step=outcome.hit_step, cell=outcome.hit_cell, state=outcome.hit_state)
     if verdict == Verdict.COVERED:

@@ -224,7 +224,8 @@ class _Many:
         self._members = {number: fleet.members[number] for number in numbers}
         self._workspaces = {number: Workspace(fleet.members[number]) for number in numbers}
         first = self._workspaces[numbers[0]]
-        self._seen = np.zeros((len(numbers), first.observation.size))
+        # The goal of a robot in a fleet has no heading.
+        self._seen = np.full((len(numbers), first.observation.size + 1), np.nan)
         self._kept = np.zeros((len(numbers), first.memory.size))
         self._command = np.zeros((len(numbers), first.command.size))
         self._asker = Asker(host.controller, self._seen, self._kept, self._command)
@@ -232,7 +233,7 @@ class _Many:
     def ask(self, waiting: list[int]) -> None:
         """Let it act for some of its robots, and pass its answers to the core."""
         for row, number in enumerate(waiting):
-            self._seen[row] = self._workspaces[number].observation
+            self._seen[row, : layout.OBS_GOAL_HEADING] = self._workspaces[number].observation
             self._kept[row] = self._workspaces[number].memory
         self._command[:] = 0.0
         after = np.empty((len(waiting), self._kept.shape[1]))

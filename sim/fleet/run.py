@@ -21,6 +21,7 @@ from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import memory_for
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
+from sim.runners.packing import refuse_unless_plain
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
@@ -103,6 +104,7 @@ class FleetRun:
         controllers: Sequence[Controller | ControllerHost],
         options: Sequence[RunOptions],
     ) -> None:
+        refuse_unless_plain(world, "a run of several robots", "not-for-fleets")
         self.world = world
         self.hosts = own_hosts(controllers)
         memory = memory_for(*controllers)
@@ -396,7 +398,7 @@ class FleetRun:
             outcome = self.runs[number].outcome_of(member, recording, complete, fault)
             if outcome.trace is not None:
                 size = int(member.c.workspace.observation.message_size)
-                outcome = replace(outcome, trace=replace(outcome.trace, message_size=size))
+                outcome = replace(outcome, trace=replace(outcome.trace, after_memory=size))
             members.append(outcome)
         return FleetOutcome(
             ending=ending,

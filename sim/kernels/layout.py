@@ -2,7 +2,9 @@
 
 Such a controller is a function ``act(observation, memory, command)``. The names match those in
 ``worldgen_controller.h``, which gives the meaning and unit of each number: ``OBS_BUMP`` is
-``WgObservation.bump``. The range beams, in metres, follow from index ``OBS_SIZE`` on.
+``WgObservation.bump``. The range beams, in metres, follow from index ``OBS_SIZE`` on; the number
+of them is a setting of the run. A controller that declares the sense ``goal_heading`` finds it
+behind everything else, at ``OBS_GOAL_HEADING``.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ OBS_ODOMETRY_X = place("WgObservation", "odometry_x")
 OBS_ODOMETRY_Y = place("WgObservation", "odometry_y")
 OBS_ODOMETRY_HEADING = place("WgObservation", "odometry_heading")
 OBS_SIZE = place("WgObservation", "beams")
+OBS_GOAL_HEADING = -1
 
 CMD_SPEED = place("WgCommand", "speed")
 CMD_TURN_RATE = place("WgCommand", "turn_rate")

@@ -154,7 +154,7 @@ def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
     Each move adds a few corners: one for the step, one for each event and each push, and every step
     may end in a place that pushes.
     """
-    moves = steps * (2 if settings.place_count else 1) + len(arena.events)
+    moves = steps * (int(lib.wg_most_legs(settings)) + bool(settings.place_count)) + len(arena.events)
     return MOST_CORNERS * (moves + int(settings.push_count))
 
 
@@ -269,17 +269,20 @@ class Workspace:
     Args:
         episode: The episode, a :class:`CoreEpisode` or a robot of a fleet; its ``c`` is a
             WgEpisode.
+        with_goal: Whether the goal's heading is the last number of the observation, if the
+            controller declares it; only for a single robot.
 
     Attributes:
-        observation: (17 + beams,) what the controller observes.
+        observation: (17 + beams,), or one more, what the controller observes.
         memory: (m,) its memory.
         command: (3,) speed, turn rate, and whether the random number was used.
     """
 
-    def __init__(self, episode: Any) -> None:
+    def __init__(self, episode: Any, *, with_goal: bool = False) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
         numbers = OBS_SIZE + int(c.workspace.observation.beam_count)
+        numbers += int(c.workspace.ends_with_goal) if with_goal else 0
         self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
         self.memory = (
             np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
@@ -302,11 +305,14 @@ class EpisodeHandle:
     Attributes:
         c: A WgEpisode.
         words: Words of the robot's complete state.
+        memory: Where the core looks for its arrays.
     """
+
+    memory: CoreMemory = PRIVATE
 
     c: Any
     words: int
-    _recording: tuple[Ints, Ints] | None = None
+    _recording: tuple[Ints, ...] | None = None
 
     @property
     def report(self) -> Any:
@@ -335,13 +341,30 @@ class EpisodeHandle:
                 state.
             path: (points, 4) int64, WgPathPoint.
         """
-        self._recording = (rows, path)
+        headings = PRIVATE.zeros(0, np.int64)
+        if self.c.robot.chain_headings != ffi.NULL:
+            headings = self.memory.zeros(len(path), np.int64)
+        self._recording = (rows, path, headings)
         points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
         check(
             lib.wg_episode_record(
-                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
+                self.c,
+                writable(ffi, rows, np.int64),
+                len(rows),
+                points,
+                writable(ffi, headings, np.int64) if len(headings) else ffi.NULL,
+                len(path),
             )
         )
+
+    def with_headings(self, path: Ints) -> Ints:
+        """Return the path of the recording, with the heading on the way to each point.
+
+        Returns:
+            (points, 5) int64 for a body or a car; ``path`` for a disc that turns on the spot.
+        """
+        headings = np.zeros(0) if self._recording is None else self._recording[2]
+        return np.column_stack((path, headings[: len(path)])) if len(headings) else path
 
 
 class CoreEpisode(EpisodeHandle):
@@ -370,6 +393,7 @@ class CoreEpisode(EpisodeHandle):
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
         # A guarded episode lives in shared memory, so that the other process can continue it.
+        self.memory = arena.memory
         held = (arena.c, settings, driver.c)
         if driver.cage is not None:
             self.c: Any = self._placed(arena, settings, driver, log_steps)

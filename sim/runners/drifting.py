@@ -50,12 +50,12 @@ def with_memory_drift(evidence: BudgetEvidence, trace: Trace) -> BudgetEvidence:
     if trace.memory_at < 0 or trace.steps < 2 * _PERIODS:
         return evidence
     # Pose, speed and used random numbers, all of them whole numbers.
-    moves = trace.states[half:, : trace.memory_at].view(np.int64)
+    moves = trace.moves[half:].view(np.int64)
     period, entry = period_of(moves, 1.0)
     if not period:
         return evidence
 
-    memory = trace.states[half + entry :, trace.memory_at :].view(np.float64)
+    memory = trace.memories[half + entry :]
     # Infinities, such as a distance that is not known yet, differ by nan.
     with np.errstate(invalid="ignore"):
         change = memory[period:] - memory[:-period]

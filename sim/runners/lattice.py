@@ -43,6 +43,7 @@ from sim.runners.core_calls import (
     beam_tables,
     copy_of,
     grid_of,
+    headings,
     memory_for,
     near_masks,
 )
@@ -137,6 +138,16 @@ class LatticeRun:
         if self.options.task != COVER:
             return None
         self.settings.target_radius_sq = -1
+        robot = self.world.robots[0]
+        if robot.footprint or robot.drive.is_car:
+            raise InvalidParameter(
+                "nothing-to-cover",
+                "task=cover is for a disc that turns on the spot, and the cells that a {noun} can "
+                "reach are not known",
+                "omit --task, or cover the world with a disc",
+                at_terminal=True,
+                noun="car" if robot.drive.is_car else "body",
+            )
         wanted = np.ascontiguousarray(reachable_cells(self.world), np.uint8)
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(
@@ -184,14 +195,16 @@ class LatticeRun:
         x = metres_to_lattice(pose.x, side)
         y = metres_to_lattice(pose.y, side)
         grid = grid_of(self._cells)
-        disc = ffi.new("WgDisc *", (settings.clear_sq, settings.reach))[0]
+        heading = heading_to_lattice(pose.heading)
+        table = pointer(ffi, headings(), np.int64)
         near = sorted(
             ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)),
             key=lambda d: (d[0] ** 2 + d[1] ** 2, d),
         )
         for dx, dy in near:
-            if lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x + dx, y + dy):
-                yield x + dx, y + dy, heading_to_lattice(pose.heading)
+            at = (x + dx, y + dy, heading)
+            if lib.wg_robot_is_clear(grid, lib.WG_SOLID, table, settings, *at):
+                yield at
 
     @property
     def last_event_step(self) -> int:
@@ -269,7 +282,8 @@ class LatticeRun:
                 "run it, and fuzz it, before you train it",
                 reason="" if outcome.fault is None else outcome.fault.error,
             )
-        return outcome, ended.state_words()[STATE_WORDS:].view(np.float64)
+        size = int(ended.c.controller.memory_size)
+        return outcome, ended.state_words()[STATE_WORDS : STATE_WORDS + size].view(np.float64)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
@@ -419,6 +433,7 @@ class LatticeRun:
         rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
+        path = episode.with_headings(path)
         if episode.report.ending == lib.WG_CRASH:
             # The failed step is not part of the recording.
             rows = rows[:-1]
@@ -458,7 +473,7 @@ class LatticeRun:
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
-        workspace = Workspace(episode)
+        workspace = Workspace(episode, with_goal=True)
         act = compiled_act(self.controller.act)
         command = np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE)
         try:
@@ -480,19 +495,21 @@ class LatticeRun:
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
         rows = np.zeros((steps + 1, FIRST_OF_STATE + STATE_WORDS), np.int64)
-        path = np.zeros((points, POINT_FIELDS), np.int64)
+        has_headings = lib.wg_carriage_words(settings) > 0
+        path = np.zeros((points, POINT_FIELDS + has_headings), np.int64)
         filled = 0
         for portion in portions(controller, self.arena(), settings, steps):
             steps = portion.first + len(portion.rows) - 1
             new = len(portion.path)
             rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
-            path[filled : filled + new] = portion.path
+            path[filled : filled + new, : portion.path.shape[1]] = portion.path
             filled += new
 
         # Memories are too large to keep, so simulate again and pick the requested ones.
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
             for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
-                memories = states[:, FIRST_OF_STATE + STATE_WORDS :].view(np.float64)
+                first_number = FIRST_OF_STATE + STATE_WORDS
+                memories = states[:, first_number : first_number + size].view(np.float64)
                 begin, end = np.searchsorted(at, (first, first + len(states)))
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])

@@ -92,7 +92,7 @@ class _Group:
         self._arenas: Any = ffi.new("WgArena[]", n)
         self._runs: Any = ffi.new("WgRun[]", n)
         self._slots: Any = ffi.new("WgRun *[]", [self._runs + k for k in range(n)])
-        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams), np.nan)
+        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams + 1), np.nan)
         self.memory = np.zeros((n, len(memory)))
         self.command = np.zeros((n, 3))
 

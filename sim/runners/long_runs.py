@@ -29,7 +29,7 @@ class Portion(NamedTuple):
     Args:
         first: Number of the first of these steps; the start is step 0.
         rows: (n, 1 + words) int64, whether a wall was touched, then the state.
-        path: (m, 4) int64, WgPathPoint.
+        path: (m, 4) int64, WgPathPoint; a fifth column for a body or a car has the headings.
     """
 
     first: int
@@ -72,4 +72,4 @@ def portions(
         if episode.report.ending == lib.WG_CRASH:
             count -= 1  # The failed step is not part of the recording.
             points -= int(episode.c.robot.corners)
-        yield Portion(done + 1, rows[:count], path[:points])
+        yield Portion(done + 1, rows[:count], episode.with_headings(path)[:points])

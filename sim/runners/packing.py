@@ -5,8 +5,19 @@ from __future__ import annotations
 import functools
 import math
 
-from worldgen.errors import InvalidWorld
-from worldgen.lattice import UNIT, clear_distance_sq, exact, in_cells, radius_in_cells
+import numpy as np
+
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.lattice import (
+    UNIT,
+    clear_distance_sq,
+    exact,
+    footprint_on_lattice,
+    in_cells,
+    radius_in_cells,
+)
+from worldgen.robot_overrides import describe_body
+from worldgen.support.arrays import Ints
 from worldgen.timeline import Event
 from worldgen.world import World
 
@@ -15,9 +26,25 @@ STEP_TIME = 1 << 32
 
 
 def disc_numbers(world: World) -> tuple[int, int]:
-    """Return the disc's squared clear distance, lattice units squared, and its root, rounded up."""
+    """Return the disc's squared clear distance, lattice units squared, and its root, rounded up.
+
+    For a body, it is a disc about the axle that holds it at every heading.
+    """
+    body = body_of(world)
+    if len(body):
+        # The table of headings may put a corner a few thousandths of a unit farther away.
+        reach = math.isqrt(int((body * body).sum(axis=1).max())) + 2
+        return reach * reach, reach
     clear_sq = clear_distance_sq(radius_in_cells(world))
     return clear_sq, math.isqrt(clear_sq - 1) + 1
+
+
+def body_of(world: World) -> Ints:
+    """Return (k, 2) int64, the corners of the robot's body in lattice units; none for a disc."""
+    footprint = world.robots[0].footprint
+    if not footprint:
+        return np.zeros((0, 2), np.int64)
+    return footprint_on_lattice(footprint, world.cell_size)
 
 
 def target_sq(world: World) -> int:
@@ -28,6 +55,16 @@ def target_sq(world: World) -> int:
 
 def start_overlaps(world: World) -> InvalidWorld:
     """Return the error for a robot that does not fit at its start."""
+    if world.robots[0].footprint:
+        return InvalidWorld(
+            "start-in-wall",
+            "start ({x:g}, {y:g}) m at heading {heading:.4g} rad: the robot's body overlaps a wall "
+            "there",
+            "move or turn the start, or make the body smaller",
+            x=world.start.x,
+            y=world.start.y,
+            heading=world.start.heading,
+        )
     return InvalidWorld(
         "start-in-wall",
         "start ({x:g}, {y:g}) m: the robot of radius {robot_radius:g} m overlaps a wall there",
@@ -36,6 +73,30 @@ def start_overlaps(world: World) -> InvalidWorld:
         y=world.start.y,
         robot_radius=world.robot_radius,
     )
+
+
+def refuse_unless_plain(world: World, who: str, code: str) -> None:
+    """Raise an error if some robot is not a disc that turns on the spot to touch its target.
+
+    Args:
+        world: The world.
+        who: What is only for such robots, such as ``stepped``.
+        code: The error's code.
+
+    Raises:
+        InvalidParameter: If there is such a robot.
+    """
+    for number, robot in enumerate(world.robots, start=1):
+        if not robot.is_plain:
+            raise InvalidParameter(
+                code,
+                "robot {number} is a {body}, and {who} is only for discs that turn on the spot, "
+                "slide along walls and have to touch their targets",
+                "use swept or endpoint in a world of one robot",
+                number=number,
+                body=describe_body(robot) + ("" if robot.target.is_plain else " with its own goal"),
+                who=who,
+            )
 
 
 def event_step(event: Event, time_step: float) -> int:

@@ -109,5 +109,5 @@ def _run(
 
     # A step in which the controller fails is not part of the recording.
     done = max(int(episode.report.steps) - (fault is not None), 0)
-    written = path[: int(episode.report.points)]
+    written = episode.with_headings(path)[: int(episode.report.points)]
     return PythonRun(episode, (rows[: done + 1], written[written[:, 0] > 0]), complete, fault)

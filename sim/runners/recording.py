@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from sim._core import ffi
 from sim.options.run import RunOptions
 from sim.runners.core_calls import STATE_WORDS
 from sim.runners.packing import STEP_TIME
@@ -19,8 +20,10 @@ from worldgen.world import World
 _BUMP = 0
 FIRST_OF_STATE = 1
 _HEADING = 2  # index in a state, after x and y
-_POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
+_POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y, _POINT_HEADING = range(5)
 POINT_FIELDS = 4
+# Words of a WgCarriage.
+_CARRIAGE = ffi.sizeof("WgCarriage") // 8
 
 
 def trace_of(
@@ -32,19 +35,20 @@ def trace_of(
         world: The world that the robot drove in.
         options: Options of the run.
         rows: (n + 1, 1 + w) the start and each step: whether a wall was touched, then the state.
-        path: (p, 4) points of the path: step, time within it in 1 / ``STEP_TIME``, x and y.
+        path: (p, 4) points of the path: step, time within it in 1 / ``STEP_TIME``, x and y. For a
+            body or a car, (p, 5): and the heading on the way to it.
         complete: Whether the state alone decides the future.
         lean: Whether the states lack the controller's memory.
     """
     states = rows[:, FIRST_OF_STATE:]
     side = world.cell_size
-    turned = states[:, _HEADING]
     way = _with_stands(rows, path)
+    has_headings = path.shape[1] > POINT_FIELDS
     return Trace(
         time_step=options.time_step,
         x=_metres(states[:, 0], side),
         y=_metres(states[:, 1], side),
-        heading=np.where(turned > TURN // 2, turned - TURN, turned) * (2.0 * math.pi / TURN),
+        heading=_radians(states[:, _HEADING]),
         bump=rows[:, _BUMP] != 0,
         path_x=_metres(way[:, _POINT_X], side),
         path_y=_metres(way[:, _POINT_Y], side),
@@ -54,6 +58,8 @@ def trace_of(
         states=np.ascontiguousarray(states).view(np.uint64),
         complete=complete and not lean,
         memory_at=-1 if lean else STATE_WORDS,
+        after_memory=_CARRIAGE if has_headings and not lean else 0,
+        path_heading=_radians(way[:, _POINT_HEADING]) if has_headings else np.zeros(0),
         robot=options.robot,
         task=options.task,
     )
@@ -65,12 +71,19 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
     np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
     last[0] = -1  # Reserve a point for the start too.
     stands = np.flatnonzero(last < STEP_TIME)
-    ends = np.empty((len(stands), POINT_FIELDS), np.int64)
+    ends = np.zeros((len(stands), path.shape[1]), np.int64)
     ends[:, _POINT_STEP] = stands
     ends[:, _POINT_TIME] = np.where(stands > 0, STEP_TIME, 0)
     ends[:, _POINT_X] = rows[stands, FIRST_OF_STATE]
     ends[:, _POINT_Y] = rows[stands, FIRST_OF_STATE + 1]
     whole = np.concatenate([path, ends])
+    if path.shape[1] > POINT_FIELDS:
+        # It stands at the heading of the last move of the step, or as it was before the step.
+        moved = np.searchsorted(path[:, _POINT_STEP], stands, side="right") - 1
+        before = rows[np.maximum(stands - 1, 0), FIRST_OF_STATE + _HEADING]
+        has_moved = (moved >= 0) & (path[moved, _POINT_STEP] == stands) if len(path) else False
+        last_heading = path[moved, _POINT_HEADING] if len(path) else before
+        whole[len(path) :, _POINT_HEADING] = np.where(has_moved, last_heading, before)
     return whole[np.lexsort((whole[:, _POINT_TIME], whole[:, _POINT_STEP]))]
 
 
@@ -94,6 +107,12 @@ def _words(rows: Ints, path: Ints) -> Words:
     for k in range(rows.shape[1] - 1):
         words[places[kinds == 2] + k] = rows[1:, FIRST_OF_STATE + k]
     return words.view(np.uint64)
+
+
+def _radians(units: Ints) -> Floats:
+    """Return headings in (-pi, pi]."""
+    signed = np.where(units > TURN // 2, units - TURN, units)
+    return signed * (2.0 * math.pi / TURN)
 
 
 def _metres(units: Ints, cell_size: float) -> Floats:

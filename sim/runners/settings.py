@@ -16,15 +16,34 @@ from sim.options.robot import SIGNALS, RobotOptions
 from sim.options.run import RunOptions
 from sim.runners.controller_host import ControllerHost
 from sim.runners.core_calls import headings
-from sim.runners.packing import disc_numbers, target_sq
+from sim.runners.packing import body_of, disc_numbers, target_sq
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import TURN, UNIT, exact, heading_to_lattice, in_cells, metres_to_lattice
+from worldgen.lattice import (
+    TURN,
+    UNIT,
+    exact,
+    heading_to_lattice,
+    in_cells,
+    metres_to_lattice,
+    turn_to_lattice,
+)
 from worldgen.support.arrays import Ints
 from worldgen.support.ccall import pointer
 from worldgen.world import World
 
 _PUSH_FIELDS = 6  # fields of a WgPush
 _SCALE_BITS = 30  # scale of the table of headings
+_FASTEST = 1 << 62  # units of speed, more than any robot has
+_ARRIVALS = {
+    "touch": lib.WG_ARRIVAL_TOUCH,
+    "step": lib.WG_ARRIVAL_STEP,
+    "stop": lib.WG_ARRIVAL_STOP,
+}
+_CONTACTS = {
+    "slide": lib.WG_CONTACT_SLIDE,
+    "stop": lib.WG_CONTACT_STOP,
+    "fail": lib.WG_CONTACT_FAIL,
+}
 _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic comes near the limit of 64 bits
 
 
@@ -43,9 +62,14 @@ def fill_settings(settings: Any, world: World, host: ControllerHost, options: Ru
     # Target and disc, in lattice units.
     step = options.time_step
     settings.clear_sq, settings.reach = disc_numbers(world)
+    body = body_of(world)
+    settings.footprint.count = len(body)
+    settings.footprint.x[0 : len(body)] = body[:, 0].tolist()
+    settings.footprint.y[0 : len(body)] = body[:, 1].tolist()
     settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
     settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
     settings.target_radius_sq = target_sq(world)
+    _fill_goal(settings, world, step)
     motion = MOTIONS.get(options.motion)
     settings.motion = motion.code
     settings.seed = options.seed
@@ -60,8 +84,38 @@ def fill_settings(settings: Any, world: World, host: ControllerHost, options: Ru
     settings.radius = world.robot_radius
     settings.tolerance = motion.overlap_tolerance * UNIT
     settings.start_speed = min(host.start_speed, world.robot_speed)
+    _fill_drive(settings, world)
     _fill_dynamics(settings, options)
     _fill_sensors(settings, options, senses_of(host.controller))
+
+
+def _fill_drive(settings: Any, world: World) -> None:
+    """Fill in what a car can do; by default a robot is none."""
+    drive = world.robots[0].drive
+    settings.reverse = int(drive.reverse)
+    settings.steering_rate = drive.steering_rate or math.inf
+    if drive.is_car:
+        settings.turning_radius = drive.turning_radius
+        settings.turn_per_unit = settings.metres / drive.turning_radius * (TURN / (2.0 * math.pi))
+
+
+def _fill_goal(settings: Any, world: World, time_step: float) -> None:
+    """Fill in what the goal asks for besides its place, and what a wall does to a move.
+
+    The limits are exact and rounded down, so that nothing above them counts.
+    """
+    robot = world.robots[0]
+    goal = robot.target
+    settings.arrival = _ARRIVALS[goal.arrival]
+    settings.contact = _CONTACTS[robot.contact]
+    settings.has_goal_heading = int(goal.heading is not None)
+    if goal.heading is not None:
+        settings.goal_heading = heading_to_lattice(goal.heading)
+        settings.heading_tolerance = min(turn_to_lattice(goal.heading_tolerance), TURN)
+    cells = in_cells(goal.arrival_speed, world.cell_size) * exact(time_step)
+    settings.arrival_speed = min(math.floor(cells * UNIT * lib.WG_SPEED_UNIT), _FASTEST)
+    turn = turn_to_lattice(exact(goal.arrival_turn_rate) * exact(time_step))
+    settings.arrival_turn = min(turn, TURN)
 
 
 def _fill_dynamics(settings: Any, options: RunOptions) -> None:

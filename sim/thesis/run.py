@@ -26,7 +26,7 @@ from sim.options.thesis import ARBITERS, ThesisOptions
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.controller_host import host_of
 from sim.runners.drifting import period_of
-from sim.runners.packing import disc_numbers, event_step, start_overlaps
+from sim.runners.packing import disc_numbers, event_step, refuse_unless_plain, start_overlaps
 from sim.thesis.core_calls import (
     CELL,
     STATE_FIELDS,
@@ -92,6 +92,7 @@ class ThesisRun:
                 at_terminal=True,
                 name=options.motion,
             )
+        refuse_unless_plain(world, "stepped", "not-for-stepped")
         self.world = world
         self.options = options
         check_step_length(world, options.time_step, Fraction(0))

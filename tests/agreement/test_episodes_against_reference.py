@@ -1,9 +1,11 @@
 """Whole runs of the core match the plain-Python reference bit for bit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sim import CompiledController, RobotOptions, RunOptions
+from sim import CompiledController, RobotOptions, RunOptions, simulate
 from sim._core import lib
 from sim.episode import prepare
 from sim.runners.core_calls import CoreEpisode, Driver, most_points
@@ -49,6 +51,14 @@ ROBOTS = {
         "signal": "weakened",
         "sensor_field": 3.0,
     },
+}
+GOALS = {
+    "touch with a heading": {"heading": 1.2, "heading_tolerance": 0.9},
+    "step": {"arrival": "step"},
+    "step with a heading": {"arrival": "step", "heading": -2.9, "heading_tolerance": 1.5},
+    "stop": {"arrival": "stop", "arrival_speed": 1.5, "arrival_turn_rate": 4.0},
+    "stop at walls": {"arrival": "step", "contact": "stop"},
+    "no contact": {"contact": "fail"},
 }
 WORLDS = {"cup": cup, "burning": burning, "trap": lambda: generate("trap", 3)}
 
@@ -123,6 +133,34 @@ def prepared(world, name, motion, robot, *, digest, task="target"):
 @pytest.mark.parametrize("world", WORLDS.values(), ids=WORLDS)
 def test_a_recorded_run_is_that_of_the_reference(world, robot, motion):
     assert_the_same(prepared(world(), "turn-random", motion, robot, digest=True), recorded=True)
+
+
+def with_goal(world, **goal):
+    """The world, with a larger target, so that more runs arrive, and another goal there."""
+    return replace(world, target=replace(world.target, radius=4 * world.cell_size, **goal))
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("robot", ["plain", "heavy", "pushed"])
+@pytest.mark.parametrize("goal", GOALS.values(), ids=GOALS)
+def test_a_run_to_any_goal_is_that_of_the_reference(goal, robot, motion):
+    for world in WORLDS.values():
+        run = prepared(
+            with_goal(world(), **goal), "turn-random", motion, ROBOTS[robot], digest=True
+        )
+        assert_the_same(run, recorded=True)
+
+
+def test_the_runs_to_other_goals_arrive_loop_and_touch_walls():
+    seen = set()
+    for goal in GOALS.values():
+        for world in WORLDS.values():
+            for name in ("turn-random", "turn-left"):
+                found = with_goal(world(), **goal)
+                seen.add(
+                    (goal.get("arrival"), simulate(found, name, steps=STEPS, time_step=0.1).verdict)
+                )
+    assert {(None, "contact"), (None, "reached"), ("step", "reached"), ("stop", "reached")} <= seen
 
 
 @pytest.mark.parametrize("digest", [True, False])

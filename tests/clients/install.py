@@ -34,6 +34,7 @@ PACKAGES = {
     "irsim": ["ir-sim>=2.12"],
     "minigrid": ["minigrid>=3.0"],
     "mujoco": ["mujoco>=3.2"],
+    "ompl": ["ompl>=2.0"],
     "pogema": ["pogema==1.4.0"],
     "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
     "pybullet": ["numpy>=1.26", "pybullet>=3.2.7"],

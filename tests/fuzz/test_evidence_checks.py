@@ -233,3 +233,130 @@ def test_the_budget_is_said_in_steps_and_in_times_of_the_witness():
         describe_evidence(spent(Stands())[1])
         == " (no new cell after step 0 of 4000, 30.0 times the witness's time)"
     )
+
+
+# Goals that ask for more than a touch.
+
+
+class TurnsThere(Ahead):
+    """Drives to the target's place, then turns to a heading and stops."""
+
+    senses = ("x", "heading", "goal_heading", "time_step")
+
+    def __init__(self, turn=1.0, speed=0.0):
+        self.turn, self.speed = turn, speed
+
+    def act(self, observation, memory):
+        if observation.x < 2.0:
+            return Command(1.0, 0.0), memory
+        off = math.remainder(observation.goal_heading - observation.heading, math.tau)
+        turn = max(-self.turn, min(self.turn, off / observation.time_step))
+        return Command(self.speed if abs(off) < 1e-4 else 0.0, turn), memory
+
+
+def to_goal(motion="swept", controller=None, **goal):
+    target = Target(2.05, 0.45, 0.05, **{"heading": 0.7, **goal})
+    world = World(np.zeros((9, 30), bool), Pose(0.45, 0.45, 0.0), target)
+    return world, run(world, motion, controller or TurnsThere())
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("arrival", ["touch", "step", "stop"])
+def test_an_arrival_as_the_goal_asks_holds(arrival, motion):
+    world, episode = to_goal(motion, arrival=arrival)
+    assert episode.verdict == "reached"
+    model = MOTIONS.get(motion)
+    assert check_evidence("reached", world, episode.trace, episode.evidence, model) == ""
+
+
+@pytest.mark.parametrize(
+    ("goal", "change", "message"),
+    [
+        pytest.param({}, {"heading": 2.0}, "exceeds the goal's tolerance by 1.", id="heading"),
+        pytest.param({"arrival": "step"}, {"x": 1.8}, "away from the target", id="place"),
+        pytest.param(
+            {"arrival": "step", "heading_tolerance": 1.0},
+            {"arrival": "stop"},
+            "the robot drives at 1 m/s",
+            id="speed",
+        ),
+        pytest.param(
+            {"arrival": "stop", "arrival_turn_rate": 2.0},
+            {"arrival_turn_rate": 0.5},
+            "the robot turns at 0.997",
+            id="turn",
+        ),
+        pytest.param({"arrival": "stop"}, {"x": 1.8}, "away from the target", id="stops-elsewhere"),
+    ],
+)
+def test_an_arrival_that_the_goal_does_not_accept_is_refused(goal, change, message):
+    world, episode = to_goal(**goal)
+    assert episode.verdict == "reached"
+    other = replace(world, target=replace(world.target, **change))
+    assert message in check_evidence("reached", other, episode.trace, episode.evidence, SWEPT)
+
+
+def endless(**goal):
+    """A robot that turns around for good at its target, recorded for two periods."""
+    target = Target(0.45, 0.45, 0.05, **goal)
+    world = World(np.zeros((9, 9), bool), Pose(0.45, 0.45, 0.0), target)
+    options = RunOptions(steps=5000, time_step=0.1)
+    episode = simulate(world, Spins(), options)
+    assert episode.verdict == "loop"
+    entry, period = episode.evidence.entry, episode.evidence.period
+    longer = prepare(world, Spins(), options).run(entry + 2 * period, find_loop=False, record=True)
+    return world, episode, longer.trace
+
+
+class Spins(Ahead):
+    """Turns around the same way for good, by 90 degrees in each step."""
+
+    def act(self, observation, memory):
+        return Command(0.0, math.pi / 2 / observation.time_step), memory
+
+
+@pytest.mark.parametrize(
+    ("goal", "change"),
+    [
+        pytest.param({"heading": 0.8}, {"heading": 1.6}, id="touch"),
+        pytest.param({"heading": 0.8, "arrival": "step"}, {"heading": 1.6}, id="step"),
+        pytest.param({"arrival": "stop"}, {"arrival_turn_rate": 20.0}, id="stop"),
+        pytest.param({"arrival": "stop", "heading": 0.8}, {"arrival": "touch"}, id="any"),
+    ],
+)
+def test_a_loop_holds_only_if_the_robot_never_arrives_in_it(goal, change):
+    world, episode, trace = endless(**goal)
+    assert check_evidence("loop", world, trace, episode.evidence, SWEPT) == ""
+    heading = {} if "heading" in change else {"heading": None}
+    other = replace(world, target=replace(world.target, **{**heading, **change}))
+    wrong = check_evidence("loop", other, trace, episode.evidence, SWEPT)
+    assert "arrives within the loop" in wrong or "passes through the target" in wrong
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+def test_a_contact_is_where_a_step_was_to_lead_into_a_wall(motion):
+    world = wall_world()
+    world = replace(world, target=replace(world.target, contact="fail"))
+    episode = run(world, motion, time_step=0.03)
+    assert (episode.verdict, episode.evidence.cell) == ("contact", (12, 5))
+    model = MOTIONS.get(motion)
+    trace, evidence = episode.trace, episode.evidence
+    assert check_evidence("contact", world, trace, evidence, model) == ""
+    for change, message in (
+        ({"step": evidence.step - 1}, "does not end in step"),
+        ({"cell": (11, 5)}, "is not solid"),
+        ({"cell": (12, 9)}, "away from cell" if motion == "swept" else "was to pass cell"),
+    ):
+        wrong = check_evidence("contact", world, trace, replace(evidence, **change), model)
+        assert message in wrong
+    slides = replace(world, target=replace(world.target, contact=None))
+    assert "does not forbid" in check_evidence("contact", slides, trace, evidence, model)
+    assert describe_evidence(episode) == f" (step {evidence.step}, wall cell (12, 5))"
+
+
+def test_no_verdict_holds_after_a_contact_that_the_goal_forbids():
+    world, episode, trace = loop_and_longer()
+    assert trace.bump.any()
+    strict = replace(world, target=replace(world.target, contact="fail"))
+    wrong = check_evidence("loop", strict, trace, episode.evidence, SWEPT)
+    assert wrong == f"the robot touches a wall in step {int(trace.bump.argmax())}"

@@ -6,6 +6,7 @@ from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
     CollisionEvidence,
+    ContactEvidence,
     CoveredEvidence,
     FaultEvidence,
     JointLoopEvidence,
@@ -41,6 +42,7 @@ EACH = {
     Verdict.TIMEOUT: BudgetEvidence(last_new_cell=90, witness_multiple=50.0),
     Verdict.TUNNEL: WallEvidence(step=7, cell=(-1, 3), cause="slide", since=6, reached=9),
     Verdict.OVERLAP: WallEvidence(step=7, cell=(2, 3)),
+    Verdict.CONTACT: ContactEvidence(step=2, cell=(-1, 4)),
     Verdict.BURNED: BurnedEvidence(step=2, cell=(4, 4), state="burning", robot=2),
     Verdict.CRASH: FaultEvidence(
         error="exit code 1", exit_code=1, step=2, stderr=("a", "b"), frames=FRAMES, bump=True

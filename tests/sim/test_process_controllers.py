@@ -4,6 +4,7 @@ The protocol, every kind of misbehaviour, and that no process is left behind.
 """
 
 import json
+import math
 import re
 import select
 import shutil
@@ -11,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -348,7 +350,7 @@ def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
     assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
 
 
-def heard(tmp_path, steps):
+def heard(tmp_path, steps, world=None):
     """Return the lines that a program gets in two episodes, and how often it was started."""
     log = tmp_path / "log"
     code = SERVE.replace("AT", "0").replace(
@@ -358,7 +360,7 @@ def heard(tmp_path, steps):
         [*PYTHON, f"open(__import__('sys').argv[1], 'a').write('start\\n')\n{code}", str(log)]
     ) as one:
         for _ in range(2):
-            simulate(arena(), one, RunOptions(steps=steps))
+            simulate(world or arena(), one, RunOptions(steps=steps))
     return log.read_text().splitlines()
 
 
@@ -387,8 +389,16 @@ def test_a_program_is_told_what_a_python_controller_sees_to_the_last_bit(tmp_pat
 
     simulate(arena(), listens := Listens(), RunOptions(steps=20))
     told = [json.loads(line) for line in heard(tmp_path, steps=20)[2:22]]
-    assert [tuple(line) for line in told] == 20 * [Observation._fields[:-1]]
-    assert [(*list(line.values())[:-1], tuple(line["beams"]), ()) for line in told] == listens.seen
+    assert [tuple(line) for line in told] == 20 * [Observation._fields[:-2]]
+    seen = [observation[:-1] for observation in listens.seen]
+    assert [(*list(line.values())[:-1], tuple(line["beams"]), ()) for line in told] == seen
+
+
+def test_a_program_is_told_the_heading_of_its_goal(tmp_path):
+    goal = replace(arena().target, heading=1.25, radius=0.001)
+    told = heard(tmp_path, steps=2, world=replace(arena(), target=goal))
+    headings = [json.loads(line).get("goal_heading") for line in told[1:]]
+    assert headings == 2 * [None, *(2 * [pytest.approx(1.25, abs=math.pi / 65536)])]
 
 
 def test_after_a_failure_the_next_episode_has_a_program_of_its_own(tmp_path):

@@ -257,7 +257,7 @@ def test_the_layout_of_columns_is_that_of_numbers():
 
         def act_many(self, observation, memory):
             return Commands(1.0, 0.5), np.stack(
-                [np.nan_to_num(column) for column in observation[1:-2]], axis=1
+                [np.nan_to_num(column) for column in observation[1 : layout.OBS_SIZE]], axis=1
             )
 
     trace = simulate(arena(), Keeps(), steps=5, record=True).trace

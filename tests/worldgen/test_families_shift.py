@@ -73,7 +73,8 @@ def test_times_are_the_decimals_that_they_mean():
 @given(SEEDS, OVER)
 def test_the_targets_cells_stay_as_they_are(seed, over):
     world = layout(seed, over=over, size=12, chance=1.0, duration=300.0)
-    x, y, radius = (value / world.cell_size for value in dataclasses.astuple(world.target))
+    goal = world.target
+    x, y, radius = (value / world.cell_size for value in (goal.x, goal.y, goal.radius))
     for event in world.timeline:
         dx = max(event.ix - x, x - event.ix - 1, 0.0)
         dy = max(event.iy - y, y - event.iy - 1, 0.0)

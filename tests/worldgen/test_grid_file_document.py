@@ -29,21 +29,21 @@ WORDS = [
     *schema.HEADER_KEYS,
     *(key for keys in schema.TABLE_KEYS.values() for key in keys),
     *schema.ROBOT_KEYS,
-    *(key for keys in schema.FLEET_TABLE_KEYS.values() for key in keys),
+    *(key for keys in schema.TABLES_TABLE_KEYS.values() for key in keys),
     *(f"[{table}]" for table in schema.TABLE_KEYS),
     *(f"%{section}" for section in schema.SECTIONS),
     *schema.STATES,
     *(section.form for section in schema.LINE_SECTIONS.values()),
-    *(section.form for section in schema.FLEET_LINE_SECTIONS.values()),
-    *(schema.SOLID, schema.FREE, schema.START, schema.TARGET, schema.MAGIC, schema.FLEET_MAGIC),
+    *(section.form for section in (schema.ROBOTS_WITNESS, schema.HEADING_WITNESS, schema.BODY_CUT)),
+    *(schema.SOLID, schema.FREE, schema.START, schema.TARGET, schema.MAGIC, schema.TABLES_MAGIC),
 ]
 
 
-def test_the_document_has_three_examples():
-    assert len(EXAMPLES) == 3
+def test_the_document_has_four_examples():
+    assert len(EXAMPLES) == 4
 
 
-@pytest.mark.parametrize("text", EXAMPLES, ids=["complete", "drawn", "fleet"])
+@pytest.mark.parametrize("text", EXAMPLES, ids=["complete", "drawn", "fleet", "body"])
 def test_an_example_is_a_world_that_survives_writing(text):
     world = loads(text.encode())
     assert loads(dumps(world)) == world
@@ -78,7 +78,12 @@ def test_no_limit_of_the_code_is_left_out_above():
 
 
 def test_the_form_of_a_line_fits_its_example():
-    for section in (*schema.LINE_SECTIONS.values(), schema.FLEET_WITNESS):
+    for section in (
+        *schema.LINE_SECTIONS.values(),
+        schema.ROBOTS_WITNESS,
+        schema.HEADING_WITNESS,
+        schema.BODY_CUT,
+    ):
         words = section.example.encode().split(b" ")
         assert all(re.fullmatch(f.pattern, w) for f, w in zip(section.fields, words, strict=True))
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
+from worldgen.cli.declared_options import declared_options
 from worldgen.cli.output import (
     PATH,
     draw_seed,
@@ -20,6 +21,7 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
+from worldgen.cli.robot_options import note_axle
 from worldgen.cli.set_output import Output, make_many
 from worldgen.cli.usage import ConditionalCommand, missing
 from worldgen.cli.wanted_worlds import (
@@ -68,12 +70,15 @@ def command_of(made_by: Family, name: str) -> click.Command:
         as_json: bool,
         **params: Any,
     ) -> None:
+        # A body decides the sizes that are not given.
+        params = given_parameters(params)
+        note_axle(made_by.overrides(params))
         # Search for a world with the requested properties, or make one, or a set of them.
         place = _set_place(count, out)
         to = Output(out, None if place is None else count, metrics, force, as_json)
         if where is not None or difficulty is not None:
             query = WorldQuery(where, difficulty)
-            make_wanted(made_by, name, seed, given_parameters(params), query, to)
+            make_wanted(made_by, name, seed, params, query, to)
         elif place is None:
             _make_one(made_by, draw_seed(seed), params, to)
         else:
@@ -91,6 +96,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         seed_option,
     ):
         command = decorate(command)
+    command = declared_options(made_by.robot_parameters)(command)
     for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
     epilog = _EXAMPLES.format(name=name)
@@ -177,12 +183,22 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
     emit_data(text)
     note(
         (f"{out}: " if out is not None else "")
-        + f"{made_by.name} {world.width} x {world.height} cells, "
+        + f"{made_by.name} {world.width} x {world.height} cells{_for_robot(world)}, "
         + (f"{len(world.robots)} robots, joint " if world.is_fleet else "")
         + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
     if to.as_json:
         emit_json({**_identity(made_by, seed, params), **result})
+
+
+def _for_robot(world: World) -> str:
+    """Return the size of the cells and the robot, if they were chosen to suit its body."""
+    from worldgen.robot_overrides import describe_body
+
+    robot = world.robots[0]
+    if robot.is_disc and not robot.drive.is_car:
+        return ""
+    return f" of {world.cell_size:g} m for a {describe_body(robot)}"
 
 
 def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str, Any]:

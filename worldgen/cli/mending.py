@@ -117,9 +117,14 @@ def corrected_value(
     """Return the words of a command without the value that it refused; None if unknown.
 
     The error says what to write instead: its facts hold the text that came as ``name`` and the
-    right one as ``near``, or the bounds of a number. A file is its ``source`` or ``path``.
+    right one as ``near``, the bounds of a number, or the options that the command ``needs``. A file
+    is its ``source`` or ``path``.
     """
-    changed = _clamped(error, group, words) or _renamed(error, group, list(words))
+    changed = (
+        _clamped(error, group, words)
+        or _completed(error, group, words)
+        or _renamed(error, group, list(words))
+    )
     if changed is None or changed == list(words):
         return None
     fault = first_fault(group, changed)
@@ -135,13 +140,23 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
         command = accepted_command(group, words)
         suffixes = () if command is None else command.suffixes()
         meant = other_file(came, error.code, suffixes) if came else ""
-    if isinstance(came, str) and "," in came and words[:1] == ["run"]:
+    if isinstance(came, str) and "," in came and _is_controller(came, group, words):
         return ["compare", *words[1:]]
-    if not (isinstance(came, str) and isinstance(meant, str) and came and meant) or ":" in came:
+    # Classes in files are mended like other names, unless the error is about a whole value.
+    if not (isinstance(came, str) and isinstance(meant, str) and came and meant):
+        return _polished(group, words)
+    if ":" in came and came not in words:
         return _polished(group, words)
     # Only whole names are replaced, not parts of longer ones.
     pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w/-])")
     return [pattern.sub(lambda _: meant, word) for word in words]
+
+
+def _is_controller(text: str, group: click.Group, words: Sequence[str]) -> bool:
+    """Return True if a text is the controller of a run."""
+    command = accepted_command(group, words) if words[:1] == ["run"] else None
+    parts = [] if command is None else command.parts
+    return any(one.value == text and one.flag == "--controller" for one in parts)
 
 
 def _clamped(error: WorldgenError, group: click.Group, words: Sequence[str]) -> list[str] | None:
@@ -164,6 +179,18 @@ def _clamped(error: WorldgenError, group: click.Group, words: Sequence[str]) -> 
         text = next((one for one in usual if float(one) > 0), "1")
     end = at + (1 if "=" in words[at] else 2)
     return [*words[:at], flag, text, *words[end:]]
+
+
+def _completed(error: WorldgenError, group: click.Group, words: Sequence[str]) -> list[str] | None:
+    """Return the words with the options that the error's fact ``needs`` names; None without it."""
+    command = accepted_command(group, words)
+    needs = error.facts.get("needs")
+    if command is None or not isinstance(needs, list):
+        return None
+    for option in command.options:
+        if option.name in needs and not command.has(option) and not _fill_in(command, option):
+            return None
+    return command.words()
 
 
 def _polished(group: click.Group, words: Sequence[str]) -> list[str]:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from worldgen.cli.output import PATH, emit_json, json_option, note, say, skip_bad_file
+from worldgen.cli.robot_options import note_axle, robot_options
+from worldgen.cli.usage import Instead
+from worldgen.robot_overrides import RobotOverrides, describe_body
 from worldgen.support.plain_text import shown, stacked
 from worldgen.support.progress import working
 
@@ -22,7 +26,8 @@ _FIRST = 10
 _NO_WIDEST = {"several-robots": "it has several robots", "world-changes": "the world changes"}
 
 EXAMPLES = (
-    "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n  worldgen verify mazes.zip"
+    "\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json\n  worldgen verify mazes.zip\n"
+    "  worldgen verify w.grid --footprint 0.62x0.9 --drive car --turning-radius 0.5 --reverse"
 )
 
 
@@ -32,8 +37,9 @@ EXAMPLES = (
     "--radius",
     type=float,
     metavar="R",
-    help="Use a disc of this radius, m, instead of the robot's.",
+    help="Use a disc of this radius, m, instead of the robot's body.",
 )
+@robot_options
 @click.option(
     "--widest", is_flag=True, help="Also report the largest disc that could get to the target."
 )
@@ -47,12 +53,13 @@ def verify(
     widest: bool,
     deadline: float | None,
     as_json: bool,
+    **robot: Any,
 ) -> None:
     """Check a world's proof, or decide whether a target can be reached.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
     without a certificate is decided, as is one whose certificate does not cover the requested
-    radius; the result is then checked in the same way.
+    radius or robot; the result is then checked in the same way.
 
     For a folder, a set or an archive, its .grid files are checked. A summary of several worlds
     states the share whose target can be reached, with its 95 % interval, and names the first worlds
@@ -71,6 +78,7 @@ def verify(
     from worldgen.files.worlds import read_worlds
     from worldgen.reach.verifying import verify_world
 
+    overrides = _overrides(radius, robot)
     # Verify one world after the other.
     results: list[dict[str, Any]] = []
     unjudged: InvalidParameter | None = None
@@ -78,9 +86,14 @@ def verify(
     interrupted = False
     try:
         with working("verifying") as work:
-            for path, world in read_worlds(paths, skip_bad_file):
+            for path, stored in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
-                result = {"path": str(path), **verify_world(world, radius, deadline)}
+                world = overrides.applied_to(_as_disc(stored, radius))
+                result = {
+                    "path": str(path),
+                    **verify_world(world, radius, deadline),
+                    **_body(world),
+                }
                 fault = _without_widest(world, path) if widest else None
                 if fault is not None:
                     result["widest_unknown"] = fault.code
@@ -118,6 +131,37 @@ def verify(
         raise click.exceptions.Exit(1)
     if any("unread" in result for result in results):
         raise click.exceptions.Exit(2)
+
+
+def _overrides(radius: float | None, robot: dict[str, Any]) -> RobotOverrides:
+    """Return the robot to ask about, after checking that there is only one."""
+    overrides = RobotOverrides.of(robot)
+    if radius is not None and overrides.footprint is not None:
+        raise Instead("use --radius or --footprint, not both", "--radius")
+    note_axle(overrides)
+    return overrides
+
+
+def _as_disc(world: World, radius: float | None) -> World:
+    """Return the world with a disc in place of a footprint, if a radius is asked about."""
+    if radius is None or all(robot.is_disc for robot in world.robots):
+        return world
+    robots = tuple(replace(one, footprint=(), radius=radius) for one in world.robots)
+    return replace(world.bare, robots=robots, provenance=world.provenance)
+
+
+def _body(world: World) -> dict[str, Any]:
+    """Return what moves, if it is not one disc that turns on the spot."""
+    robot = world.robots[0]
+    if world.is_fleet or (robot.is_disc and not robot.drive.is_car):
+        return {}
+    footprint = {"footprint": [list(corner) for corner in robot.footprint]}
+    drive = {"turning_radius": robot.drive.turning_radius, "reverse": robot.drive.reverse}
+    return {
+        "body": describe_body(robot),
+        **({} if robot.is_disc else footprint),
+        **(drive if robot.drive.is_car else {}),
+    }
 
 
 def _without_widest(world: World, path: PurePath) -> InvalidParameter | None:
@@ -190,7 +234,7 @@ def _line(result: dict[str, Any]) -> str:
         verdict = f"{result['certificate']} does not hold: {result['reason']}"
     else:
         how = "decided again and checked" if result["decided"] else "checked"
-        disc = f"a disc of {result['radius']:g} m"
+        disc = "a " + result.get("body", f"disc of {result['radius']:g} m")
         if "robots" in result:
             disc = f"the {result['robots']} robots together"
         disc += _within(result)

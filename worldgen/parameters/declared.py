@@ -538,7 +538,9 @@ def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> P
     optional: type | None = None
     item: type = float
     if default is None:
-        optional = next(kind for kind in typing.get_args(plain) if kind is not types.NoneType)
+        plain = next(kind for kind in typing.get_args(plain) if kind is not types.NoneType)
+        # A Literal is made of words.
+        optional = str if typing.get_origin(plain) is typing.Literal else plain
     if isinstance(default, tuple):
         item = typing.get_args(plain)[0]
     return Parameter(

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from worldgen.reach.decision import UNDECIDED, Decision, check_margin, check_radius, unread_reason
+from worldgen.reach.decision import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Decision,
+    check_margin,
+    check_radius,
+    unread_reason,
+)
 from worldgen.reach.single import prove
 from worldgen.world import World
 
@@ -35,6 +43,9 @@ def decide(
     if world.unread:
         return Decision(UNDECIDED, None, unread_reason(world.unread))
     if not world.is_fleet:
+        robot = world.robots[0]
+        if radius is None and not (robot.is_disc and not robot.drive.is_car):
+            return _decide_body(world, margin=margin, cut=cut)
         return prove.decide(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
     if radius is not None:
         check_radius(radius, world.cell_size)
@@ -42,3 +53,21 @@ def decide(
     from worldgen.reach.joint.decide import decide_joint
 
     return decide_joint(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
+
+
+def _decide_body(world: World, *, margin: float, cut: bool) -> Decision:
+    """Decide by the discs about the axle: one that the body holds, and one that holds the body."""
+    robot = world.robots[0]
+    # What stops the smaller disc stops the body, however it drives.
+    if robot.inner_radius > 0.0:
+        inside = prove.decide(world, radius=robot.inner_radius, margin=margin, cut=cut)
+        if inside.result == BLOCKED:
+            return inside
+    if robot.drive.is_car:
+        from worldgen.reach.car.decide import decide_car
+
+        return decide_car(world, margin=margin)
+    around = prove.decide(world, radius=robot.radius, margin=margin, cut=False)
+    if around.result == REACHABLE:
+        return around
+    return Decision(UNDECIDED, None, "the body is between the discs that are decided")

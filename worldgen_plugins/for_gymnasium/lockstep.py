@@ -54,6 +54,8 @@ class StepResult(NamedTuple):
         return told
 
 
+# Words of a WgCarriage.
+_CARRIAGE_WORDS = ffi.sizeof("WgCarriage") // 8
 _OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance", "over")
 
 
@@ -78,6 +80,7 @@ class RobotArrays:
         self.distance = np.zeros(count)
         self.over = np.zeros(count, np.bool_)
         self.state = np.zeros((count, STATE_WORDS), np.int64)
+        self.carriage = np.zeros((count, _CARRIAGE_WORDS), np.int64)
         self.c: Any = ffi.new("WgCrew *")
         for name in _OF_ROBOTS:
             array = getattr(self, name)
@@ -113,7 +116,8 @@ class RobotArrays:
             (int(np.unique(rows[:, 0], return_counts=True)[1].max()) for rows in changing),
             default=0,
         )
-        self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + 1))
+        legs = max(int(lib.wg_most_legs(run.settings)) for run in runs)
+        self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + legs))
         self._tie_robots()
         self._places = places
         self.c.places = places
@@ -135,14 +139,14 @@ class RobotArrays:
 
     def _tie_robots(self) -> None:
         """Connect the robots with their states and with the shared chain of corners."""
-        lib.wg_crew_robots(
-            self.c, ffi.cast("WgState *", writable(ffi, self.state, np.int64)), self._chain
-        )
+        states = ffi.cast("WgState *", writable(ffi, self.state, np.int64))
+        carriages = ffi.cast("WgCarriage *", writable(ffi, self.carriage, np.int64))
+        lib.wg_crew_robots(self.c, states, carriages, self._chain)
 
     def snapshot(self) -> tuple[list[npt.NDArray[Any]], bytes]:
         """Return copies of everything that changes as robots move."""
         arrays = [getattr(self, name) for name in _OF_ROBOTS]
-        return [array.copy() for array in (*arrays, self.state, *self._own)], bytes(
+        return [array.copy() for array in (*arrays, self.state, self.carriage, *self._own)], bytes(
             ffi.buffer(self._robots)
         )
 
@@ -150,7 +154,7 @@ class RobotArrays:
         """Restore everything from a snapshot; the same worlds must be loaded."""
         arrays, robots = snapshot
         own = [getattr(self, name) for name in _OF_ROBOTS]
-        for array, before in zip((*own, self.state, *self._own), arrays, strict=True):
+        for array, before in zip((*own, self.state, self.carriage, *self._own), arrays, strict=True):
             array[...] = before
         ffi.memmove(self._robots, robots, len(robots))
         self._tie_robots()

@@ -155,6 +155,7 @@ const SIGNS = {
   "tunnel": "⇥",
   "overlap": "⇥",
   "collision": "⇥",
+  "contact": "⇥",
   "burned": "✹",
   "crash": "✗",
   "hang": "✗",

@@ -65,6 +65,7 @@ class ComposedController:
         beams = ffi.new("double[]", observation.beams) if observation.beams else ffi.NULL
         plain: Any = observation[:OBS_SIZE]
         seen = ffi.new("WgObservation *", (*map(float, plain), beams, len(observation.beams)))
+        seen.goal_heading = observation.goal_heading
         command = ffi.new("WgCommand *")
         into = ffi.from_buffer("double[]", numbers, require_writable=True)
         lib.wg_compose(calls.behaviours, seen, into, command)

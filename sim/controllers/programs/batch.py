@@ -22,7 +22,11 @@ from worldgen.support.arrays import Floats, Ints
 MOST_ROBOTS = 1_024
 """Limit on the robots that are driven at the same time; their commands fit into one line."""
 
-_COLUMNS = {name: k for k, name in enumerate(Observation._fields) if name != "neighbours"}
+_COLUMNS: dict[str, int | slice] = {
+    **{name: k for k, name in enumerate(Observation._fields[: layout.OBS_SIZE])},
+    "beams": slice(layout.OBS_SIZE, layout.OBS_GOAL_HEADING),
+    "goal_heading": layout.OBS_GOAL_HEADING,
+}
 _KEYS = {"speed", "turn_rate", "used_random"}
 _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
 
@@ -78,11 +82,14 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
         offer: The program's offer.
         robots: (n,) numbers of the robots.
         fresh: Numbers of the robots that begin an episode.
-        seen: (n, OBS_SIZE + beams) the robots' observations.
+        seen: (n, OBS_SIZE + beams + 1) the robots' observations; the goal's heading is last.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:
-        column = seen[:, layout.OBS_SIZE :] if name == "beams" else seen[:, _COLUMNS[name]]
+        column = seen[:, _COLUMNS[name]]
+        # As for a single robot, a goal without a heading is not mentioned.
+        if name == "goal_heading" and np.isnan(column).all():
+            continue
         message[name] = (column != 0.0).tolist() if name == "bump" else column.tolist()
     return json_line(message)
 

@@ -297,7 +297,7 @@ class ProcessController:
             offer: The program's offer.
             robots: (n,) numbers of the robots.
             fresh: Numbers of the robots that begin an episode.
-            seen: (n, OBS_SIZE + beams) the robots' observations.
+            seen: (n, OBS_SIZE + beams + 1) the robots' observations; the goal's heading is last.
             command: (n, CMD_SIZE), filled in.
 
         Raises:
@@ -326,10 +326,13 @@ def is_process_name(name: str) -> bool:
 def observation_line(observation: Observation) -> bytes:
     """Return an observation as a line of JSON."""
     values = observation._asdict()
-    # A robot that does not sense others gets lines in the original form.
+    # A robot that does not sense others, or whose goal has no heading, gets lines in the original
+    # form.
     neighbours = values.pop("neighbours")
     if neighbours:
         values["neighbours"] = [one._asdict() for one in neighbours]
+    if math.isnan(observation.goal_heading):
+        del values["goal_heading"]
     return json_line(values)
 
 

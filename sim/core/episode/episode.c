@@ -13,7 +13,7 @@ static bool finish_step(WgEpisode *episode)
 }
 
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
-                           int64_t path_size)
+                           int64_t *path_headings, int64_t path_size)
 {
     if (row_count < 0 || path_size < 0) {
         return WG_BAD_SIZE;
@@ -23,6 +23,7 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
     recording->row_count = row_count;
     recording->first_step = episode->step + 1;
     recording->path = path;
+    recording->path_headings = path_headings;
     recording->path_size = path_size;
     recording->first_point = episode->robot.report.points;
     return WG_OK;
@@ -35,7 +36,7 @@ static bool run_any(WgEpisode *episode, int64_t last)
     for (int64_t step = episode->step + 1; step <= last; step++) {
         episode->step = step;
         if (wg_move_and_sense(episode->arena, settings, &episode->robot, &episode->workspace, step)
-            && !wg_act(settings, &episode->controller, &episode->workspace, step, &episode->robot)) {
+            && !wg_act(episode->arena, settings, &episode->controller, &episode->workspace, step, &episode->robot)) {
             return false;
         }
         if (finish_step(episode)) {
@@ -75,7 +76,7 @@ int64_t wg_episode_step(WgEpisode *episode)
     if (episode->waits != 0) {
         episode->waits = 0;
         wg_take_answer(episode);
-        wg_apply_command(settings, &episode->workspace.command, episode->step, &episode->robot);
+        wg_apply_command(episode->arena, settings, &episode->workspace.command, episode->step, &episode->robot);
         episode->over = finish_step(episode);
     }
     while (episode->over == 0 && episode->step < settings->steps) {

@@ -14,6 +14,11 @@ enum {
     MOST_PUSHES = 1 << 20,
 };
 
+int64_t wg_carriage_words(const WgSettings *settings)
+{
+    return wg_has_carriage(settings) ? (int64_t)(sizeof(WgCarriage) / sizeof(uint64_t)) : 0;
+}
+
 int64_t wg_most_events_of_a_step(const WgArena *arena)
 {
     int64_t most = 0;
@@ -37,6 +42,7 @@ static void *take(uint64_t **rest, int64_t words)
 typedef struct Parts {
     int64_t state;  // with the controller's memory
     int64_t corners;
+    int64_t headings;
     int64_t beams;
     int64_t flat;
     int64_t answer;
@@ -58,11 +64,12 @@ static bool measure(const WgArena *arena, const WgSettings *settings, const WgCo
     if (pushes < 0 || pushes > MOST_PUSHES || settings->place_count > pushes) {
         return false;
     }
-    int64_t corners = WG_MOST_CORNERS * (wg_most_events_of_a_step(arena) + 1 + pushes);
-    parts->state = WG_STATE_WORDS + memory;
+    int64_t corners = WG_MOST_CORNERS * (wg_most_events_of_a_step(arena) + wg_most_legs(settings) + pushes);
+    parts->state = WG_STATE_WORDS + memory + wg_carriage_words(settings);
+    parts->headings = wg_has_carriage(settings) ? corners : 0;
     parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
     parts->beams = beams;
-    parts->flat = WG_SENSES + beams;
+    parts->flat = wg_flat_size(settings, 0);
     parts->answer = WG_ANSWER + memory;
     parts->prints = wg_blocks(parts->state) + 1;
     parts->log = log_steps > 0 ? log_steps + 1 : 0;
@@ -76,7 +83,7 @@ WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, cons
     if (!measure(arena, settings, controller, log_steps, &parts)) {
         return WG_BAD_SIZE;
     }
-    int64_t words = 2 * parts.state + parts.corners + parts.beams + parts.flat + parts.answer + parts.prints;
+    int64_t words = 2 * parts.state + parts.corners + parts.headings + parts.beams + parts.flat + parts.answer + parts.prints;
     sizes[0] = (int64_t)sizeof(WgEpisode) + words * (int64_t)sizeof(uint64_t);
     sizes[1] = parts.log * (int64_t)sizeof(uint64_t);
     return WG_OK;
@@ -96,11 +103,18 @@ WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const 
     episode->controller = *controller;
     episode->robot.body = take(&rest, parts.state);
     episode->robot.chain = take(&rest, parts.corners);
+    int64_t *headings = take(&rest, parts.headings);
     episode->workspace.beams = take(&rest, parts.beams);
     if (controller->cage != NULL) {
-        // What a library's function uses in every step is where it acts.
-        episode->robot.body = (WgBody *)(controller->cage->memory - WG_STATE_WORDS);
+        // What a library's function uses in every step is where it acts. Nothing may follow its memory there.
+        if (parts.headings == 0) {
+            episode->robot.body = (WgBody *)(controller->cage->memory - WG_STATE_WORDS);
+        }
         episode->workspace.beams = controller->cage->beams;
+    }
+    if (parts.headings > 0) {
+        episode->robot.carriage = (WgCarriage *)(episode->robot.body->memory + controller->memory_size);
+        episode->robot.chain_headings = headings;
     }
     episode->workspace.flat = take(&rest, parts.flat);
     episode->workspace.answer = take(&rest, parts.answer);
@@ -195,6 +209,9 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     if (controller->memory_size > 0) {
         memcpy(robot->body->memory, controller->memory, (size_t)controller->memory_size * sizeof(double));
     }
+    if (wg_has_carriage(settings)) {
+        *robot->carriage = (WgCarriage){0, 0};
+    }
     robot->odometry.x = (double)state->x;
     robot->odometry.y = (double)state->y;
     robot->odometry.heading = (double)state->heading;
@@ -220,6 +237,8 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
     seen->time_step = settings->time_step;
     seen->top_speed = settings->top_speed;
     seen->radius = settings->radius;
+    seen->goal_heading = wg_sensed_goal_heading(settings);
+    workspace->ends_with_goal = (settings->senses & WG_SENSE_GOAL_HEADING) != 0;
     seen->beams = workspace->beams;
     seen->beam_count = settings->beams;
     for (int64_t k = 0; k < settings->beams; k++) {

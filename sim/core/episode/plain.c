@@ -1,5 +1,5 @@
 // Plain runs: no events, disturbances, noise, dynamic limits, digest or recording,
-// little memory, and a search for loops. Most runs are plain, and a specialised loop takes less
+// little memory, a target that only has to be touched, and a search for loops. Most runs are plain, and a specialised loop takes less
 // than two thirds of the time.
 //
 // The steps are those of step.h without the features that a plain run lacks, and without
@@ -26,7 +26,8 @@ bool wg_is_plain(const WgEpisode *episode)
 {
     const WgArena *arena = episode->arena;
     const WgSettings *settings = episode->settings;
-    return arena->event_count == 0 && settings->slip <= 0.0 && settings->measures == 0
+    return arena->event_count == 0 && !wg_has_carriage(settings) && settings->arrival == WG_ARRIVAL_TOUCH && settings->has_goal_heading == 0
+           && settings->slip <= 0.0 && settings->measures == 0
            && settings->disturbed == 0 && settings->turn_limit == INFINITY && settings->gain == INFINITY
            && settings->loss == INFINITY && settings->digest == 0 && settings->find_loop == WG_SEEK_LOOP
            && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;

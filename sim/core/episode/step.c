@@ -3,6 +3,16 @@
 
 #include "step.h"
 
+static bool is_clear_of(const WgArena *arena, const WgSettings *settings, int cells, const WgState *state)
+{
+    return wg_robot_is_clear(wg_grid(arena), cells, arena->headings, settings, state->x, state->y, state->heading);
+}
+
+static WgFound first_cut(const WgArena *arena, const WgSettings *settings, int cells, WgSegment way, int64_t heading)
+{
+    return wg_robot_first_not_clear(wg_grid(arena), cells, arena->headings, settings, way, heading);
+}
+
 // Records that fire or debris has caught the robot.
 static void burn(WgRobot *robot, int64_t step, WgFound cell, int state)
 {
@@ -35,11 +45,23 @@ void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, Wg
     WgSegment here = {state->x, state->y, state->x, state->y};
     static const int CAUGHT[2] = {WG_SOLID, WG_BURNING};
     for (int k = 0; k < 2; k++) {
-        if (!wg_disc_is_clear(wg_grid(arena), CAUGHT[k], wg_disc(settings), state->x, state->y)) {
-            burn(robot, step, wg_first_not_clear(wg_grid(arena), CAUGHT[k], wg_disc(settings), here), CAUGHT[k]);
+        if (!is_clear_of(arena, settings, CAUGHT[k], state)) {
+            burn(robot, step, first_cut(arena, settings, CAUGHT[k], here, state->heading), CAUGHT[k]);
             break;
         }
     }
+}
+
+// Returns true if the point that a body's pose is about is in the body.
+static bool is_about_its_inside(const WgFootprint *footprint)
+{
+    for (int64_t k = 0; k < footprint->count; k++) {
+        int64_t next = k + 1 < footprint->count ? k + 1 : 0;
+        if (footprint->x[k] * footprint->y[next] < footprint->y[k] * footprint->x[next]) {
+            return false;
+        }
+    }
+    return true;
 }
 
 // Records walls that a piece of the path of an unsafe motion model cuts: deepest cut, first
@@ -49,6 +71,10 @@ static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_
     WgReport *report = &robot->report;
     int64_t reach = settings->reach;
     double radius = sqrt((double)settings->clear_sq);
+    const WgFootprint *footprint = &settings->footprint;
+    int64_t heading = robot->body->state.heading;
+    // Only a point inside the robot can be said to go through a wall with it.
+    bool may_tunnel = is_about_its_inside(footprint);
     int64_t low = wg_most(wg_cell_of(wg_least(way.py, way.qy) - reach), -1);
     int64_t high = wg_least(wg_cell_of(wg_most(way.py, way.qy) + reach), arena->height);
     int64_t left = wg_most(wg_cell_of(wg_least(way.px, way.qx) - reach), -1);
@@ -58,14 +84,16 @@ static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_
             if (wg_cell_state(wg_grid(arena), ix, iy) != WG_SOLID) {
                 continue;
             }
-            double depth = wg_segment_box_depth(radius, way, ix, iy);
+            double depth = footprint->count > 0
+                               ? wg_body_depth(arena->headings, footprint, way, heading, ix, iy)
+                               : wg_segment_box_depth(radius, way, ix, iy);
             report->overlap = wg_higher(report->overlap, depth);
             if (depth > settings->tolerance && report->overlap_step < 0) {
                 report->overlap_step = step;
                 report->overlap_ix = ix;
                 report->overlap_iy = iy;
             }
-            if (report->ending == WG_LIMIT && wg_segment_crosses_box(way, ix, iy)) {
+            if (report->ending == WG_LIMIT && may_tunnel && wg_segment_crosses_box(way, ix, iy)) {
                 report->ending = WG_TUNNEL;
                 report->hit_step = step;
                 report->hit_ix = ix;
@@ -80,15 +108,89 @@ void wg_arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t
 {
     WgSegment way = {robot->body->state.x, robot->body->state.y, x, y};
     if (arena->event_count > 0 && robot->report.ending == WG_LIMIT) {
-        WgFound fire = wg_first_not_clear(wg_grid(arena), WG_BURNING, wg_disc(settings), way);
+        WgFound fire = first_cut(arena, settings, WG_BURNING, way, robot->body->state.heading);
         if (fire.found) {
             burn(robot, step, fire, WG_BURNING);
         }
     }
-    if (settings->motion != WG_SWEPT && wg_first_not_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), way).found) {
+    if (settings->motion != WG_SWEPT
+        && first_cut(arena, settings, WG_SOLID, way, robot->body->state.heading).found) {
         judge_piece(arena, settings, step, way, robot);
     }
     wg_arrive(settings, x, y, robot);
+}
+
+// The share of a slide that is lost to a wall.
+static double lost_to_wall(const WgSettings *settings)
+{
+    return settings->contact == WG_CONTACT_SLIDE ? settings->wall_friction : 1.0;
+}
+
+// Returns the solid cell that stops a robot: of those that cut its disc on a way, the one nearest to
+// the place where it stops; for a body, the nearest to its sides.
+static WgFound stopping_cell(const WgArena *arena, const WgSettings *settings, int64_t x, int64_t y, WgSegment way,
+                             int64_t heading)
+{
+    enum { SLACK = 20 };  // lattice units that a robot may stop before a wall
+
+    WgGrid grid = wg_grid(arena);
+    double radius = sqrt((double)settings->clear_sq);
+    int64_t reach = settings->reach + SLACK;
+    int64_t nearest = reach * reach;
+    WgFound found = {false, 0, 0};
+    if (settings->footprint.count > 0) {
+        found = wg_body_nearest(grid, arena->headings, &settings->footprint, x, y, heading, SLACK);
+        return found.found ? found : first_cut(arena, settings, WG_SOLID, way, heading);
+    }
+    for (int64_t iy = wg_cell_of(y - reach); iy <= wg_cell_of(y + reach); iy++) {
+        for (int64_t ix = wg_cell_of(x - reach); ix <= wg_cell_of(x + reach); ix++) {
+            int64_t away = wg_point_box_distance_sq(x, y, ix, iy);
+            // A wall that the robot drives along touches its disc, but does not cut it.
+            if (away < nearest && wg_cell_state(grid, ix, iy) == WG_SOLID
+                && wg_segment_box_depth(radius, way, ix, iy) > 1e-6) {
+                nearest = away;
+                found = (WgFound){true, ix, iy};
+            }
+        }
+    }
+    // A wall that the robot only grazes may be anywhere on the way.
+    return found.found ? found : wg_first_not_clear(grid, WG_SOLID, wg_disc(settings), way);
+}
+
+// Ends the run if a wall has cut a move short that was to lead from p to q, and walls may not be
+// touched.
+static void judge_contact(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way,
+                          WgMoved moved, WgRobot *robot)
+{
+    WgReport *report = &robot->report;
+    if (settings->contact != WG_CONTACT_FAIL || report->ending != WG_LIMIT || !wg_is_contact(moved.contact)) {
+        return;
+    }
+    // A move that `endpoint` refuses is stopped by what is at its end.
+    const WgState *state = &robot->body->state;
+    WgFound cell = {false, 0, 0};
+    if (settings->motion == WG_ENDPOINT && state->x == way.px && state->y == way.py) {
+        cell = stopping_cell(arena, settings, way.qx, way.qy, (WgSegment){way.qx, way.qy, way.qx, way.qy},
+                             state->heading);
+    }
+    if (!cell.found) {
+        cell = stopping_cell(arena, settings, state->x, state->y, way, state->heading);
+    }
+    report->ending = WG_CONTACT;
+    report->hit_step = step;
+    report->hit_ix = cell.ix;
+    report->hit_iy = cell.iy;
+}
+
+static WgMoved swept_move(const WgArena *arena, const WgSettings *settings, WgSegment way, double begin, double end,
+                          const WgRobot *robot)
+{
+    if (settings->footprint.count > 0) {
+        return wg_swept_body_move(wg_grid(arena), arena->headings, &settings->footprint, robot->body->state.heading,
+                                  way, begin, end, lost_to_wall(settings), robot->chain, robot->corners);
+    }
+    return wg_swept_move(wg_grid(arena), wg_disc(settings), way, begin, end, lost_to_wall(settings), robot->chain,
+                         robot->corners);
 }
 
 WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
@@ -101,8 +203,10 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     if (settings->motion == WG_SWEPT) {
         double begin = (double)from / (double)WG_STEP_TIME;
         double end = (double)until / (double)WG_STEP_TIME;
-        moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, begin, end, settings->wall_friction, robot->chain,
-                              before);
+        moved = swept_move(arena, settings, way, begin, end, robot);
+    } else if (settings->footprint.count > 0) {
+        moved = wg_endpoint_body_move(wg_grid(arena), arena->headings, &settings->footprint, state->heading, way,
+                                      robot->chain, before);
     } else {
         moved = wg_endpoint_move(wg_grid(arena), wg_disc(settings), way, robot->chain, before);
     }
@@ -115,29 +219,36 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     for (int64_t k = before; k < robot->corners; k++) {
         wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
+    judge_contact(arena, settings, step, way, moved, robot);
     return moved.contact;
 }
 
-int64_t wg_share_of(int64_t whole, int64_t time)
+int64_t wg_share_of(int64_t whole, int64_t time, int64_t whole_time)
 {
-    return wg_round_away((double)whole * ((double)time / (double)WG_STEP_TIME));
+    return wg_round_away((double)whole * ((double)time / (double)whole_time));
 }
 
 WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
-                                 WgRobot *robot)
+                                 int64_t from, int64_t end, WgRobot *robot)
 {
     // `endpoint` checks the world only at the end of a step, so all events come first.
     bool exact = settings->motion == WG_SWEPT;
     WgNormal last = {0.0, 0.0};
-    int64_t now = 0;
+    int64_t now = from;
     int64_t gone_x = 0;
     int64_t gone_y = 0;
-    while (now < WG_STEP_TIME) {
-        bool due = robot->next_event < arena->event_count && arena->events[robot->next_event].step == step;
-        int64_t until = due && exact ? arena->events[robot->next_event].time : WG_STEP_TIME;
+    bool is_stopped = false;
+    while (now < end) {
+        bool due = robot->next_event < arena->event_count && arena->events[robot->next_event].step == step
+                   && arena->events[robot->next_event].time < end;
+        int64_t until = due && exact ? arena->events[robot->next_event].time : end;
         if (until > now && (exact || !due)) {
-            int64_t there_x = until == WG_STEP_TIME ? dx : wg_share_of(dx, until);
-            int64_t there_y = until == WG_STEP_TIME ? dy : wg_share_of(dy, until);
+            int64_t there_x = until == end ? dx : wg_share_of(dx, until - from, end - from);
+            int64_t there_y = until == end ? dy : wg_share_of(dy, until - from, end - from);
+            if (is_stopped) {
+                there_x = gone_x;
+                there_y = gone_y;
+            }
             WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
 
             // The robot waits for the next event.
@@ -147,6 +258,7 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
             }
             if (contact.x != 0.0 || contact.y != 0.0) {
                 last = contact;
+                is_stopped = settings->contact != WG_CONTACT_SLIDE;
             }
             gone_x = there_x;
             gone_y = there_y;
@@ -163,30 +275,48 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
     return last;
 }
 
+// Turns a body by a push: the shorter way, as far as it is clear.
+static void push_around(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    int64_t earlier = robot->carriage->bumped;
+    int64_t shorter = wg_turn_towards(0, wg_reduced_heading(turn));
+    (void)wg_turn_body(arena, settings, step, shorter, robot);
+    WgNormal contact = wg_bump_of_turn(arena, robot->carriage);
+    robot->carriage->bumped = earlier;  // a push's contact is sensed in this step
+    if (wg_is_contact(contact)) {
+        robot->contact = contact;
+    }
+}
+
 // Displaces the robot by a push, as far as the path is clear, and turns it.
 static void push(const WgArena *arena, const WgSettings *settings, int64_t step, const WgPush *by, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
-    state->heading = wg_reduced_heading(state->heading + by->turn);
+    if (settings->footprint.count > 0) {
+        push_around(arena, settings, step, by->turn, robot);
+    } else {
+        state->heading = wg_reduced_heading(state->heading + by->turn);
+    }
     bool stays = by->dx == 0 && by->dy == 0;
     // Under `endpoint` a robot may stand in a wall, and then it can never move,
     // because no path out is clear.
-    if (stays || !wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), state->x, state->y)) {
+    if (stays || !is_clear_of(arena, settings, WG_SOLID, state)) {
         return;
     }
 
     // All of this takes no time and happens at the end of the step.
     int64_t before = robot->corners;
     WgSegment way = {state->x, state->y, state->x + by->dx, state->y + by->dy};
-    WgMoved moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, 1.0, 1.0, settings->wall_friction,
-                                  robot->chain, before);
+    WgMoved moved = swept_move(arena, settings, way, 1.0, 1.0, robot);
     robot->corners = moved.count;
+    wg_note_headings(robot, before);
     if (wg_is_contact(moved.contact)) {
         robot->contact = moved.contact;
     }
     for (int64_t k = before; k < robot->corners && robot->report.ending == WG_LIMIT; k++) {
         wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
+    judge_contact(arena, settings, step, way, moved, robot);
 }
 
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
@@ -262,6 +392,14 @@ void wg_take_answer(WgEpisode *episode)
     memcpy(episode->robot.body->memory, answer + WG_ANSWER, size);
 }
 
+// Returns how many numbers the flat array has.
+static int64_t flat_size(const WgWorkspace *workspace)
+{
+    const WgObservation *seen = &workspace->observation;
+    int64_t neighbours = workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
+    return WG_SENSES + seen->beam_count + neighbours + workspace->ends_with_goal;
+}
+
 // Copies the neighbours into rows of a flat array; rows without one are NaN.
 static void flatten_neighbours(const WgWorkspace *workspace, double *rows)
 {
@@ -288,6 +426,9 @@ void wg_flatten(WgWorkspace *workspace)
     if (workspace->neighbour_room > 0) {
         flatten_neighbours(workspace, workspace->flat + WG_SENSES + beams);
     }
+    if (workspace->ends_with_goal != 0) {
+        workspace->flat[flat_size(workspace) - 1] = workspace->observation.goal_heading;
+    }
 }
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
@@ -297,9 +438,7 @@ void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double 
     wg_flatten(workspace);
     double command[3 + WG_MOST_MESSAGE] = {0.0};
     const WgObservation *seen = &workspace->observation;
-    int64_t size =
-        WG_SENSES + seen->beam_count + workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
-    if (controller->flat(workspace->flat, size, memory, controller->memory_size, command) != 0) {
+    if (controller->flat(workspace->flat, flat_size(workspace), memory, controller->memory_size, command) != 0) {
         workspace->command.error = "the controller failed";
     }
     workspace->command.speed = command[0];
@@ -345,5 +484,8 @@ void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t w
         point->time = robot->chain[k].time;
         point->x = robot->chain[k].x;
         point->y = robot->chain[k].y;
+        if (recording->path_headings != NULL) {
+            recording->path_headings[first + k] = robot->chain_headings[k];
+        }
     }
 }

@@ -73,16 +73,23 @@ void wg_take_answer(WgEpisode *episode);
 // Copies the observation into workspace->flat.
 void wg_flatten(WgWorkspace *workspace);
 
+// Returns how many numbers the flat array of an observation has. `neighbours`: numbers in the rows
+// of neighbours.
+static inline int64_t wg_flat_size(const WgSettings *settings, int64_t neighbours)
+{
+    return WG_SENSES + settings->beams + neighbours + ((settings->senses & WG_SENSE_GOAL_HEADING) != 0);
+}
+
 // Lets a library's function act in its cage, on copies of the observation and the command.
 void wg_act_caged(WgCage *cage, WgWorkspace *workspace, WgRobot *robot);
 
 // Lets a WgFlatAct act on copies of the observation and the command.
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory);
 
-// Moves the robot by a step's displacement, with each event of the step at its time. Returns the
+// Moves the robot by a displacement between two times in the step, with each event at its time. Returns the
 // last contact.
 WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
-                                 WgRobot *robot);
+                                 int64_t from, int64_t end, WgRobot *robot);
 
 // Moves the robot by a part of a step in which the world is static, near cells that are not free,
 // and judges the path. `from` and `until` are times in the step.
@@ -100,8 +107,8 @@ int64_t wg_change_cells(const WgArena *arena, int64_t step, int64_t first);
 // Ends the run as WG_BURNED if a cell that has changed catches the robot.
 void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
-// The part of a displacement covered by a time in the step, lattice units.
-int64_t wg_share_of(int64_t whole, int64_t time);
+// The part of a displacement covered by a time in the step, lattice units; it takes `whole_time`.
+int64_t wg_share_of(int64_t whole, int64_t time, int64_t whole_time);
 
 // Displaces and turns a robot that is pushed in a step, after its own move.
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
@@ -120,6 +127,24 @@ void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t s
 // Does the same for a turn, heading units.
 void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot);
 
+// Functions of bodies and cars; in carriage.c.
+
+// Limit on a commanded turn, heading units: a turn of half a circle would have no direction.
+#define WG_MOST_BODY_TURN ((double)(WG_TURN / 2 - 1))
+
+// Turns a robot by a turn that it commands or is given, as far as its body is clear. Returns how far it turns.
+int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot);
+
+// Direction away from the wall that cut a robot's last turn short; (0, 0) if none did.
+WgNormal wg_bump_of_turn(const WgArena *arena, const WgCarriage *carriage);
+
+// Sets a car's curvature to that of a commanded arc, as near as its steering allows.
+void wg_steer(const WgSettings *settings, const WgCommand *command, WgRobot *robot);
+
+// Moves a car along the arc of a step: straight legs, each with a turn after it. It stops at the first contact,
+// which it returns.
+WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t drive, WgRobot *robot);
+
 // Adds a step to the digest: whether a wall was touched, the corners of its path,
 // the state after it.
 void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
@@ -128,6 +153,18 @@ void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped);
 
 // Functions that every step needs.
+
+// Returns true if a robot cannot turn on the spot.
+static inline bool wg_is_car(const WgSettings *settings)
+{
+    return settings->turn_per_unit > 0.0;
+}
+
+// Returns true if a robot's state has a WgCarriage.
+static inline bool wg_has_carriage(const WgSettings *settings)
+{
+    return settings->footprint.count > 0 || wg_is_car(settings);
+}
 
 // Returns the whole lattice units driven at a speed in a step; the rest is lost.
 static inline int64_t wg_drive(int64_t speed)
@@ -167,6 +204,21 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
     corner->time = time;
 }
 
+// Returns true if a robot with this heading may arrive.
+static inline bool wg_heads_for_goal(const WgSettings *settings, int64_t heading)
+{
+    return settings->has_goal_heading == 0
+           || wg_abs(wg_turn_towards(settings->goal_heading, heading)) <= settings->heading_tolerance;
+}
+
+// Returns true if the robot's pose is one of the goal's.
+static inline bool wg_is_at_goal(const WgSettings *settings, const WgState *state)
+{
+    int64_t dx = state->x - settings->target_x;
+    int64_t dy = state->y - settings->target_y;
+    return dx * dx + dy * dy <= settings->target_radius_sq && wg_heads_for_goal(settings, state->heading);
+}
+
 // Moves the robot to the end of a straight piece of its path, and updates if the target is reached
 // on it, and the path's length.
 static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, WgRobot *robot)
@@ -176,7 +228,8 @@ static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, W
     if (report->ending == WG_LIMIT) {
         bool swept = settings->motion == WG_SWEPT;
         WgSegment way = {swept ? state->x : x, swept ? state->y : y, x, y};
-        if (wg_segment_point_within(way, settings->target_x, settings->target_y, settings->target_radius_sq)) {
+        if (wg_segment_point_within(way, settings->target_x, settings->target_y, settings->target_radius_sq)
+            && settings->arrival == WG_ARRIVAL_TOUCH && wg_heads_for_goal(settings, state->heading)) {
             report->ending = WG_REACHED;
         }
     }
@@ -229,6 +282,24 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
     return true;
 }
 
+// Notes the robot's heading on the way to the corners of its path since there were `first`.
+static inline void wg_note_headings(WgRobot *robot, int64_t first)
+{
+    for (int64_t k = first; robot->chain_headings != NULL && k < robot->corners; k++) {
+        robot->chain_headings[k] = robot->body->state.heading;
+    }
+}
+
+// Moves the robot by a displacement between two times in the step, with the events in between.
+static inline WgNormal wg_move_during(const WgArena *arena, const WgSettings *settings, int64_t step, WgVector by,
+                                      int64_t from, int64_t until, WgRobot *robot)
+{
+    if (robot->next_event < arena->event_count && arena->events[robot->next_event].step == step) {
+        return wg_move_through_events(arena, settings, step, by.x, by.y, from, until, robot);
+    }
+    return wg_move(arena, settings, step, by.x, by.y, from, until, robot);
+}
+
 // Moves the robot for one step, with the events in it, and judges the path. Returns true if its
 // centre is in the grid. If the compiler is left to choose, it does not inline this,
 // and a step takes 3 % longer.
@@ -246,24 +317,24 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->slip > 0.0) {
         drive = wg_slipped(settings, step, drive);
     }
-    WgVector by = {0, 0};
-    if (drive != 0) {
-        by = wg_displacement(arena->headings, state->heading, drive);
-    }
-    if (settings->disturbed != 0) {
-        by.x += settings->drift_x;
-        by.y += settings->drift_y;
-    }
-
-    if (robot->next_event < arena->event_count && arena->events[robot->next_event].step == step) {
-        robot->contact = wg_move_through_events(arena, settings, step, by.x, by.y, robot);
+    if (wg_is_car(settings)) {
+        robot->contact = wg_drive_car(arena, settings, step, drive, robot);
     } else {
-        robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
+        WgVector by = {0, 0};
+        if (drive != 0) {
+            by = wg_displacement(arena->headings, state->heading, drive);
+        }
+        if (settings->disturbed != 0) {
+            by.x += settings->drift_x;
+            by.y += settings->drift_y;
+        }
+        robot->contact = wg_move_during(arena, settings, step, by, 0, WG_STEP_TIME, robot);
+        wg_note_headings(robot, 0);
     }
 
     // Features that few robots have: wheels that measure with errors, or miss what pushes the robot.
     // Against a wall the wheels do not turn, whatever the floor does.
-    if (settings->measures != 0) {
+    if (settings->measures != 0 && !wg_is_car(settings)) {
         bool drifts = settings->disturbed != 0 && !wg_is_contact(robot->contact);
         int64_t moved_x = state->x - x - (drifts ? settings->drift_x : 0);
         int64_t moved_y = state->y - y - (drifts ? settings->drift_y : 0);
@@ -272,7 +343,14 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->push_count > 0 && report->ending == WG_LIMIT) {
         wg_disturb(arena, settings, step, robot);
     }
+    if (settings->arrival == WG_ARRIVAL_STEP && report->ending == WG_LIMIT && wg_is_at_goal(settings, state)) {
+        report->ending = WG_REACHED;
+    }
 
+    // A turn that was cut short shows in the step after it.
+    if (wg_has_carriage(settings) && !wg_is_contact(robot->contact)) {
+        robot->contact = wg_bump_of_turn(arena, robot->carriage);
+    }
     return wg_keep_books(arena, step, robot);
 }
 
@@ -347,24 +425,41 @@ static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCom
 }
 
 // Applies a command: the turn now, the speed in the next step; clamps both, and refuses NaN and
-// infinities.
-static inline void wg_apply_command(const WgSettings *settings, const WgCommand *command, int64_t step, WgRobot *robot)
+// infinities. A robot that then stands at its goal may have arrived.
+static inline void wg_apply_command(const WgArena *arena, const WgSettings *settings, const WgCommand *command,
+                                    int64_t step, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
     if (!wg_are_finite(command->speed, command->turn_rate)) {
         robot->report.ending = WG_INVALID_COMMAND;
         return;
     }
-    double most = WG_TURN / 2;
+    bool is_body = wg_has_carriage(settings);
+    double most = is_body ? WG_MOST_BODY_TURN : WG_TURN / 2;
     double limit = settings->turn_limit * settings->turn + 1e-9;
     int64_t turn = wg_commanded_turn(settings, command, limit < most ? (double)(int64_t)limit : most);
-    state->heading = wg_reduced_heading(state->heading + turn);
+    int64_t speed = wg_commanded_speed(settings, command);
+    if (is_body && wg_is_car(settings)) {
+        // Its turn is that of its next step's arc.
+        turn = 0;
+        wg_steer(settings, command, robot);
+        speed = settings->reverse != 0 ? speed : wg_most(speed, 0);
+    }
+    if (is_body) {
+        turn = wg_turn_body(arena, settings, step, turn, robot);
+    } else {
+        state->heading = wg_reduced_heading(state->heading + turn);
+    }
     if (settings->measures != 0) {
         wg_measure_turn(settings, step, turn, robot);
     }
-    state->speed = wg_next_speed(state->speed, wg_commanded_speed(settings, command), settings);
+    state->speed = wg_next_speed(state->speed, speed, settings);
     if (wg_is_nonzero(command->used_random)) {
         state->draws++;
+    }
+    if (settings->arrival == WG_ARRIVAL_STOP && wg_abs(state->speed) <= settings->arrival_speed
+        && wg_abs(turn) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
+        robot->report.ending = WG_REACHED;
     }
 }
 
@@ -388,13 +483,13 @@ static inline bool wg_call(const WgController *controller, WgWorkspace *workspac
 }
 
 // Does the same, and applies its command.
-static inline bool wg_act(const WgSettings *settings, const WgController *controller, WgWorkspace *workspace,
-                          int64_t step, WgRobot *robot)
+static inline bool wg_act(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                          WgWorkspace *workspace, int64_t step, WgRobot *robot)
 {
     if (!wg_call(controller, workspace, robot)) {
         return false;
     }
-    wg_apply_command(settings, &workspace->command, step, robot);
+    wg_apply_command(arena, settings, &workspace->command, step, robot);
     return true;
 }
 

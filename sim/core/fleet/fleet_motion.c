@@ -518,10 +518,10 @@ static void move_until(WgFleet *fleet, int64_t step, WgSpan span, const WgVector
         WgVector there = by[k];
         WgVector gone = {0, 0};
         if (span.until < WG_STEP_TIME) {
-            there = (WgVector){wg_share_of(by[k].x, span.until), wg_share_of(by[k].y, span.until)};
+            there = (WgVector){wg_share_of(by[k].x, span.until, WG_STEP_TIME), wg_share_of(by[k].y, span.until, WG_STEP_TIME)};
         }
         if (span.from > 0) {
-            gone = (WgVector){wg_share_of(by[k].x, span.from), wg_share_of(by[k].y, span.from)};
+            gone = (WgVector){wg_share_of(by[k].x, span.from, WG_STEP_TIME), wg_share_of(by[k].y, span.from, WG_STEP_TIME)};
         }
         set_out(fleet, k, (WgVector){there.x - gone.x, there.y - gone.y});
     }

@@ -93,7 +93,7 @@ static bool make_senses(WgFleet *fleet, WgBlock *block, const WgArena *const *ar
         bool neighbours = (settings->senses & WG_SENSE_NEIGHBOURS) != 0 && settings->neighbour_range > 0.0;
         fleet->members[k]->workspace.neighbour_room = neighbours ? settings->neighbours : 0;
         room += fleet->members[k]->workspace.neighbour_room;
-        flat += WG_SENSES + settings->beams + row * fleet->members[k]->workspace.neighbour_room;
+        flat += wg_flat_size(settings, row * fleet->members[k]->workspace.neighbour_room);
         radius = wg_higher(radius, settings->radius / settings->metres);
         fleet->senses_others = fleet->senses_others != 0 || beams || neighbours;
         fleet->furthest = wg_higher(fleet->furthest, beams ? settings->beam_range : 0.0);
@@ -122,7 +122,7 @@ static bool make_senses(WgFleet *fleet, WgBlock *block, const WgArena *const *ar
         workspace->observation.neighbours = workspace->neighbour_room > 0 ? seen : NULL;
         workspace->observation.message_size = fleet->settings->message;
         seen += workspace->neighbour_room;
-        numbers += WG_SENSES + member->settings->beams + row * workspace->neighbour_room;
+        numbers += wg_flat_size(member->settings, row * workspace->neighbour_room);
     }
     return true;
 }

@@ -132,7 +132,7 @@ static bool act(WgFleet *fleet)
             member->waits = 1;
             waits = true;
         } else {
-            wg_act(member->settings, &member->controller, &member->workspace, fleet->step, &member->robot);
+            wg_act(member->arena, member->settings, &member->controller, &member->workspace, fleet->step, &member->robot);
             check_message(fleet, k);
         }
     }
@@ -147,7 +147,7 @@ static void take_answers(WgFleet *fleet)
         if (member->waits != 0) {
             member->waits = 0;
             wg_take_answer(member);
-            wg_apply_command(member->settings, &member->workspace.command, fleet->step, &member->robot);
+            wg_apply_command(member->arena, member->settings, &member->workspace.command, fleet->step, &member->robot);
             check_message(fleet, k);
         }
     }

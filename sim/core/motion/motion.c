@@ -1,18 +1,31 @@
 // Turns a commanded displacement into a path on the pose lattice: swept and endpoint.
 //
 // `swept` never tunnels, for any controller, because every segment that it takes has passed the
-// exact integer test of geometry.c; floating point only suggests where to stop.
+// exact test of geometry.c, or polygon.c; floating point only suggests where to stop.
 
 #include <math.h>
+#include <stddef.h>
 
 #include "motion.h"
+#include "polygon.h"
 
 // straight pieces that a move may have: ahead, and two slides (face, then corner)
 enum { TRIES = 3 };
 
 // lattice units squared by which a path may cut a circle's square and graze it
 static const double GRAZE = 1e-6;
+// lattice units that a body may go into a cell and only graze it
+static const double BODY_GRAZE = 1e-3;
 static const double TIME_UNIT = 0x1p32;   // units of WgCorner.time per step
+
+// What moves: a polygon, or a disc. The functions that ask for it are inlined for each, so a disc's moves take
+// as long as if there were nothing else.
+typedef struct Shape {
+    WgDisc disc;
+    const WgPolygon *polygon;  // NULL for a disc
+} Shape;
+
+#define FOR_EACH_SHAPE __attribute__((always_inline)) static inline
 
 typedef struct Stop {
     WgContact contact;
@@ -24,9 +37,12 @@ static WgSegment segment(WgPlace from, WgPlace to)
     return (WgSegment){from.x, from.y, to.x, to.y};
 }
 
-static bool is_clear(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to)
+FOR_EACH_SHAPE bool is_clear(WgGrid grid, Shape shape, WgPlace from, WgPlace to)
 {
-    return !wg_first_not_clear(grid, WG_SOLID, disc, segment(from, to)).found;
+    if (shape.polygon != NULL) {
+        return !wg_polygon_first_not_clear(grid, WG_SOLID, shape.polygon, segment(from, to)).found;
+    }
+    return !wg_first_not_clear(grid, WG_SOLID, shape.disc, segment(from, to)).found;
 }
 
 // Returns the time in [0, 1) at which a point moving by d from m meets the circle around the
@@ -118,8 +134,18 @@ WgContact wg_wall_contact(WgGrid grid, WgDisc disc, WgPlace from, WgVector by)
     return contact;
 }
 
+// Finds when a shape first touches a solid cell; with `graze`, one that it only grazes does not count.
+FOR_EACH_SHAPE WgContact contact_of(WgGrid grid, Shape shape, WgPlace from, int64_t dx, int64_t dy, bool graze)
+{
+    if (shape.polygon != NULL) {
+        return wg_polygon_contact(grid, shape.polygon, from, (WgVector){dx, dy}, graze ? BODY_GRAZE : 0.0);
+    }
+    double radius = sqrt((double)shape.disc.clear_sq);
+    return first_contact(grid, radius, shape.disc.reach, from, dx, dy, graze ? GRAZE : 0.0);
+}
+
 // A clear end of a slide: its destination, or one or two lattice units farther from the wall.
-static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNormal normal, WgPlace *end)
+FOR_EACH_SHAPE bool step_aside(WgGrid grid, Shape shape, WgPlace from, WgPlace to, WgNormal normal, WgPlace *end)
 {
     int64_t sx = (normal.x > 0.0) - (normal.x < 0.0);
     int64_t sy = (normal.y > 0.0) - (normal.y < 0.0);
@@ -127,7 +153,7 @@ static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNor
     int64_t main_y = fabs(normal.y) >= fabs(normal.x) ? sy : 0;
     for (int64_t away = 0; away < 4; away++) {
         WgPlace aside = {to.x + (away < 3 ? away * main_x : sx), to.y + (away < 3 ? away * main_y : sy)};
-        if (is_clear(grid, disc, from, aside)) {
+        if (is_clear(grid, shape, from, aside)) {
             *end = aside;
             return true;
         }
@@ -141,7 +167,7 @@ static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNor
 //
 // Try the nearest to the contact, then points slightly away from the wall in case rounding is
 // inside it, then farther back.
-static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy, WgContact contact)
+FOR_EACH_SHAPE WgPlace stop_at(WgGrid grid, Shape shape, WgPlace from, int64_t dx, int64_t dy, WgContact contact)
 {
     double length = sqrt((double)dx * (double)dx + (double)dy * (double)dy);
     for (int back = 0; back < 4; back++) {
@@ -156,34 +182,33 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
             break;
         }
         WgPlace end;
-        if (step_aside(grid, disc, from, goal, contact.normal, &end)) {
+        if (step_aside(grid, shape, from, goal, contact.normal, &end)) {
             return end;
         }
     }
     return from;
 }
 
-// Finds the first contact of a path that isn't clear, and where it lets the disc stop.
+// Finds the first contact of a path that isn't clear, and where it lets the shape stop.
 //
 // Corners that the path only grazes count if nothing else explains why the path isn't clear: they
 // play no part in a slide along a wall, however near they are.
-static Stop first_stop(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy)
+FOR_EACH_SHAPE Stop first_stop(WgGrid grid, Shape shape, WgPlace from, int64_t dx, int64_t dy)
 {
-    double radius = sqrt((double)disc.clear_sq);
-    WgContact contact = first_contact(grid, radius, disc.reach, from, dx, dy, GRAZE);
+    WgContact contact = contact_of(grid, shape, from, dx, dy, true);
     if (contact.time <= 1.0) {
-        WgPlace place = stop_at(grid, disc, from, dx, dy, contact);
+        WgPlace place = stop_at(grid, shape, from, dx, dy, contact);
         bool moved = place.x != from.x || place.y != from.y;
         if (moved || contact.time * (double)(wg_abs(dx) + wg_abs(dy)) < 1.0) {
             return (Stop){contact, place};
         }
     }
-    contact = first_contact(grid, radius, disc.reach, from, dx, dy, 0.0);
+    contact = contact_of(grid, shape, from, dx, dy, false);
     if (contact.time > 1.0) {
         // A touch that only exact arithmetic detects.
         contact = (WgContact){1.0, {-(double)dx, -(double)dy}};
     }
-    return (Stop){contact, stop_at(grid, disc, from, dx, dy, contact)};
+    return (Stop){contact, stop_at(grid, shape, from, dx, dy, contact)};
 }
 
 static int64_t append(WgCorner *chain, int64_t count, WgPlace place, double time)
@@ -192,8 +217,8 @@ static int64_t append(WgCorner *chain, int64_t count, WgPlace place, double time
     return count + 1;
 }
 
-WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
-                      WgCorner *chain, int64_t count)
+FOR_EACH_SHAPE WgMoved swept_move(WgGrid grid, Shape shape, WgSegment way, double begin, double end,
+                                  double wall_friction, WgCorner *chain, int64_t count)
 {
     WgPlace place = {way.px, way.py};
     int64_t dx = way.qx - way.px;
@@ -204,15 +229,15 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
         // Go all the way if it is clear.
         WgPlace goal = {place.x + dx, place.y + dy};
         WgPlace clear_end = goal;
-        bool is_free = attempt == 0 ? is_clear(grid, disc, place, goal)
-                                    : step_aside(grid, disc, place, goal, normal, &clear_end);
+        bool is_free = attempt == 0 ? is_clear(grid, shape, place, goal)
+                                    : step_aside(grid, shape, place, goal, normal, &clear_end);
         if (is_free) {
             count = append(chain, count, clear_end, end);
             break;
         }
 
         // Otherwise go as far as the first wall.
-        Stop stop = first_stop(grid, disc, place, dx, dy);
+        Stop stop = first_stop(grid, shape, place, dx, dy);
         WgNormal wall = stop.contact.normal;
         now += (end - now) * stop.contact.time;
         if (stop.place.x != place.x || stop.place.y != place.y) {
@@ -239,14 +264,50 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
     return (WgMoved){count, normal};
 }
 
-WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count)
+WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
+                      WgCorner *chain, int64_t count)
+{
+    return swept_move(grid, (Shape){disc, NULL}, way, begin, end, wall_friction, chain, count);
+}
+
+WgMoved wg_swept_body_move(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t heading,
+                           WgSegment way, double begin, double end, double wall_friction, WgCorner *chain,
+                           int64_t count)
+{
+    WgPolygon polygon;
+    wg_polygon_turned(headings, footprint, heading, &polygon);
+    return swept_move(grid, (Shape){{0, 0}, &polygon}, way, begin, end, wall_friction, chain, count);
+}
+
+FOR_EACH_SHAPE bool is_clear_at(WgGrid grid, Shape shape, WgPlace place)
+{
+    if (shape.polygon != NULL) {
+        return is_clear(grid, shape, place, place);
+    }
+    return wg_disc_is_clear(grid, WG_SOLID, shape.disc, place.x, place.y);
+}
+
+FOR_EACH_SHAPE WgMoved endpoint_move(WgGrid grid, Shape shape, WgSegment way, WgCorner *chain, int64_t count)
 {
     WgPlace goal = {way.qx, way.qy};
     if (goal.x == way.px && goal.y == way.py) {
         return (WgMoved){count, {0.0, 0.0}};
     }
-    if (wg_disc_is_clear(grid, WG_SOLID, disc, goal.x, goal.y)) {
+    if (is_clear_at(grid, shape, goal)) {
         return (WgMoved){append(chain, count, goal, 1.0), {0.0, 0.0}};
     }
     return (WgMoved){count, {-(double)(goal.x - way.px), -(double)(goal.y - way.py)}};
+}
+
+WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count)
+{
+    return endpoint_move(grid, (Shape){disc, NULL}, way, chain, count);
+}
+
+WgMoved wg_endpoint_body_move(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t heading,
+                              WgSegment way, WgCorner *chain, int64_t count)
+{
+    WgPolygon polygon;
+    wg_polygon_turned(headings, footprint, heading, &polygon);
+    return endpoint_move(grid, (Shape){{0, 0}, &polygon}, way, chain, count);
 }

@@ -93,7 +93,8 @@ static bool stand(const WgArena *arena, WgSettings *settings)
         for (int64_t dx = -1; dx <= 1; dx++) {
             for (int64_t dy = -1; dy <= 1; dy++) {
                 if (dx * dx + dy * dy == away
-                    && wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), x + dx, y + dy)) {
+                    && wg_robot_is_clear(wg_grid(arena), WG_SOLID, arena->headings, settings, x + dx, y + dy,
+                                         settings->start_heading)) {
                     settings->start_x = x + dx;
                     settings->start_y = y + dy;
                     return true;

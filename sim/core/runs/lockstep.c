@@ -48,7 +48,7 @@ int64_t wg_lockstep_step(WgRun **slots, int64_t count, const double *commands, c
         }
 
         // The rows written here belong to slots that have been read.
-        episode->workspace.flat = observations + (WG_SENSES + episode->settings->beams) * acting;
+        episode->workspace.flat = observations + wg_flat_size(episode->settings, 0) * acting;
         int64_t state = wg_episode_step(episode);
         while (state == WG_OVER && wg_run_goes_on(run)) {
             state = wg_episode_step(episode);

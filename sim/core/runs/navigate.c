@@ -161,10 +161,11 @@ static void observe(const WgCrew *crew, float *observation)
     wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
 }
 
-void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain)
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorner *chain)
 {
     for (int64_t robot = 0; robot < crew->count; robot++) {
         crew->robots[robot].body = (WgBody *)&states[robot];  // a body without a memory
+        crew->robots[robot].carriage = &carriages[robot];
         crew->robots[robot].chain = chain;
     }
 }
@@ -220,7 +221,8 @@ static void command(WgCrew *crew, int64_t robot, double turn, double speed)
         .speed = wg_clamp(speed, rules->slowest, 1.0) * settings->top_speed,
         .turn_rate = wg_clamp(turn, -1.0, 1.0) * rules->turn_rate,
     };
-    wg_apply_command(settings, &wanted, crew->clock[robot], &crew->robots[robot]);
+    WgArena arena = arena_of(crew, robot);
+    wg_apply_command(&arena, settings, &wanted, crew->clock[robot], &crew->robots[robot]);
 }
 
 // Returns the value of a step, and notes the new distance.
@@ -252,9 +254,11 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     bool touched = false;
     if (report->ending == WG_LIMIT) {
         command(crew, robot, turn, speed);
+    }
+    if (report->ending == WG_LIMIT) {
         touched = advance(crew, robot);
     } else {
-        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it began where episodes end
+        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it is where episodes end
     }
     observe(crew, observation);
     crew->elapsed[robot]++;

@@ -105,7 +105,7 @@ int64_t wg_run_of_episode(uint64_t seed, int64_t episode);
 
 // Gives the robots their states (count,), and one chain that is long enough for any step of any
 // robot.
-void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorner *chain);
 
 // Puts a robot at the start of its episode in a world, and observes: (size,).
 void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observation);

@@ -134,7 +134,7 @@ void wg_lockstep_free(WgRun *runs, int64_t count);
 // slots:         (count,) runs
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
 // after:         (count, memory) the robots' memories, in the controller's layout
-// observations:  (count, 17 + beams) filled for the slots that act
+// observations:  (count, 17 + beams, and 1 for a declared goal's heading) filled for the slots that act
 // memories:      (count, memory) same
 //
 // Returns how many slots act.

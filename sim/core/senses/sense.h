@@ -99,13 +99,20 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
 // step without them.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
-    return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;
+    return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE | WG_SENSE_GOAL_HEADING)) != 0;
 }
 
 // Heading of an observation, rad.
 static inline double wg_sensed_heading(const WgSettings *settings, const WgState *state)
 {
     return (double)wg_turn_towards(0, state->heading) * settings->radians;
+}
+
+// The heading that the goal asks for, rad; NaN if it asks for none.
+static inline double wg_sensed_goal_heading(const WgSettings *settings)
+{
+    bool has_one = settings->has_goal_heading != 0;
+    return has_one ? (double)wg_turn_towards(0, settings->goal_heading) * settings->radians : (double)NAN;
 }
 
 // The controller's next random number.

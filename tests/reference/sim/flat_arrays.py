@@ -16,7 +16,8 @@ Floats = npt.NDArray[np.float64]
 _SETTINGS = (
     "start_x", "start_y", "start_heading", "target_x", "target_y", "target_radius_sq", "clear_sq", "reach", "motion",
     "steps", "find_loop", "seed", "senses", "digest", "sensor_cells", "signal", "beams", "plain_sensor", "smoke_reach",
-    "loop_entry", "disturbed", "measures", "drift_x", "drift_y", "drift_reach", "place_count",
+    "loop_entry", "disturbed", "measures", "drift_x", "drift_y", "drift_reach", "place_count", "arrival", "contact",
+    "has_goal_heading", "goal_heading", "heading_tolerance", "arrival_speed", "arrival_turn",
 )  # fmt: skip
 _SCALES = (
     "metres", "speed", "turn", "radians", "time_step", "top_speed", "tolerance", "start_speed", "turn_limit", "gain",

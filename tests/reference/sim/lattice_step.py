@@ -112,6 +112,74 @@ def _judge_segment(
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
 
 
+def _heads_for_goal(settings: Ints, heading: int) -> bool:
+    """Whether a robot with this heading may arrive."""
+    if settings[layout.SET_HAS_GOAL_HEADING] == 0:
+        return True
+    off = (int(heading) - int(settings[layout.SET_GOAL_HEADING])) % TURN
+    return bool(min(off, TURN - off) <= settings[layout.SET_HEADING_TOLERANCE])
+
+
+def _is_at_goal(settings: Ints, robot: Robot) -> bool:
+    """Whether the robot's pose is one of the goal's."""
+    x, y = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
+    tx, ty = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
+    near = (x - tx) ** 2 + (y - ty) ** 2 <= settings[layout.SET_TARGET_SQ]
+    return bool(near) and _heads_for_goal(settings, robot.state[layout.STATE_HEADING])
+
+
+def _cell_distance(x: int, y: int, ix: int, iy: int) -> int:
+    """Squared distance from a lattice point to a cell."""
+    dx = max(ix * UNIT - x, x - (ix + 1) * UNIT, 0)
+    dy = max(iy * UNIT - y, y - (iy + 1) * UNIT, 0)
+    return int(dx * dx + dy * dy)
+
+
+def _judge_contact(
+    arena: Arena,
+    settings: Ints,
+    step: int,
+    ends: tuple[int, int, int, int],
+    touched: bool,
+    robot: Robot,
+) -> None:
+    """Ends the run if a wall has cut a move from p to q short, and may not.
+
+    The cell is that of the walls cutting its disc on the way which is nearest to the robot, or to the
+    place where it may not go.
+    """
+    counts = robot.counts
+    forbidden = settings[layout.SET_CONTACT] == layout.FAIL
+    if not forbidden or not touched or counts[layout.OUT_ENDING] != layout.LIMIT:
+        return
+    px, py, dx, dy = (int(number) for number in ends)
+    x, y = int(robot.state[layout.STATE_X]), int(robot.state[layout.STATE_Y])
+    way = (px, py, px + dx, py + dy)
+    if settings[layout.SET_MOTION] != SWEPT and (x, y) == (px, py):
+        x, y = px + dx, py + dy
+        way = (x, y, x, y)
+    height, width = arena.cells.shape
+    radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
+    solid = [
+        (_cell_distance(x, y, ix, iy), iy, ix)
+        for iy in range(-1, height + 1)
+        for ix in range(-1, width + 1)
+        if not (0 <= ix < width and 0 <= iy < height) or arena.cells[iy, ix] == SOLID
+        if segment_box_depth(radius, *way, ix, iy) > 1e-6
+    ]
+    away, iy, ix = min(solid)
+    # No wall of these tests stops a robot farther away.
+    assert away < (settings[layout.SET_REACH] + 20) ** 2
+    counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.CONTACT, step
+    counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
+
+
+def _friction(settings: Ints, scales: Floats) -> float:
+    """Share of a slide that is lost to a wall."""
+    slides = settings[layout.SET_CONTACT] == layout.SLIDE
+    return float(scales[layout.SCALE_WALL_FRICTION]) if slides else 1.0
+
+
 def _judge_path(
     arena: Arena,
     settings: Ints,
@@ -161,7 +229,11 @@ def _judge_path(
                 settings[layout.SET_TARGET_SQ],
             )
             from_x, from_y = (x, y) if swept else (qx, qy)
-            if segment_point_within(from_x, from_y, qx, qy, tx, ty, within):
+            if (
+                settings[layout.SET_ARRIVAL] == layout.TOUCH
+                and _heads_for_goal(settings, state[layout.STATE_HEADING])
+                and segment_point_within(from_x, from_y, qx, qy, tx, ty, within)
+            ):
                 counts[layout.OUT_ENDING] = layout.REACHED
         sums[layout.SUM_PATH] += math.sqrt(float((qx - x) * (qx - x) + (qy - y) * (qy - y)))
         x, y = qx, qy
@@ -225,11 +297,12 @@ def _move(
             count += 1
     elif settings[layout.SET_MOTION] == SWEPT:
         span = (float(during[0]) / TIME_UNIT, float(during[1]) / TIME_UNIT)
-        friction = scales[layout.SCALE_WALL_FRICTION]
+        friction = _friction(settings, scales)
         count, nx, ny = swept_move(arena.cells, clear_sq, reach, ends, span, friction, chain, count)
     else:
         count, nx, ny = endpoint_move(arena.cells, clear_sq, reach, ends, chain, count)
     _judge_path(arena, settings, scales, step, (before, count), free, robot)
+    _judge_contact(arena, settings, step, ends, nx != 0.0 or ny != 0.0, robot)
     return count, nx, ny
 
 
@@ -258,11 +331,14 @@ def _move_through_events(
     events, counts, exact = arena.events, robot.counts, settings[layout.SET_MOTION] == SWEPT
     count, now, gone = 0, 0, (0, 0)
     nx, ny = 0.0, 0.0
+    stopped = False
     while now < TIME_UNIT:
         due = event < events.shape[0] and events[event, layout.EVENT_STEP] == step
         until = events[event, layout.EVENT_TIME] if due and exact else TIME_UNIT
         if until > now and not (due and not exact):
             there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
+            if stopped:
+                there = gone
             part = (there[0] - gone[0], there[1] - gone[1])
             count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
             if until < TIME_UNIT and (
@@ -276,6 +352,7 @@ def _move_through_events(
                 count += 1
             if px != 0.0 or py != 0.0:
                 nx, ny = px, py
+                stopped = settings[layout.SET_CONTACT] != layout.SLIDE
             gone, now = there, until
         if due and counts[layout.OUT_ENDING] == layout.LIMIT:
             event = _apply_events(arena, settings, step, event, robot)
@@ -332,7 +409,7 @@ def _push(
     dx, dy = push[layout.PUSH_DX], push[layout.PUSH_DY]
     if (dx == 0 and dy == 0) or not pose_is_clear(arena.cells, SOLID, clear_sq, reach, x, y):
         return moved
-    friction, before = scales[layout.SCALE_WALL_FRICTION], count
+    friction, before = _friction(settings, scales), count
     count, px, py = swept_move(
         arena.cells, clear_sq, reach, (x, y, dx, dy), (1.0, 1.0), friction, robot.chain, count
     )
@@ -341,6 +418,7 @@ def _push(
     for k in range(before, count):
         if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
             _judge_path(arena, settings, scales, step, (k, k + 1), False, robot)
+    _judge_contact(arena, settings, step, (x, y, dx, dy), px != 0.0 or py != 0.0, robot)
     return count, nx, ny
 
 
@@ -400,6 +478,9 @@ def _advance(
         _measure(settings, scales, arena.headings, step, moved, robot)
     if arena.pushes.shape[0] > 0 and counts[layout.OUT_ENDING] == layout.LIMIT:
         count, nx, ny = _disturb(arena, settings, scales, step, (count, nx, ny), robot)
+    ends_there = settings[layout.SET_ARRIVAL] == layout.STEP and _is_at_goal(settings, robot)
+    if ends_there and counts[layout.OUT_ENDING] == layout.LIMIT:
+        counts[layout.OUT_ENDING] = layout.REACHED
     counts[layout.OUT_POINTS] += count
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
     if (
@@ -482,6 +563,12 @@ def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robo
     state[layout.STATE_SPEED] = _next_speed(state[layout.STATE_SPEED], wanted, scales)
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
+    stands = (
+        abs(state[layout.STATE_SPEED]) <= settings[layout.SET_ARRIVAL_SPEED]
+        and abs(turn) <= settings[layout.SET_ARRIVAL_TURN]
+    )
+    if settings[layout.SET_ARRIVAL] == layout.STOP and stands and _is_at_goal(settings, robot):
+        robot.counts[layout.OUT_ENDING] = layout.REACHED
 
 
 def remember(room: Room, robot: Robot) -> None:

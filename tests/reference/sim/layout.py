@@ -43,7 +43,7 @@ CMD_SIZE = 3
 
 # How an episode ends.
 LIMIT, REACHED, LOOP, TUNNEL, BURNED, INVALID_COMMAND = 0, 1, 2, 3, 4, 5
-COVERED = 7
+COVERED, CONTACT = 7, 9
 
 # Motion models that move on the pose lattice.
 SWEPT, ENDPOINT = 0, 1
@@ -70,7 +70,15 @@ SET_MEASURES = 21  # 1: odometry may differ from the pose
 SET_DRIFT_X, SET_DRIFT_Y = 22, 23  # what a tilted floor adds to each step, lattice units
 SET_DRIFT_REACH = 24  # the length of that, rounded up
 SET_PLACES = 25  # how many pushes are at places; they come first
-SET_SIZE = 26
+SET_ARRIVAL, SET_CONTACT = 26, 27  # TOUCH, ...; SLIDE, ...
+SET_HAS_GOAL_HEADING, SET_GOAL_HEADING, SET_HEADING_TOLERANCE = 28, 29, 30  # 0 or 1; heading units
+SET_ARRIVAL_SPEED, SET_ARRIVAL_TURN = 31, 32  # for STOP: units of speed; heading units
+SET_SIZE = 33
+
+# When a robot has arrived: values of SET_ARRIVAL.
+TOUCH, STEP, STOP = 0, 1, 2
+# What a wall does to a move: values of SET_CONTACT.
+SLIDE, HALT, FAIL = 0, 1, 2
 
 # Values of SET_FIND_LOOP: how a recurrence of the complete state ends the run.
 NO_LOOP = 0  # never
@@ -112,7 +120,7 @@ SCALE_SIZE = 23
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
 OUT_POINTS = 5  # points of the path after the start
 OUT_DIGEST = 6  # rolling FNV-1a hash of every state, as the bits of a uint64
-OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY = 7, 8, 9  # for TUNNEL and BURNED
+OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY = 7, 8, 9  # for TUNNEL, CONTACT and BURNED
 OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
     10,
     11,

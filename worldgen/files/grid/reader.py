@@ -20,15 +20,17 @@ from worldgen.files.grid.records import (
     read_top,
 )
 from worldgen.files.grid.schema import (
+    BODY_CUT,
     CERTIFICATE_KINDS,
     CUT,
     END,
-    FLEET_MAGIC,
-    FLEET_WITNESS,
+    HEADING_WITNESS,
     MAGIC,
     MAX_HEADER_BYTES,
+    ROBOTS_WITNESS,
     SECTIONS,
     START,
+    TABLES_MAGIC,
     TARGET,
     TIMELINE,
     WITNESS,
@@ -62,14 +64,14 @@ def loads(data: bytes, source: str | None = None) -> World:
     header_end = _header_end(file)
     header = Header(_decode(file, file.first_line_end, header_end), 2, source)
     blocks = _split(file, header_end)
-    top = read_top(header, fleet=file.is_fleet)
+    top = read_top(header, tables=file.has_tables)
     cell_size = top.read("cell_size")
     fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
     if fault is not None:
         raise FormatError.of(fault, **header.at("cell_size"))
     # Read the robots, whose places the cells may mark.
     radius = speed = 0.0
-    if file.is_fleet:
+    if file.has_tables:
         robots = read_robots(header)
     else:
         radius = top.read("robot_radius")
@@ -77,14 +79,14 @@ def loads(data: bytes, source: str | None = None) -> World:
     provenance = read_provenance(header)
     failure = read_failure(header)
     cells = read_cells(blocks["cells"])
-    if file.is_fleet:
+    if file.has_tables:
         _refuse_marks(header, cells)
     else:
         start, target = _ends(top, cells, cell_size)
         robots = [Robot(start, target, radius, speed)]
     # Read the rest, and let the world check itself.
     timeline = _timeline(blocks, cells.walls.shape)
-    certificate = _certificate(header, blocks, len(robots))
+    certificate = _certificate(header, blocks, len(robots), tables=file.has_tables)
     try:
         return World(
             cells.walls, cell_size=cell_size, timeline=timeline, certificate=certificate,
@@ -92,16 +94,16 @@ def loads(data: bytes, source: str | None = None) -> World:
         )  # fmt: skip
     # An impossible number, or robots that overlap.
     except InvalidWorld as error:
-        line = _line_of_fault(header, cells, error.facts, fleet=file.is_fleet)
+        line = _line_of_fault(header, cells, error.facts, tables=file.has_tables)
         raise FormatError.of(error.message, line=line, source=source) from error
 
 
 def _line_of_fault(
-    header: Header, cells: CellBlock, facts: Mapping[str, Any], *, fleet: bool
+    header: Header, cells: CellBlock, facts: Mapping[str, Any], *, tables: bool
 ) -> int:
     """Return the line of the fault in a rejected world."""
     name = str(facts.get("name", "")).removesuffix(" radius")
-    if not fleet:
+    if not tables:
         mark = {"start": cells.start, "target": cells.target}.get(name)
         return header.line_of(name) if mark is None else mark.line
     if "second" in facts:
@@ -125,9 +127,9 @@ class _File(NamedTuple):
         return len(MAGIC) + 1
 
     @property
-    def is_fleet(self) -> bool:
-        """True for version 2, with several robots."""
-        return self.data.startswith(FLEET_MAGIC.encode("ascii"))
+    def has_tables(self) -> bool:
+        """True for version 2, with [[robot]] tables."""
+        return self.data.startswith(TABLES_MAGIC.encode("ascii"))
 
     def at(self, byte: int) -> dict[str, Any]:
         """Return the place of the line that contains a byte, as :class:`FormatError` takes it."""
@@ -139,7 +141,7 @@ def _header_end(file: _File) -> int:
     # Check the first line and the line ends.
     data = file.data
     magic = MAGIC.encode("ascii")
-    known = (MAGIC, FLEET_MAGIC)
+    known = (MAGIC, TABLES_MAGIC)
     if data[: len(magic) + 1] not in [f"{line}\n".encode("ascii") for line in known]:
         raise _first_line_fault(file)
     carriage = data.find(b"\r")
@@ -169,7 +171,7 @@ def _first_line_fault(file: _File) -> FormatError:
     first = file.data[:200].split(b"\n")[0]
     text = first.decode("utf-8", "replace")
     way_out = "the first line is `{magic}`"
-    magics = [line.encode("ascii") for line in (MAGIC, FLEET_MAGIC)]
+    magics = [line.encode("ascii") for line in (MAGIC, TABLES_MAGIC)]
     # The remedy depends on what the file seems to be.
     if not file.data:
         message = Message("empty", "the file is empty", way_out, magic=MAGIC)
@@ -188,8 +190,8 @@ def _first_line_fault(file: _File) -> FormatError:
             "cut-short", "the file ends after its first line; the header and %cells follow it"
         )
     elif first.startswith(magics[0].split()[0]):
-        problem = f"{{came!q}}: this program reads versions 1 and 2: {way_out}, or `{{fleet}}`"
-        message = Message("other-version", problem, came=text, magic=MAGIC, fleet=FLEET_MAGIC)
+        problem = f"{{came!q}}: this program reads versions 1 and 2: {way_out}, or `{{tables}}`"
+        message = Message("other-version", problem, came=text, magic=MAGIC, tables=TABLES_MAGIC)
     else:
         message = Message(
             "not-a-grid",
@@ -328,7 +330,7 @@ def _ends(top: Table, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]
 
 
 def _refuse_marks(header: Header, cells: CellBlock) -> None:
-    """Reject the marks of version 1 in version 2, which has several starts and targets."""
+    """Reject the marks of version 1 in version 2, whose tables have starts and targets."""
     for letter, mark in ((START, cells.start), (TARGET, cells.target)):
         if mark is not None:
             raise FormatError(
@@ -391,7 +393,9 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
     return Timeline(times, ix, iy, states)
 
 
-def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certificate | None:
+def _certificate(
+    header: Header, blocks: dict[str, Block], robots: int, *, tables: bool
+) -> Certificate | None:
     """Return the certificate; its section must exist if and only if the header declares it."""
     # A section needs its table.
     record = read_certificate(header, robots)
@@ -419,17 +423,29 @@ def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certi
             kind=kind,
             **header.at("certificate", "kind"),
         )
+    block = blocks[kind]
     if kind == "cut":
-        return Cut(np.column_stack(read_columns(blocks[kind], CUT)), clearance, record.robot)
-    if robots > 1:
-        return _joint_witness(blocks[kind], record.clearances)
-    times, x, y = read_columns(blocks[kind], WITNESS)
+        if tables and _words_of_first_line(block) == len(BODY_CUT.fields):
+            boxes = np.column_stack(read_columns(block, BODY_CUT))
+            return Cut(np.empty((0, 2), np.int64), clearance, record.robot, boxes)
+        return Cut(np.column_stack(read_columns(block, CUT)), clearance, record.robot)
+    if tables:
+        paths = _paths(block, record.clearances)
+        return paths[0] if robots == 1 else JointWitness(paths)
+    times, x, y = read_columns(block, WITNESS)
     return Witness(times, x, y, clearance)
 
 
-def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
+def _words_of_first_line(block: Block) -> int:
+    end = block.data.find(b"\n", block.begin, block.end)
+    return len(block.data[block.begin : end].split()) if end >= 0 else 0
+
+
+def _paths(block: Block, clearances: tuple[float, ...]) -> tuple[Witness, ...]:
     """Return the paths of all robots; the lines are ordered by robot."""
-    numbers, times, x, y = read_columns(block, FLEET_WITNESS)
+    with_headings = _words_of_first_line(block) == len(HEADING_WITNESS.fields)
+    section = HEADING_WITNESS if with_headings else ROBOTS_WITNESS
+    numbers, *columns = read_columns(block, section)
     robots = len(clearances)
 
     # Each line is about the same robot as the one before, or the next one.
@@ -457,5 +473,6 @@ def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
         )
 
     ends = np.cumsum(counts)[:-1]
-    columns = zip(*(np.split(values, ends) for values in (times, x, y)), clearances, strict=True)
-    return JointWitness(tuple(Witness(*parts) for parts in columns))
+    # Times, x and y come before the clearance, headings after it.
+    parts = [np.split(values, ends) for values in columns]
+    return tuple(Witness(*own) for own in zip(*parts[:3], clearances, *parts[3:], strict=True))

@@ -9,18 +9,19 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError, InvalidWorld, Message
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.schema import (
     CERTIFICATE_KINDS,
-    FLEET_HEADER_KEYS,
-    FLEET_MAGIC,
-    FLEET_TABLE_KEYS,
+    DRIVES,
     HEADER_KEYS,
     MAGIC,
     REQUIRED,
     ROBOT_KEYS,
     TABLE_KEYS,
+    TABLES_HEADER_KEYS,
+    TABLES_MAGIC,
+    TABLES_TABLE_KEYS,
     WORD,
     WORD_KEYS,
     Key,
@@ -28,8 +29,9 @@ from worldgen.files.grid.schema import (
 from worldgen.files.grid.values import READERS, Place, kind_of, read_number, read_numbers
 from worldgen.parameters.known_names import unknown_name
 from worldgen.plugins.trust import note_names
+from worldgen.robot import Drive, Pose, Robot, Target, convex_footprint
 from worldgen.support.plain_text import quote
-from worldgen.world import FailureRecord, Pose, Provenance, Robot, Target
+from worldgen.world import FailureRecord, Provenance
 
 
 class Table(NamedTuple):
@@ -125,24 +127,24 @@ class CertificateRecord(NamedTuple):
     robot: int = 1
 
 
-def read_top(header: Header, *, fleet: bool) -> Table:
+def read_top(header: Header, *, tables: bool) -> Table:
     """Return the top of the header, after a check of the names of all keys and tables.
 
     Args:
         header: The header.
-        fleet: True if it is in version 2.
+        tables: True if it is in version 2, with [[robot]] tables.
 
     Raises:
         FormatError: At a key that the version does not know, with the nearest known one.
     """
-    keys = FLEET_HEADER_KEYS if fleet else HEADER_KEYS
-    tables = FLEET_TABLE_KEYS if fleet else TABLE_KEYS
+    keys = TABLES_HEADER_KEYS if tables else HEADER_KEYS
+    known_tables = TABLES_TABLE_KEYS if tables else TABLE_KEYS
     for key, value in header.data.items():
-        if fleet and key == "robot":
+        if tables and key == "robot":
             continue
-        if key not in keys and key not in tables:
-            raise FormatError.of(_strange_key(key, fleet=fleet), **header.at(key))
-        if key in tables and not isinstance(value, dict):
+        if key not in keys and key not in known_tables:
+            raise FormatError.of(_strange_key(key, tables=tables), **header.at(key))
+        if key in known_tables and not isinstance(value, dict):
             raise FormatError(
                 "wrong-type",
                 "{key} is {kind}; it must be a table: write [{key}] on a separate line",
@@ -150,7 +152,7 @@ def read_top(header: Header, *, fleet: bool) -> Table:
                 kind=kind_of(value),
                 **header.at(key),
             )
-    for name, known in tables.items():
+    for name, known in known_tables.items():
         for key in header.data.get(name, ()):
             if key in keys and key not in known:
                 raise FormatError(
@@ -164,8 +166,8 @@ def read_top(header: Header, *, fleet: bool) -> Table:
     return Table(header, header.data, keys)
 
 
-def _strange_key(key: str, *, fleet: bool) -> Message:
-    if fleet and key in HEADER_KEYS:
+def _strange_key(key: str, *, tables: bool) -> Message:
+    if tables and key in HEADER_KEYS:
         return Message(
             "wrong-place",
             "{key} is above the [[robot]] tables; in version 2 each robot has its own",
@@ -173,15 +175,17 @@ def _strange_key(key: str, *, fleet: bool) -> Message:
             key=key,
             own=key.removeprefix("robot_"),
         )
-    if not fleet and key == "robot":
+    if not tables and key == "robot":
         return Message(
             "other-version",
             "[[robot]] tables belong to version 2, and this file has version 1",
             "begin it with `{magic}`",
-            magic=FLEET_MAGIC,
+            magic=TABLES_MAGIC,
         )
     known = (
-        (*FLEET_HEADER_KEYS, "robot", *FLEET_TABLE_KEYS) if fleet else (*HEADER_KEYS, *TABLE_KEYS)
+        (*TABLES_HEADER_KEYS, "robot", *TABLES_TABLE_KEYS)
+        if tables
+        else (*HEADER_KEYS, *TABLE_KEYS)
     )
     return unknown_name("unknown {what}: {name!q}", key, known, what="key")
 
@@ -190,7 +194,7 @@ def read_robots(header: Header) -> list[Robot]:
     """Return the robots of version 2, in order.
 
     Raises:
-        FormatError: If there are not at least two, or a table breaks a rule.
+        FormatError: If there is none, a table breaks a rule, or the only robot belongs to version 1.
     """
     tables = tables_of(header, "robot", ROBOT_KEYS)
     if not tables:
@@ -201,20 +205,72 @@ def read_robots(header: Header) -> list[Robot]:
             key="robot",
             **header.at_the_end(),
         )
-    if len(tables) < 2:
+    robots = [_robot(table) for table in tables]
+    # One world has one text.
+    if len(robots) == 1 and robots[0].is_plain:
         raise FormatError(
             "one-robot",
-            "version 2 with {count} robots; a file with one robot has version 1",
+            "version 2 with one disc that turns on the spot and has to touch its target; such a "
+            "file has version 1",
             "write version 1: begin it with `{magic}`, with start, target, robot_radius and "
             "robot_speed above the first [table]",
-            count=len(tables),
             magic=MAGIC,
             **header.at("robot"),
         )
-    return [
-        Robot(Pose(*own["start"]), Target(*own["target"]), own["radius"], own["speed"])
-        for own in (table.read_all() for table in tables)
-    ]
+    return robots
+
+
+def _robot(table: Table) -> Robot:
+    own = table.read_all()
+    given = [name for name in ("radius", "footprint") if name in table.values]
+    if len(given) == 2:
+        raise FormatError(
+            "conflict",
+            "[[robot]] number {number} has a radius and a footprint",
+            "remove one of the two: a body is a disc or a polygon",
+            number=(table.row or 0) + 1,
+            **table.at("radius"),
+        )
+    if not given:
+        raise table.missing("radius")
+    _check_drive(table, own["drive"])
+    x, y, radius = own["target"]
+    goal = Target(
+        x, y, radius, own["target_heading"], own["heading_tolerance"], own["arrival"],
+        own["arrival_speed"], own["arrival_turn_rate"], own["contact"],
+    )  # fmt: skip
+    drive = Drive(own["turning_radius"], own["reverse"], own["steering_rate"])
+    try:
+        if "footprint" in given:
+            # An empty list is no footprint, which the file must not have.
+            footprint = convex_footprint(own["footprint"])
+            return Robot(
+                Pose(*own["start"]), goal, speed=own["speed"], footprint=footprint, drive=drive
+            )
+        return Robot(Pose(*own["start"]), goal, own["radius"], own["speed"], drive=drive)
+    except InvalidWorld as error:
+        raise FormatError.of(error.message, **table.at("footprint")) from error
+
+
+def _check_drive(table: Table, drive: str | None) -> None:
+    """Reject a drive that is not a car's, or keys of a car without it."""
+    if drive is not None and drive not in DRIVES:
+        raise FormatError.of(
+            unknown_name("unknown {what}: {name!q}", drive, list(DRIVES), what="drive"),
+            **table.at("drive"),
+        )
+    if drive is not None and "turning_radius" not in table.values:
+        raise table.missing("turning_radius")
+    if drive is None:
+        for key in ("turning_radius", "reverse", "steering_rate"):
+            if key in table.values:
+                raise FormatError(
+                    "conflict",
+                    "{key} without a drive",
+                    'add `drive = "car"`, or remove it: other robots turn on the spot',
+                    key=key,
+                    **table.at(key),
+                )
 
 
 def tables_of(header: Header, name: str, keys: Mapping[str, Key]) -> list[Table]:
@@ -266,7 +322,7 @@ def _named(header: Header, name: str) -> dict[str, Any] | None:
 def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | None:
     """Return the ``[certificate]`` table of a world with this many robots."""
     # Check the kind.
-    keys = (TABLE_KEYS if robots == 1 else FLEET_TABLE_KEYS)["certificate"]
+    keys = (TABLE_KEYS if robots == 1 else TABLES_TABLE_KEYS)["certificate"]
     if "certificate" not in header.data:
         return None
     table = Table(header, header.data["certificate"], keys, "certificate")

@@ -12,13 +12,20 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from worldgen.robot import (
+    ARRIVALS,
+    CONTACTS,
+    DEFAULT_ARRIVAL_SPEED,
+    DEFAULT_ARRIVAL_TURN_RATE,
+    DEFAULT_HEADING_TOLERANCE,
+    DEFAULT_ROBOT_SPEED,
+)
 from worldgen.timeline import CellState
-from worldgen.world import DEFAULT_ROBOT_SPEED
 
-# One robot.
+# One disc that turns on the spot and has to touch its target.
 MAGIC: Final = "%worldgen-grid 1"
-# Several robots.
-FLEET_MAGIC: Final = "%worldgen-grid 2"
+# Robots of any kind, each in a [[robot]] table.
+TABLES_MAGIC: Final = "%worldgen-grid 2"
 END: Final = "end"
 # In this order; each occurs at most once.
 SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)
@@ -30,6 +37,7 @@ TARGET: Final = "G"
 
 STATES: Final = {state.word: state for state in CellState}
 CERTIFICATE_KINDS: Final = ("witness", "cut")
+DRIVES: Final = ("car",)
 
 REQUIRED: Final = object()
 """Default of a key that must be there."""
@@ -40,9 +48,9 @@ class Key(NamedTuple):
 
     Args:
         kind: What its value is: ``number``, ``length`` (above 0), ``pair``, ``pose``, ``disc`` (two
-            or three numbers, the last of a disc above 0), ``text``, ``name`` (text that may name
-            code), ``integer``, ``values`` (a table of any), ``metrics`` (a table of numbers), or
-            ``any``, which its reader decides.
+            or three numbers, the last of a disc above 0), ``corners`` (a list of pairs), ``flag``,
+            ``text``, ``name`` (text that may name code), ``integer``, ``values`` (a table of any),
+            ``metrics`` (a table of numbers), or ``any``, which its reader decides.
         example: A typical value.
         meaning: What it says, with its unit.
         default: Its value if it is missing.
@@ -64,12 +72,38 @@ HEADER_KEYS: Final = {
     "target": Key("disc", "[5.55, 0.45, 0.05]", "x m, y m, radius m"),
 }
 # Version 2 has these instead: one [[robot]] table for each robot.
-FLEET_HEADER_KEYS: Final = {"cell_size": HEADER_KEYS["cell_size"]}
+TABLES_HEADER_KEYS: Final = {"cell_size": HEADER_KEYS["cell_size"]}
+# Keys of a [[robot]] table in the order in which the writer puts them. It has either a radius or a
+# footprint. The defaults are those of `worldgen.robot`.
 ROBOT_KEYS: Final = {
     "start": HEADER_KEYS["start"],
     "target": HEADER_KEYS["target"],
-    "radius": HEADER_KEYS["robot_radius"],
+    "target_heading": Key("number", "1.5708", "heading that it must have there, rad", None),
+    "heading_tolerance": Key(
+        "number", "0.1", "largest difference from it, rad", DEFAULT_HEADING_TOLERANCE
+    ),
+    "arrival": Key("text", '"step"', f"what counts as arriving: {', '.join(ARRIVALS)}", "touch"),
+    "arrival_speed": Key(
+        "number", "0.02", "speed up to which it stands, m/s", DEFAULT_ARRIVAL_SPEED
+    ),
+    "arrival_turn_rate": Key(
+        "number", "0.02", "turn rate up to which it stands, rad/s", DEFAULT_ARRIVAL_TURN_RATE
+    ),
+    "contact": Key("text", '"fail"', f"what a wall does to a move: {', '.join(CONTACTS)}", None),
+    "radius": HEADER_KEYS["robot_radius"]._replace(default=None),
+    "footprint": Key(
+        "corners",
+        "[[0.45, -0.31], [0.45, 0.31], [-0.45, 0.31], [-0.45, -0.31]]",
+        "corners of its convex body, m ahead of its axle and to its left",
+        (),
+    ),
     "speed": HEADER_KEYS["robot_speed"],
+    "drive": Key("text", '"car"', "that it cannot turn on the spot", None),
+    "turning_radius": Key("length", "0.5", "smallest radius of a car's arcs, m", 0.0),
+    "reverse": Key("flag", "true", "whether a car may drive backwards", False),
+    "steering_rate": Key(
+        "number", "2.0", "largest change of a car's curvature, shares of the largest a second", 0.0
+    ),
 }
 TABLE_KEYS: Final = {
     "provenance": {
@@ -94,7 +128,7 @@ TABLE_KEYS: Final = {
         "details": Key("values", "{ }", "anything else about the failure", {}),
     },
 }
-FLEET_TABLE_KEYS: Final = TABLE_KEYS | {
+TABLES_TABLE_KEYS: Final = TABLE_KEYS | {
     "certificate": {
         "kind": TABLE_KEYS["certificate"]["kind"],
         "robot": Key("integer", "1", "number, from 1, of the robot that a cut stops", None),
@@ -198,9 +232,18 @@ TIMELINE: Final = LineSection(
 WITNESS: Final = LineSection(
     "witness", tuple(_decimal(name) for name in ("time", "x", "y")), "0.0 0.35 5.65"
 )
-FLEET_WITNESS: Final = LineSection(
+ROBOTS_WITNESS: Final = LineSection(
     "witness", (_index("robot", signed=False), *WITNESS.fields), "2 0.0 0.35 5.65"
 )
+HEADING_WITNESS: Final = LineSection(
+    "witness", (*ROBOTS_WITNESS.fields, _decimal("heading")), "1 0.0 0.35 5.65 1.5708"
+)
 CUT: Final = LineSection("cut", tuple(_index(name, signed=True) for name in ("ix", "iy")), "8 3")
+BODY_CUT: Final = LineSection(
+    "cut",
+    tuple(
+        _index(name, signed=True) for name in ("heading", "span", "side", "y", "x_begin", "x_end")
+    ),
+    "8192 256 64 1024 2048 2560",
+)
 LINE_SECTIONS: Final = {section.name: section for section in (TIMELINE, WITNESS, CUT)}
-FLEET_LINE_SECTIONS: Final = LINE_SECTIONS | {FLEET_WITNESS.name: FLEET_WITNESS}

@@ -118,6 +118,21 @@ def _disc(value: object, place: Place) -> tuple[float, ...]:
     return numbers
 
 
+def _corners(value: object, place: Place) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(value, list):
+        raise place.wrong(value, "write a list of corners: {meaning}")
+    return tuple(
+        read_numbers(item, place._replace(what=f"{place.what}[{k}]"), 2)
+        for k, item in enumerate(value)
+    )
+
+
+def _flag(value: object, place: Place) -> bool:
+    if not isinstance(value, bool):
+        raise place.wrong(value, "write true or false")
+    return value
+
+
 def _text(value: object, place: Place) -> str:
     if not isinstance(value, str):
         raise place.wrong(value, "write text in double quotes")
@@ -199,6 +214,8 @@ READERS: Final[Mapping[str, Callable[[Any, Place], Any]]] = {
     "pair": partial(read_numbers, count=2),
     "pose": partial(read_numbers, count=3),
     "disc": _disc,
+    "corners": _corners,
+    "flag": _flag,
     "text": _text,
     "name": _name,
     "integer": _integer,

@@ -10,7 +10,16 @@ import numpy as np
 
 from worldgen.errors import InvalidWorld
 from worldgen.files.grid.records import word_faults
-from worldgen.files.grid.schema import END, FLEET_MAGIC, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
+from worldgen.files.grid.schema import (
+    DRIVES,
+    END,
+    FREE,
+    MAGIC,
+    MAX_HEADER_BYTES,
+    ROBOT_KEYS,
+    SOLID,
+    TABLES_MAGIC,
+)
 from worldgen.files.grid.toml_text import number_text, value_text
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
@@ -84,9 +93,10 @@ def world_digest(world: World) -> str:
 
 def _header_lines(world: World) -> Iterator[str]:
     # The order of the keys is fixed, so that equal worlds give equal bytes.
-    yield FLEET_MAGIC if world.is_fleet else MAGIC
+    has_tables = _has_tables(world)
+    yield TABLES_MAGIC if has_tables else MAGIC
     yield f"cell_size = {number_text(world.cell_size, 'cell_size')}"
-    if world.is_fleet:
+    if has_tables:
         yield from _robot_lines(world)
     else:
         yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
@@ -101,13 +111,37 @@ def _header_lines(world: World) -> Iterator[str]:
         yield from _failure_lines(world.failure)
 
 
+def _has_tables(world: World) -> bool:
+    """Return True for a world that only version 2 can hold."""
+    return world.is_fleet or not world.robots[0].is_plain
+
+
 def _robot_lines(world: World) -> Iterator[str]:
     for robot in world.robots:
+        goal = robot.target
         yield from ("", "[[robot]]")
-        yield from _ends_lines(robot.start, robot.target)
-        yield f"radius = {number_text(robot.radius, 'radius')}"
-        if robot.speed != DEFAULT_ROBOT_SPEED:
-            yield f"speed = {number_text(robot.speed, 'speed')}"
+        yield from _ends_lines(robot.start, goal)
+        values = {
+            "target_heading": goal.heading,
+            "heading_tolerance": goal.heading_tolerance,
+            "arrival": goal.arrival,
+            "arrival_speed": goal.arrival_speed,
+            "arrival_turn_rate": goal.arrival_turn_rate,
+            "contact": goal.contact,
+            "radius": robot.radius if robot.is_disc else None,
+            "footprint": [list(corner) for corner in robot.footprint] or (),
+            "speed": robot.speed,
+            "drive": DRIVES[0] if robot.drive.is_car else None,
+            "turning_radius": robot.drive.turning_radius,
+            "reverse": robot.drive.reverse,
+            "steering_rate": robot.drive.steering_rate,
+        }
+        for key, value in values.items():
+            if value != ROBOT_KEYS[key].default:
+                text = (
+                    number_text(value, key) if isinstance(value, float) else value_text(value, key)
+                )
+                yield f"{key} = {text}"
 
 
 def _ends_lines(start: Pose, target: Target) -> Iterator[str]:
@@ -186,24 +220,28 @@ def _section_lines(world: World) -> Iterator[str]:
             yield f"{time + 0.0!r} {ix} {iy} {words[state]}"
     if isinstance(certificate, Witness):
         yield "%witness"
-        yield from _point_lines(certificate, "")
+        yield from _point_lines(certificate, "1 " if _has_tables(world) else "")
     elif isinstance(certificate, JointWitness):
         yield "%witness"
         for number, path in enumerate(certificate.paths, start=1):
             yield from _point_lines(path, f"{number} ")
     elif isinstance(certificate, Cut):
         yield "%cut"
-        yield from (f"{ix} {iy}" for ix, iy in certificate.cells.tolist())
+        rows = certificate.cells if certificate.boxes is None else certificate.boxes
+        yield from (" ".join(map(str, row)) for row in rows.tolist())
 
 
 def _point_lines(path: Witness, prefix: str) -> Iterator[str]:
     """Return the points of one path; ``prefix`` precedes each."""
-    points = np.column_stack((path.times, path.x, path.y)) + 0.0
+    columns = [path.times, path.x, path.y]
+    if path.headings is not None:
+        columns.append(path.headings)
+    points = np.column_stack(columns) + 0.0
     if not np.isfinite(points).all():
         raise InvalidWorld(
             "not-finite",
             "the witness has a number that is not finite; a .grid file cannot hold it; prove "
             "it again",
         )
-    for time, x, y in points.tolist():
-        yield f"{prefix}{time!r} {x!r} {y!r}"
+    for point in points.tolist():
+        yield prefix + " ".join(map(repr, point))

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from worldgen.reach.check.car import car_fault
 from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
@@ -73,9 +74,22 @@ def check_certificate(
         return _check_joint(world, certificate, radius)
     if world.is_fleet:
         return _check_one_of_several(world, certificate, radius)
-    radius = world.robot_radius if radius is None else radius
+    robot = world.robots[0]
+    is_about_robot = radius is None
+    if radius is None:
+        # A chain that stops the disc inside a body stops the body.
+        radius = robot.inner_radius if isinstance(certificate, Cut) else robot.radius
     measured = [0.0]
     try:
+        if isinstance(certificate, Cut):
+            _require(certificate.boxes is None, "a cut of poses is not checked")
+        else:
+            is_car = is_about_robot and robot.drive.is_car
+            _require(
+                is_car or certificate.headings is None, "a witness with headings is not checked"
+            )
+            fault = car_fault(world, certificate) if is_car else None
+            _require(fault is None, str(fault))
         # A hostile file may contain times whose difference overflows.
         with np.errstate(all="ignore"):
             if isinstance(certificate, Witness):

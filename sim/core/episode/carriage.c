@@ -1,0 +1,183 @@
+// How bodies turn, and how cars drive: the parts of a step in which these differ from a disc that
+// turns on the spot.
+
+#include "step.h"
+
+enum {
+    MOST_LEGS = 32,  // straight legs of a car's step
+    // lattice units times heading units: the product of the length and the turn of a leg that
+    // leaves its arc by at most 1/64 of a cell. A chord of length l leaves the arc on which it turns
+    // by the angle a by l a / 8, so it is 8 * 16 * 65536 / (2 pi).
+    LEG_PRODUCT = 1335088,
+};
+
+// The largest curvature of a car, as it is stored.
+static const int64_t FULL_LOCK = (int64_t)1 << 30;
+
+// The steps of an arc: how many legs keep it within the bound.
+static int64_t legs_of(int64_t length, int64_t turn)
+{
+    int64_t legs = 1;
+    while (legs < MOST_LEGS && legs * legs * LEG_PRODUCT < length * turn) {
+        legs++;
+    }
+    return legs;
+}
+
+// The turn on a length of a car's path at its curvature, heading units, rounded towards zero.
+static int64_t turn_on(const WgSettings *settings, int64_t steering, int64_t length)
+{
+    double share = (double)steering / (double)FULL_LOCK;
+    double turn = share * (double)length * settings->turn_per_unit;
+    double limit = settings->turn_limit * settings->turn + 1e-9;
+    double most = wg_lower(WG_MOST_BODY_TURN, limit);
+    return (int64_t)wg_clamp(turn, -most, most);
+}
+
+int64_t wg_most_legs(const WgSettings *settings)
+{
+    if (settings->turn_per_unit <= 0.0 || settings->motion != WG_SWEPT) {
+        return 1;
+    }
+    int64_t fastest = (int64_t)(settings->top_speed * settings->speed) + 1;
+    return legs_of(fastest, turn_on(settings, FULL_LOCK, fastest) + 1);
+}
+
+void wg_steer(const WgSettings *settings, const WgCommand *command, WgRobot *robot)
+{
+    WgCarriage *carriage = robot->carriage;
+    // The curvature of the commanded arc, as a share of the largest one. A car that is to turn on the
+    // spot turns its wheels as far as they go.
+    double limit = settings->turn_limit;
+    double turn_rate = wg_clamp(command->turn_rate, -limit, limit);
+    double wanted = 0.0;
+    if (command->speed != 0.0) {
+        wanted = wg_clamp(turn_rate / command->speed * settings->turning_radius, -1.0, 1.0);
+    } else if (turn_rate != 0.0) {
+        wanted = turn_rate > 0.0 ? 1.0 : -1.0;
+    }
+    int64_t steering = (int64_t)(wanted * (double)FULL_LOCK);
+    if (settings->steering_rate < INFINITY) {
+        int64_t most = (int64_t)wg_lower(settings->steering_rate * settings->time_step * (double)FULL_LOCK,
+                                         2.0 * (double)FULL_LOCK);
+        steering = wg_most(carriage->steering - most, wg_least(carriage->steering + most, steering));
+    }
+    carriage->steering = steering;
+}
+
+// Notes which way a wall is that has cut a turn short, and ends the run if none may be touched.
+static void note_stop(const WgSettings *settings, int64_t step, const WgStopped *stopped, WgRobot *robot)
+{
+    WgReport *report = &robot->report;
+    int64_t x = (int64_t)(stopped->away.x * (double)WG_UNIT);
+    int64_t y = (int64_t)(stopped->away.y * (double)WG_UNIT);
+    robot->carriage->bumped = 1 + wg_heading_of(x, y, 0);
+    if (settings->contact == WG_CONTACT_FAIL && report->ending == WG_LIMIT) {
+        robot->contact = stopped->away;  // there is no step after this one to sense it in
+        report->ending = WG_CONTACT;
+        report->hit_step = step;
+        report->hit_ix = stopped->cell.ix;
+        report->hit_iy = stopped->cell.iy;
+    }
+}
+
+int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    WgState *state = &robot->body->state;
+    robot->carriage->bumped = 0;
+    bool is_free = settings->footprint.count == 0 || turn == 0 || wg_nothing_near(arena, settings, state, 0, 0);
+    int64_t turned = turn;
+    if (!is_free) {
+        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
+        const WgFootprint *footprint = &settings->footprint;
+        if (settings->motion == WG_SWEPT) {
+            turned = wg_clear_turn(wg_grid(arena), arena->headings, footprint, state->x, state->y, state->heading, turn,
+                                   &stopped);
+        } else {
+            // `endpoint` only looks at the end, and refuses what is not clear there.
+            int64_t heading = wg_reduced_heading(state->heading + turn);
+            WgSegment here = {state->x, state->y, state->x, state->y};
+            stopped.cell = wg_body_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, footprint, here, heading);
+            stopped.away.x = (double)(state->x - stopped.cell.ix * WG_UNIT) - WG_UNIT / 2;
+            stopped.away.y = (double)(state->y - stopped.cell.iy * WG_UNIT) - WG_UNIT / 2;
+            turned = stopped.cell.found ? 0 : turn;
+        }
+        if (turned != turn) {
+            note_stop(settings, step, &stopped, robot);
+        }
+    }
+    state->heading = wg_reduced_heading(state->heading + turned);
+    return turned;
+}
+
+WgNormal wg_bump_of_turn(const WgArena *arena, const WgCarriage *carriage)
+{
+    if (carriage->bumped == 0) {
+        return (WgNormal){0.0, 0.0};
+    }
+    int64_t away = carriage->bumped - 1;
+    return (WgNormal){(double)arena->headings[away],
+                      (double)arena->headings[(away - WG_TURN / 4) & (WG_TURN - 1)]};
+}
+
+// The part of a whole that belongs to one of `count` equal parts, rounded towards zero.
+static int64_t part_of(int64_t whole, int64_t part, int64_t count)
+{
+    return whole * (part + 1) / count - whole * part / count;
+}
+
+// Returns which share of a displacement a robot has made.
+static double share_made(WgVector by, int64_t dx, int64_t dy)
+{
+    double length_sq = (double)(by.x * by.x + by.y * by.y);
+    return length_sq > 0.0 ? wg_clamp((double)(by.x * dx + by.y * dy) / length_sq, 0.0, 1.0) : 0.0;
+}
+
+WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t drive, WgRobot *robot)
+{
+    WgState *state = &robot->body->state;
+    int64_t turn = turn_on(settings, robot->carriage->steering, drive);
+    int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(drive), wg_abs(turn)) : 1;
+    for (int64_t leg = 0; leg < legs; leg++) {
+        // Drive straight,
+        WgVector by = {0, 0};
+        int64_t ahead = part_of(drive, leg, legs);
+        if (ahead != 0) {
+            by = wg_displacement(arena->headings, state->heading, ahead);
+        }
+        WgVector drift = {0, 0};
+        if (settings->disturbed != 0) {
+            drift = (WgVector){part_of(settings->drift_x, leg, legs), part_of(settings->drift_y, leg, legs)};
+        }
+        by = (WgVector){by.x + drift.x, by.y + drift.y};
+        WgSegment way = {state->x, state->y, state->x + by.x, state->y + by.y};
+        WgNormal contact = wg_move_during(arena, settings, step, by, WG_STEP_TIME * leg / legs,
+                                          WG_STEP_TIME * (leg + 1) / legs, robot);
+        bool touches = wg_is_contact(contact);
+        if (settings->measures != 0) {
+            WgVector missed = touches ? (WgVector){0, 0} : drift;
+            wg_measure_move(arena, settings, step, state->x - way.px - missed.x, state->y - way.py - missed.y, robot);
+        }
+        if (robot->report.ending != WG_LIMIT) {
+            return contact;
+        }
+
+        // then turn, by the share of the leg that was driven.
+        int64_t turns = part_of(turn, leg, legs);
+        if (touches) {
+            turns = (int64_t)((double)turns * share_made(by, state->x - way.px, state->y - way.py));
+        }
+        int64_t turned = wg_turn_body(arena, settings, step, turns, robot);
+        if (settings->measures != 0) {
+            wg_measure_turn(settings, step, turned, robot);
+        }
+        if (turned != turns) {
+            contact = wg_bump_of_turn(arena, robot->carriage);
+            robot->carriage->bumped = 0;  // it is sensed in this step
+        }
+        if (wg_is_contact(contact)) {
+            return contact;
+        }
+    }
+    return (WgNormal){0.0, 0.0};
+}

@@ -1,0 +1,193 @@
+"""Cars: witnesses that they can drive, and a checker that refuses those that they cannot."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from worldgen import (
+    CellState,
+    Drive,
+    Event,
+    Pose,
+    Robot,
+    Target,
+    Timeline,
+    Witness,
+    World,
+    check_certificate,
+    decide,
+    generate,
+    read_world,
+    write_world,
+)
+
+BEND_WIDTH, BEND_RADIUS = 1.2, 0.3
+# The arc touches both outer walls, and the inner corner.
+BEND_LIMIT = (math.sqrt(2) * (BEND_WIDTH - BEND_RADIUS) - BEND_RADIUS) / (math.sqrt(2) - 1)
+
+
+def bend(turning_radius, *, mirrored=False, **drive):
+    """Two aisles of 1.2 m that meet at a right angle, for a disc of 0.3 m."""
+    free = np.zeros((60, 80), np.bool_)
+    free[5:17, 2:72] = True
+    free[5:58, 60:72] = True
+    start, target = Pose(0.8, 1.1, 0.0), Target(6.6, 5.2, 0.3)
+    if mirrored:
+        free = free[::-1]
+        start, target = Pose(0.8, 4.9, 0.0), Target(6.6, 0.8, 0.3)
+    robot = Robot(start, target, BEND_RADIUS, 1.0, drive=Drive(turning_radius, **drive))
+    return World(~free, robots=[robot])
+
+
+def with_car(world, turning_radius, **drive):
+    robot = replace(world.robots[0], drive=Drive(turning_radius, **drive))
+    return replace(world, robots=[robot], certificate=None, provenance=None)
+
+
+AHEAD = Target(2.0, 1.0, 0.1)
+
+
+def open_floor(*, target=AHEAD, **drive):
+    robot = Robot(Pose(0.5, 1.0, 0.0), target, 0.1, 1.0, drive=Drive(0.4, **drive))
+    return World(np.zeros((20, 30), np.bool_), robots=[robot])
+
+
+def path(*poses):
+    """A witness through these poses, at 0.1 m/s or slower."""
+    x, y, headings = (np.array(values, float) for values in zip(*poses, strict=True))
+    return Witness(np.arange(len(x)) * 10.0, x, y, 0.1, headings)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_forward_car_turns_through_a_bend_up_to_the_closed_form(mirrored):
+    for share in (0.3, 0.9, 0.999):
+        world = bend(share * BEND_LIMIT, mirrored=mirrored)
+        decision = decide(world)
+        assert decision.result == "reachable"
+        assert check_certificate(world, decision.certificate).valid
+    for share in (1.001, 1.05):
+        assert decide(bend(share * BEND_LIMIT, mirrored=mirrored)).result == "undecided"
+
+
+def test_a_car_that_may_reverse_turns_through_a_bend_beyond_the_closed_form():
+    world = bend(1.2 * BEND_LIMIT, reverse=True)
+    decision = decide(world)
+    assert decision.result == "reachable"
+    assert check_certificate(world, decision.certificate).valid
+    # The same path is none for a car that may not reverse.
+    report = check_certificate(bend(1.2 * BEND_LIMIT), decision.certificate)
+    assert not report.valid and "cannot drive" in report.reason
+
+
+@pytest.mark.parametrize("family", ["cave", "forest", "maze", "trap"])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_witnesses_in_families_are_valid_and_survive_a_file(tmp_path, family, reverse):
+    for seed in range(3):
+        world = with_car(generate(family, seed=seed), 0.1, reverse=reverse)
+        decision = decide(world)
+        if reverse:
+            assert decision.result == "reachable"
+        if decision.certificate is not None:
+            proved = replace(world, certificate=decision.certificate)
+            write_world(proved, tmp_path / "w.grid", force=True)
+            assert read_world(tmp_path / "w.grid") == proved
+            assert check_certificate(read_world(tmp_path / "w.grid")).valid
+
+
+def test_equal_questions_have_equal_witnesses():
+    first, second = (decide(bend(1.5, reverse=True)).certificate for _ in range(2))
+    assert first == second
+
+
+def test_what_stops_the_body_stops_the_car():
+    walls = np.zeros((20, 30), np.bool_)
+    walls[:, 15] = True
+    decision = decide(replace(open_floor(reverse=True), walls=walls))
+    assert decision.result == "blocked"
+    assert check_certificate(
+        replace(open_floor(reverse=True), walls=walls), decision.certificate
+    ).valid
+
+
+def test_an_undecided_car_says_what_was_tried():
+    decision = decide(bend(2 * BEND_LIMIT))
+    assert "turning radius" in decision.reason and "forward only" in decision.reason
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -2.0])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_a_car_arrives_at_a_heading(heading, reverse):
+    target = Target(1.8, 1.0, 0.05, heading, 0.02)
+    world = open_floor(target=target, reverse=reverse)
+    decision = decide(world)
+    assert decision.result == "reachable"
+    assert check_certificate(world, decision.certificate).valid
+    off = math.remainder(decision.certificate.headings[-1] - heading, math.tau)
+    assert abs(off) <= 0.02
+
+
+def test_steering_that_takes_time_is_waited_for():
+    at_once, slow = (decide(bend(1.0, steering_rate=rate)).certificate for rate in (0.0, 0.5))
+    assert slow.duration > at_once.duration + 1.0
+    assert check_certificate(bend(1.0, steering_rate=0.5), slow).valid
+    # From straight to the left takes 2 s, and nothing moves meanwhile.
+    stands = (np.diff(slow.x) == 0) & (np.diff(slow.y) == 0)
+    assert min(np.diff(slow.times)[stands]) >= 2.0 and not np.diff(slow.headings)[stands].any()
+
+
+def test_in_a_changing_world_the_path_avoids_all_that_is_ever_blocked():
+    closes = Timeline.of([Event(5.0, 15, iy, CellState.SOLID) for iy in range(8, 20)])
+    world = replace(open_floor(), timeline=closes)
+    decision = decide(world)
+    assert decision.result == "reachable"
+    assert check_certificate(world, decision.certificate).valid
+
+
+STRAIGHT = path((0.5, 1.0, 0.0), (2.0, 1.0, 0.0))
+ARC = [(0.5 + 0.4 * math.sin(a), 1.4 - 0.4 * math.cos(a), a) for a in np.linspace(0, 1.0, 60)]
+
+
+def arc_world():
+    x, y, _ = ARC[-1]
+    return open_floor(target=Target(x, y, 0.05))
+
+
+def test_a_straight_line_and_an_arc_of_the_turning_circle_are_accepted():
+    assert check_certificate(open_floor(), STRAIGHT).valid
+    assert check_certificate(arc_world(), path(*ARC)).valid
+
+
+@pytest.mark.parametrize(
+    ("witness", "reason"),
+    [
+        (
+            path((0.5, 1.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.02, 0.0), (2.0, 1.02, 0.0)),
+            "cannot drive",
+        ),
+        (path((0.5, 1.0, 0.0), (0.4, 1.0, 0.0), (2.0, 1.0, 0.0)), "without reverse"),
+        (path((0.5, 1.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 0.1), (2.0, 1.1, 0.1)), "cannot drive"),
+        (path((0.5, 1.0, 0.5), (2.0, 1.0, 0.5)), "start's heading"),
+        (path((0.5, 1.0, 0.0), (1.0, 1.0, math.nan), (2.0, 1.0, 0.0)), "not finite"),
+        (replace(STRAIGHT, headings=None), "needs headings"),
+    ],
+    ids=["slides", "reverses", "turns-on-the-spot", "starts-askew", "nan", "no-headings"],
+)
+def test_the_checker_refuses_what_a_car_cannot_drive(witness, reason):
+    report = check_certificate(open_floor(), witness)
+    assert not report.valid and reason in report.reason
+
+
+def test_the_checker_refuses_an_arc_that_is_too_tight_or_too_coarse():
+    tight = replace(arc_world(), robots=[replace(arc_world().robots[0], drive=Drive(0.42))])
+    assert "cannot drive" in check_certificate(tight, path(*ARC)).reason
+    coarse = path(*ARC[:1], *ARC[-1:])
+    assert not check_certificate(arc_world(), coarse).valid
+
+
+def test_many_small_cheats_add_up():
+    # Each leg is moved sideways by less than the bound for one.
+    x, y, headings = np.linspace(0.5, 2.0, 200), np.linspace(1.0, 1.02, 200), np.zeros(200)
+    crab = Witness(np.arange(200.0), x, y, 0.1, headings)
+    assert "cannot drive" in check_certificate(open_floor(), crab).reason

@@ -1,0 +1,207 @@
+"""Room for a body in a family's world: how wide passages are, and a start and a target to fit in.
+
+Families lay out their worlds for a disc. Here a robot with a footprint, or a car, gets the disc whose
+passages it can drive along and around corners. Everything is a proposal; the prover decides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import TURN, heading_from_lattice
+from worldgen.robot import Pose, Robot
+from worldgen.support.arrays import Bools, Floats
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, World
+
+# Headings to try at the start, around a full turn.
+_HEADINGS = 16
+# Cells that a robot's radius is long by default, which is what the usual sizes of families suit.
+_USUAL_CELLS = DEFAULT_ROBOT_RADIUS / DEFAULT_CELL_SIZE
+# Cells by which rounding may let a body overlap a wall that it touches.
+_TOUCH = 1e-9
+
+
+def layout_radius(robot: Robot, *, any_heading: bool = False) -> float:
+    """Return the radius, m, of the disc for which a family lays out the passages of a robot.
+
+    Args:
+        robot: The robot.
+        any_heading: Whether the body must fit with any heading everywhere.
+    """
+    return robot.radius if any_heading else max(robot.inner_radius, 0.5 * _passage(robot))
+
+
+def usual_cell(radius: float) -> float:
+    """Return the side of a cell, m, in which a disc has as many cells as the default one has.
+
+    It is rounded up to two digits.
+    """
+    side = radius / _USUAL_CELLS
+    digit = 10.0 ** (math.floor(math.log10(side)) - 1)
+    # Rounded before it is rounded up, as 0.1 / 0.01 is 10.000000000000002.
+    return round(math.ceil(round(side / digit, 6)) * digit, 12)
+
+
+def _passage(robot: Robot) -> float:
+    """Return the width, m, of passages that a robot can drive along, and around right angles.
+
+    A rectangle of length L and width W that turns while it moves needs (L / 2 + W) / sqrt(2) at a
+    right angle: it is tightest half way. A car that drives an arc needs the outer radius of what it
+    sweeps less the inner one divided by sqrt(2).
+    """
+    if robot.is_disc:
+        width = length = 2.0 * robot.radius
+        half = robot.radius
+    else:
+        xs, ys = zip(*robot.footprint, strict=True)
+        length = max(xs) - min(xs)
+        width = max(ys) - min(ys)
+        half = max(map(abs, ys))
+    least, most = sorted((length, width))
+    needed = 2.0 * robot.radius if robot.is_disc else max(width, (most / 2 + least) / math.sqrt(2))
+    if robot.drive.is_car:
+        turning = robot.drive.turning_radius
+        outer = turning + robot.radius
+        if not robot.is_disc:
+            outer = max(math.hypot(x, turning + abs(y)) for x, y in robot.footprint)
+        needed = max(needed, outer - max(turning - half, 0.0) / math.sqrt(2))
+    return needed
+
+
+def with_room(world: World, robot: Robot) -> World:
+    """Return a family's world with a robot, which fits at its start and somewhere in its target.
+
+    If the body is in a wall at the start, it gets another heading. If it fits with none, at the start
+    or the target, walls make way until it can turn there.
+
+    Args:
+        world: The world; its robot says where start and target are.
+        robot: The robot, with the same start and target.
+
+    Raises:
+        InvalidParameter: If there is no room to turn within the world's border.
+    """
+    start = robot.start
+    target = robot.target
+    walls = world.walls
+    if not robot.is_disc:
+        place = (start.x, start.y)
+        fits = _fitting(world, walls, robot, place, start.heading)
+        if fits is None:
+            walls, place = _cleared(world, walls, robot, place)
+            fits = start.heading
+        start = Pose(*place, fits)
+        place = (target.x, target.y)
+        wanted = start.heading if target.heading is None else target.heading
+        fits = _fitting(world, walls, robot, place, wanted)
+        if fits is None or (target.heading is not None and fits != wanted):
+            walls, place = _cleared(world, walls, robot, place)
+            target = replace(target, x=place[0], y=place[1])
+    return replace(world.bare, walls=walls, robots=(replace(robot, start=start, target=target),))
+
+
+def with_fitting_heading(world: World) -> World:
+    """Return the world with the heading at the start, nearest to the given one, that fits.
+
+    A world with a disc, or whose body fits with no heading, stays as it is.
+    """
+    robot = world.robots[0]
+    start = robot.start
+    if robot.is_disc:
+        return world
+    heading = _fitting(world, world.walls, robot, (start.x, start.y), start.heading)
+    if heading in (None, start.heading):
+        return world
+    return replace(world, start=replace(start, heading=heading))
+
+
+def _fitting(
+    world: World, walls: Bools, robot: Robot, place: tuple[float, float], wanted: float
+) -> float | None:
+    """Return the heading nearest to a wanted one with which a body is clear; None if it never is."""
+    return next(
+        (heading for heading in _nearby(wanted) if _is_clear(world, walls, robot, place, heading)),
+        None,
+    )
+
+
+def _nearby(wanted: float) -> Iterator[float]:
+    yield wanted
+    for k in range(1, _HEADINGS // 2 + 1):
+        for sign in (1, -1):
+            part = sign * k * TURN // _HEADINGS
+            yield math.remainder(wanted + heading_from_lattice(part % TURN), math.tau)
+
+
+def _is_clear(
+    world: World, walls: Bools, robot: Robot, place: tuple[float, float], heading: float
+) -> bool:
+    """Return True if a body is clear of walls, but for rounding errors."""
+    cosine = math.cos(heading)
+    sine = math.sin(heading)
+    corners = np.array([(x * cosine - y * sine, x * sine + y * cosine) for x, y in robot.footprint])
+    corners = (corners + place) / world.cell_size
+    low = np.floor(corners.min(axis=0) + _TOUCH).astype(int)
+    high = np.ceil(corners.max(axis=0) - _TOUCH).astype(int)
+    if (low < 0).any() or high[0] > world.width or high[1] > world.height:
+        return False
+    cells = np.argwhere(walls[low[1] : high[1], low[0] : high[0]])[:, ::-1] + low
+    return not _overlaps(corners, cells.astype(np.float64)).any()
+
+
+def _overlaps(corners: Floats, cells: Floats) -> Bools:
+    """Return (n,) bool, which cells a convex polygon overlaps within their bounding box.
+
+    Args:
+        corners: (k, 2) float64, counter-clockwise, cells.
+        cells: (n, 2) float64, lower-left corners.
+
+    Source: separating axes; Ericson, Real-Time Collision Detection (2005), 5.2.1.
+    """
+    along = np.roll(corners, -1, axis=0) - corners
+    # Outward normals; the corner of a cell that is least far out is the one opposite to them.
+    normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / np.hypot(*along.T)[:, None]
+    nearest = cells[:, None, :] + (normals < 0.0)
+    out = ((nearest - corners) * normals).sum(axis=2)
+    overlapping: Bools = (out < -_TOUCH).all(axis=1)
+    return overlapping
+
+
+def _cleared(
+    world: World, walls: Bools, robot: Robot, place: tuple[float, float]
+) -> tuple[Bools, tuple[float, float]]:
+    """Return walls that leave room to turn near a place, and the middle of that room, m.
+
+    The border stays solid, so that the room moves inwards from there.
+
+    Raises:
+        InvalidParameter: If there is no such room.
+    """
+    side = world.cell_size
+    reach = robot.radius / side
+    middle = []
+    for at, cells in zip(place, (world.width, world.height), strict=True):
+        # On half cells, as places of families are.
+        low = math.ceil(2.0 * (1.0 + reach))
+        high = math.floor(2.0 * (cells - 1.0 - reach))
+        if low > high:
+            raise InvalidParameter(
+                "no-room",
+                "the robot needs {needed:g} m to turn, and there are {room:g} m between the walls",
+                "use a larger size or cell_size, or a smaller footprint",
+                needed=2.0 * robot.radius,
+                room=(cells - 2) * side,
+            )
+        middle.append(min(max(round(2.0 * at / side), low), high) / 2.0)
+    x, y = middle
+    columns = np.arange(world.width)
+    rows = np.arange(world.height)
+    across = np.maximum(np.maximum(columns - x, x - columns - 1.0), 0.0)
+    up = np.maximum(np.maximum(rows - y, y - rows - 1.0), 0.0)
+    walls = walls & ~(across[None, :] ** 2 + up[:, None] ** 2 < reach * reach)
+    return walls, (round(x * side, 9), round(y * side, 9))

@@ -1,0 +1,1 @@
+"""Decide reachability for a robot with a footprint."""

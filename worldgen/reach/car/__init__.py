@@ -1,0 +1,1 @@
+"""Cars: robots whose turning circle has a least radius."""

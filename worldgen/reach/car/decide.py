@@ -1,0 +1,44 @@
+"""Decide whether a car can get from the start to the target."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from worldgen.reach.car.search import find_path, witness_of
+from worldgen.reach.decision import REACHABLE, UNDECIDED, Decision
+from worldgen.timeline import Timeline
+from worldgen.world import World
+
+
+def decide_car(world: World, *, margin: float = 0.0) -> Decision:
+    """Return a witness for the world's car, or ``UNDECIDED``: nothing here proves ``BLOCKED``.
+
+    In a world that changes, the path avoids everything that is ever blocked, so it holds whenever
+    the car begins.
+
+    Args:
+        world: A world of one robot, a car.
+        margin: s; see :func:`worldgen.reach.decide`.
+    """
+    drive = world.robots[0].drive
+    still = world
+    if world.is_dynamic:
+        from worldgen.reach.timed.spans import Spans  # noqa: PLC0415 - few worlds change
+
+        ever = Spans(world, margin).ever
+        still = replace(world, walls=ever, timeline=Timeline(), certificate=None)
+    path = find_path(still)
+    if len(path.poses):
+        witness = witness_of(still, path.poses)
+        if witness is not None:
+            reason = (
+                f"a path of {witness.length:.4g} m is clear for discs of up to "
+                f"{witness.clearance:.4g} m"
+            )
+            return Decision(REACHABLE, witness, reason)
+    ways = "forward and backward" if drive.reverse else "forward only"
+    reason = (
+        f"a car of turning radius {drive.turning_radius:g} m, {ways}: no path was found among "
+        f"{path.searched} poses, and the body alone is not stopped"
+    )
+    return Decision(UNDECIDED, None, reason)

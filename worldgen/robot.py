@@ -1,0 +1,238 @@
+"""A robot of a world: its start, its goal, its body, and how it may drive.
+
+The robot's frame has x ahead and y to the left, in metres; its origin is the axle, about which the
+robot turns. A body is a disc around the axle, or a convex polygon.
+"""
+
+from __future__ import annotations
+
+import math
+import typing
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final, Literal, TypeAlias
+
+from worldgen.errors import InvalidWorld
+
+Arrival = Literal["touch", "step", "stop"]
+ARRIVALS: Final[tuple[Arrival, ...]] = typing.get_args(Arrival)
+Contact = Literal["slide", "stop", "fail"]
+CONTACTS: Final[tuple[Contact, ...]] = typing.get_args(Contact)
+
+Corner: TypeAlias = tuple[float, float]
+MOST_CORNERS: Final = 16
+
+# The thesis's robot: 10 px cells, a 14 px disc at 0.2 px/ms, at 10 px = 0.1 m.
+# Radius, m.
+DEFAULT_ROBOT_RADIUS: Final = 0.07
+# Speed, m/s.
+DEFAULT_ROBOT_SPEED: Final = 2.0
+# rad; Nav2's goal checkers have the same.
+DEFAULT_HEADING_TOLERANCE: Final = 0.25
+# m/s and rad/s below which a robot stands.
+DEFAULT_ARRIVAL_SPEED: Final = 0.01
+DEFAULT_ARRIVAL_TURN_RATE: Final = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A pose of the robot: x and y in m, heading in rad, counter-clockwise from +x."""
+
+    x: float
+    y: float
+    heading: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The goal: a disc for the robot's centre or axle, and what counts as arriving there.
+
+    Args:
+        x: The disc's centre, m.
+        y: The same.
+        radius: Its radius, m.
+        heading: Heading that the robot must have there, rad; None for any.
+        heading_tolerance: Largest difference from it, rad.
+        arrival: ``touch``: the robot's path meets the disc. ``step``: a step ends in it. ``stop``:
+            a step ends in it, and the robot stands.
+        arrival_speed: Speed up to which a robot stands, m/s.
+        arrival_turn_rate: The same for its turn rate, rad/s.
+        contact: What a wall does to a move into it. ``slide``: the robot slides along the wall.
+            ``stop``: it stops there until its next step. ``fail``: it stops, and the run has
+            failed. None: as the robot drives, ``stop`` for a car and ``slide`` otherwise.
+    """
+
+    x: float
+    y: float
+    radius: float
+    heading: float | None = None
+    heading_tolerance: float = DEFAULT_HEADING_TOLERANCE
+    arrival: Arrival = "touch"
+    arrival_speed: float = DEFAULT_ARRIVAL_SPEED
+    arrival_turn_rate: float = DEFAULT_ARRIVAL_TURN_RATE
+    contact: Contact | None = None
+
+    @property
+    def is_plain(self) -> bool:
+        """True if touching the disc is all that counts, in any way."""
+        return self.heading is None and self.arrival == "touch" and self.contact is None
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """How a robot may move. By default it turns on the spot and drives both ways.
+
+    Args:
+        turning_radius: Smallest radius, m, of the arcs that a car's axle drives; 0 if the robot
+            turns on the spot.
+        reverse: Whether a car may drive backwards.
+        steering_rate: Largest change of a car's curvature, as a share of the largest curvature a
+            second, 1/s; 0 if it steers instantly.
+    """
+
+    turning_radius: float = 0.0
+    reverse: bool = False
+    steering_rate: float = 0.0
+
+    @property
+    def is_car(self) -> bool:
+        """True if the robot cannot turn on the spot."""
+        return self.turning_radius > 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One robot of a world.
+
+    Args:
+        start: Pose at the start.
+        target: The goal.
+        radius: Radius of the robot's disc, m. For a robot with a footprint, it is the radius of the
+            smallest disc about the axle that holds it, rounded up, whatever is given.
+        speed: Top speed, m/s.
+        footprint: Corners of a convex polygon, m, in the robot's frame; none for a disc. They are
+            kept counter-clockwise, without those on a straight side.
+        drive: How it may move.
+
+    Raises:
+        InvalidWorld: If the footprint is not a convex polygon of 3 to 16 corners.
+    """
+
+    start: Pose
+    target: Target
+    radius: float = DEFAULT_ROBOT_RADIUS
+    speed: float = DEFAULT_ROBOT_SPEED
+    footprint: tuple[Corner, ...] = ()
+    drive: Drive = Drive()
+
+    def __post_init__(self) -> None:
+        # An empty list would compare unequal to no footprint.
+        footprint = convex_footprint(self.footprint) if len(self.footprint) else ()
+        object.__setattr__(self, "footprint", footprint)
+        if footprint:
+            radius = max(math.hypot(x, y) for x, y in footprint)
+            object.__setattr__(self, "radius", math.nextafter(radius, math.inf))
+
+    @property
+    def is_disc(self) -> bool:
+        """True if the body is a disc."""
+        return not self.footprint
+
+    @property
+    def is_plain(self) -> bool:
+        """True for a disc that turns on the spot and only has to touch its target."""
+        return self.is_disc and self.drive == Drive() and self.target.is_plain
+
+    @property
+    def inner_radius(self) -> float:
+        """Radius, m, of the largest disc about the axle in the body; 0 if the axle is outside."""
+        if self.is_disc:
+            return self.radius
+        # Rounded down, so that the disc is inside.
+        ends = (*self.footprint[1:], self.footprint[0])
+        return max(0.0, math.nextafter(min(map(_side_distance, self.footprint, ends)), 0.0))
+
+    @property
+    def contact(self) -> Contact:
+        """What a wall does to a move into it."""
+        return self.target.contact or ("stop" if self.drive.is_car else "slide")
+
+
+def convex_footprint(corners: Iterable[Sequence[float]]) -> tuple[Corner, ...]:
+    """Return the corners of a convex polygon counter-clockwise, without those on a straight side.
+
+    Args:
+        corners: Three to 16 corners, m, in order; clockwise ones are turned around.
+
+    Raises:
+        InvalidWorld: If there are too few or too many, one is not a pair of finite numbers, or the
+            polygon has no area or is not convex.
+    """
+    given = [_corner(corner) for corner in corners]
+    if not 3 <= len(given) <= MOST_CORNERS:
+        raise InvalidWorld(
+            "wrong-footprint",
+            "footprint with {count} corners; it must have 3 to {most}",
+            "a rectangle of 0.62 x 0.9 m has the corners [0.31, 0.45], [-0.31, 0.45], "
+            "[-0.31, -0.45], [0.31, -0.45]",
+            count=len(given),
+            most=MOST_CORNERS,
+        )
+    # Corners on a straight side, and repeated ones, say nothing.
+    kept = given
+    while bends := [_bend(kept, k) for k in range(len(kept))]:
+        if all(bends):
+            break
+        kept = [corner for corner, bend in zip(kept, bends, strict=True) if bend]
+    if not kept:
+        raise InvalidWorld(
+            "wrong-footprint",
+            "footprint without area: its corners are on one line",
+            "give three corners that are not on one line",
+        )
+    # A convex polygon bends the same way everywhere, and turns around once.
+    if max(bends) < 0:
+        kept = [kept[0], *reversed(kept[1:])]
+    ups = [(y, x) > (v, u) for (x, y), (u, v) in zip(kept, [kept[-1], *kept[:-1]], strict=True)]
+    turns = sum(up and not before for up, before in zip(ups, [ups[-1], *ups[:-1]], strict=True))
+    if min(bends) < 0 < max(bends) or turns != 1:
+        raise InvalidWorld(
+            "wrong-footprint",
+            "footprint is not convex, or its sides cross",
+            "give the corners in order around the body; if it has notches, those of its convex hull",
+        )
+    return tuple(kept)
+
+
+def _bend(corners: Sequence[Corner], k: int) -> int:
+    """Return 1, -1 or 0: the way in which a polygon bends at a corner, counter-clockwise is 1."""
+    # Decimals are exact here: 0.1, 0.2 and 0.3 are on one line.
+    (ax, ay), (bx, by), (cx, cy) = (
+        [Fraction(repr(value)) for value in corners[n % len(corners)]] for n in (k - 1, k, k + 1)
+    )
+    area = (bx - ax) * (cy - by) - (by - ay) * (cx - bx)
+    return (area > 0) - (area < 0)
+
+
+def _side_distance(begin: Corner, end: Corner) -> float:
+    """Return the distance of the axle from the line through a side; negative if it is outside."""
+    along = (end[0] - begin[0], end[1] - begin[1])
+    return (begin[0] * along[1] - begin[1] * along[0]) / math.hypot(*along)
+
+
+def _corner(corner: Sequence[float]) -> Corner:
+    try:
+        x, y = (float(value) + 0.0 for value in corner)
+    except (TypeError, ValueError) as error:
+        raise InvalidWorld(
+            "wrong-footprint",
+            "footprint: {corner!r} is not a corner",
+            "write each corner as [x, y], m",
+            corner=corner,
+        ) from error
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise InvalidWorld(
+            "not-finite", "footprint: corner ({x}, {y}) must have finite numbers", x=x, y=y
+        )
+    return x, y
