@@ -140,6 +140,11 @@ class Robot:
         return not self.footprint
 
     @property
+    def is_round(self) -> bool:
+        """True for a disc that turns on the spot, so that its heading does not matter."""
+        return self.is_disc and not self.drive.is_car
+
+    @property
     def is_plain(self) -> bool:
         """True for a disc that turns on the spot and only has to touch its target."""
         return self.is_disc and self.drive == Drive() and self.target.is_plain

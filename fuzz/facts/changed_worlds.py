@@ -32,7 +32,7 @@ from worldgen.plugins.user_modules import sources_read
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
 from worldgen.timeline import Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Robot, Target, World
 
 # A place is a gap if two of the robots do not fit through it side by side, and at a wall if one of
 # twice the radius does not fit there.
@@ -108,13 +108,14 @@ class OtherWorlds:
         # The answer is about the controller, so the budget and the seed of a run don't matter.
         side = max(world.cell_size, world.robot_radius / _LARGEST)
         steps = math.ceil(_DRIVES * side / (world.robot_speed * self.options.time_step))
-        run = _RunInRoom(
-            self.controller,
-            replace(self.options, steps=min(steps, _MOST_STEPS), seed=0),
-            side,
-            world.robot_radius,
-            world.robot_speed,
+        robot = world.robots[0]
+        robot = replace(
+            robot,
+            start=Pose(0.0, 0.0),
+            target=Target(0.0, 0.0, robot.radius, contact=robot.target.contact),
         )
+        options = replace(self.options, steps=min(steps, _MOST_STEPS), seed=0)
+        run = _RunInRoom(self.controller, options, side, robot)
         # Nothing tells when a program is edited, so it is tried each time.
         if is_process_name(self.controller):
             return run.gets_around()
@@ -131,15 +132,13 @@ class _RunInRoom:
         controller: Name of the controller.
         options: Options of the run.
         side: Side of a cell, m.
-        radius: Radius of the robot, m.
-        speed: Top speed of the robot, m/s.
+        robot: The robot; the room sets where it starts, and where its target is.
     """
 
     controller: str
     options: RunOptions
     side: float
-    radius: float
-    speed: float
+    robot: Robot
 
     def gets_around(self) -> bool:
         for heading in _HEADINGS:
@@ -159,14 +158,10 @@ class _RunInRoom:
         walls[_AROUND:-_AROUND, 2 * _AROUND : -2 * _AROUND] = True
         height, width = walls.shape
         middle = height / 2 * self.side
-        return World(
-            walls,
-            Pose(_AROUND * self.side, middle + _OFF_MIDDLE * self.side, heading),
-            Target((width - _AROUND) * self.side, middle, self.radius),
-            cell_size=self.side,
-            robot_radius=self.radius,
-            robot_speed=self.speed,
-        )
+        start = Pose(_AROUND * self.side, middle + _OFF_MIDDLE * self.side, heading)
+        target = replace(self.robot.target, x=(width - _AROUND) * self.side, y=middle)
+        robot = replace(self.robot, start=start, target=target)
+        return World(walls, cell_size=self.side, robots=[robot])
 
 
 @functools.lru_cache(maxsize=64)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from worldgen.lattice import in_cells
 from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
-from worldgen.world import Cut, Pose, Target, World
+from worldgen.world import Cut, Pose, World
 
 
 def certified(world: World) -> World | None:
@@ -42,7 +42,8 @@ def _with_whole_cell(world: World) -> World:
     x, y = (float((math.floor(in_cells(v, side)) + 0.5) * side) for v in (target.x, target.y))
     corner = side * math.sqrt(0.5) * (1 + 1e-9)
     needed = math.dist((x, y), (target.x, target.y)) + target.radius
-    return replace(world, target=Target(x, y, max(corner, needed)), failure=None)
+    whole = replace(target, x=x, y=y, radius=max(corner, needed))
+    return replace(world, target=whole, failure=None)
 
 
 def certificate_fault(world: World) -> str:

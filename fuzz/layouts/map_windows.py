@@ -138,8 +138,7 @@ class Windows:
         self._family = "" if world.provenance is None else world.provenance.family
         # Narrow places for a body are those where it has to turn while it moves.
         robot = world.robots[0]
-        is_plain = robot.is_disc and not robot.drive.is_car
-        radius = robot.radius if is_plain else layout_radius(robot)
+        radius = robot.radius if robot.is_round else layout_radius(robot)
         self._disc = in_cells(radius, world.cell_size)
         self.walls = world.walls
         self.cell = world.cell_size

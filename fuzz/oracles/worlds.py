@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from worldgen.lattice import exact
-from worldgen.world import Pose, Robot, Target, World
+from worldgen.world import Pose, Robot, World
 
 # The shift differs along the two axes, so that mixing them up shows.
 _COLUMNS = 3
@@ -27,7 +27,12 @@ def turned(world: World) -> World:
         return replace(
             robot,
             start=Pose(_across(world, world.height, start.y), start.x, start.heading + math.pi / 2),
-            target=Target(_across(world, world.height, target.y), target.x, target.radius),
+            target=replace(
+                target,
+                x=_across(world, world.height, target.y),
+                y=target.x,
+                heading=None if target.heading is None else target.heading + math.pi / 2,
+            ),
         )
 
     return replace(
@@ -47,7 +52,12 @@ def mirrored(world: World) -> World:
         return replace(
             robot,
             start=Pose(_across(world, world.width, start.x), start.y, math.pi - start.heading),
-            target=replace(target, x=_across(world, world.width, target.x)),
+            target=replace(
+                target,
+                x=_across(world, world.width, target.x),
+                heading=None if target.heading is None else math.pi - target.heading,
+            ),
+            footprint=tuple((x, -y) for x, y in robot.footprint),
         )
 
     return replace(
@@ -85,12 +95,22 @@ def scaled(world: World) -> World:
     """Return the world with every length and every top speed doubled; times stay the same."""
 
     def scale(robot: Robot) -> Robot:
+        start = robot.start
         target = robot.target
-        return Robot(
-            replace(robot.start, x=2 * robot.start.x, y=2 * robot.start.y),
-            Target(2 * target.x, 2 * target.y, 2 * target.radius),
-            2 * robot.radius,
-            2 * robot.speed,
+        return replace(
+            robot,
+            start=replace(start, x=2 * start.x, y=2 * start.y),
+            target=replace(
+                target,
+                x=2 * target.x,
+                y=2 * target.y,
+                radius=2 * target.radius,
+                arrival_speed=2 * target.arrival_speed,
+            ),
+            radius=2 * robot.radius,
+            speed=2 * robot.speed,
+            footprint=tuple((2 * x, 2 * y) for x, y in robot.footprint),
+            drive=replace(robot.drive, turning_radius=2 * robot.drive.turning_radius),
         )
 
     robots = tuple(map(scale, world.robots))

@@ -178,7 +178,7 @@ def _preview(request: Preview, opened: Opened, part: object) -> DrawnWorld:
 
 @answer.register
 def _shift(request: Shift, opened: Opened, part: object) -> WorldMessage:
-    return message_of(shifted(world_of(request.world), int(request.seed)))
+    return message_of(shifted(restored(request.world).alone(1), int(request.seed)))
 
 
 @answer.register

@@ -27,6 +27,7 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
+from sim.options.run import TARGET
 from sim.outcome import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import OUT_OF_BUDGET, Verdict
@@ -317,10 +318,12 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
 def _at_goal(world: World, trace: Trace, seen: RepeatedPart) -> Cause | None:
     """Return what keeps a robot from arriving that gets to its target; None for any other robot."""
     goal = world.target
-    if goal.arrival == "touch" and goal.heading is None:
+    if trace.task != TARGET or (goal.arrival == "touch" and goal.heading is None):
         return None
     if goal.arrival != "touch" and passes_target(world, trace):
         return Cause.PASSES_ITS_GOAL
+    if seen.touching >= _RARELY:
+        return None
     # A robot that turns next to its target tries to take up the heading.
     turns = seen.extent <= _ONE_PLACE * seen.radius and seen.turning >= _TURNS_AT_ALL
     aligns = goal.heading is not None and turns and seen.is_near

@@ -1,4 +1,4 @@
-"""Read recorded trajectories from a table of numbers with a header, written by any program."""
+"""Read recorded trajectories and plans from a table of numbers with a header."""
 
 from __future__ import annotations
 
@@ -17,6 +17,12 @@ from worldgen.files.whole import decoded, read_stream, read_text
 from worldgen.support.arrays import Floats, Ints
 
 COLUMNS = ("t", "x", "y")
+# A plan has no times.
+_PLACE = COLUMNS[1:]
+# Names for the column of headings, rad; the first one of a header counts.
+HEADINGS = ("heading", "yaw", "theta")
+# A header with one of these in a name has times, even if they are not called t.
+_SIGNS_OF_TIME = ("time", "stamp", "sec")
 # Column with the robot of each sample, in a recording of several robots.
 _ROBOT = "robot"
 _DELIMITERS = (",", ";", "\t")
@@ -25,7 +31,7 @@ _MOST_BYTES = 1 << 30
 
 
 def read_trajectories(
-    path: Path, robots: int = 1, only: int | None = None
+    path: Path, robots: int = 1, only: int | None = None, *, headings: bool = False
 ) -> dict[int, Trajectory]:
     """Read trajectories from a file, or from stdin if the path is ``-``.
 
@@ -33,6 +39,7 @@ def read_trajectories(
         path: The file.
         robots: Number of robots in the world.
         only: The robot whose trajectory to read; all if omitted.
+        headings: True to read headings, if the file has any.
 
     Returns:
         Trajectories by the robots' numbers, from 1. A file without a column ``robot`` has one
@@ -44,22 +51,26 @@ def read_trajectories(
     """
     if str(path) == "-":
         data = read_stream(sys.stdin.buffer, "stdin", _MOST_BYTES)
-        return parse_trajectories(decoded(data, "stdin"), "stdin", robots, only)
-    return parse_trajectories(read_text(path, _MOST_BYTES), str(path), robots, only)
+        text = decoded(data, "stdin")
+        return parse_trajectories(text, "stdin", robots, only, headings=headings)
+    text = read_text(path, _MOST_BYTES)
+    return parse_trajectories(text, str(path), robots, only, headings=headings)
 
 
 def parse_trajectories(
-    text: str, source: str, robots: int = 1, only: int | None = None
+    text: str, source: str, robots: int = 1, only: int | None = None, *, headings: bool = False
 ) -> dict[int, Trajectory]:
     """Read trajectories from text.
 
     Args:
-        text: A header that names at least the columns t, x and y, then one line per sample. The
+        text: A header that names at least the columns t, x and y, then one line per sample. Without
+            a column of times, it is a plan. Headings are in a column heading, yaw or theta. The
             numbers are separated as the names are, by commas, semicolons or tabs. Empty lines are
             ignored.
         source: The file's name, for messages.
         robots: Number of robots in the world.
         only: The robot whose trajectory to read; all if omitted.
+        headings: True to read headings, if the file has any.
 
     Raises:
         FormatError: If it is not a trajectory; the error names the faulty line.
@@ -74,7 +85,11 @@ def parse_trajectories(
             break
 
     # Let numpy read the numbers; if it cannot, read line by line to find the one at fault.
-    names = COLUMNS + (_ROBOT,) * (robots > 1 and _has_robots(header))
+    is_plan = _is_plan(header)
+    names = _PLACE if is_plan else COLUMNS
+    names += tuple(name for name in HEADINGS if headings and _has(header, name))[:1]
+    width = len(names)
+    names += (_ROBOT,) * (robots > 1 and _has(header, _ROBOT))
     delimiter, places = _columns(header, names, max(header_line, 1), source)
     body = stream.read()
     try:
@@ -83,7 +98,7 @@ def parse_trajectories(
         values = _slow(body, delimiter, dict(zip(names, places, strict=True)), header_line, source)
 
     # Divide the samples among the robots.
-    if len(names) == len(COLUMNS):
+    if len(names) == width:
         samples = {only or 1: np.arange(len(values[0]))}
     else:
         owners = values[-1]
@@ -92,20 +107,30 @@ def parse_trajectories(
     # Report a fault in the numbers with the line of its sample.
     found = {}
     for robot, rows in samples.items():
-        own = [column[rows] for column in values[: len(COLUMNS)]]
+        own = [column[rows] for column in values[:width]]
+        if is_plan:
+            own.insert(0, np.arange(len(rows), dtype=np.float64))
         fault = Trajectory.fault(*own)
         if fault is not None:
             sample, message = fault
             line = _line_of(body, int(rows[sample]), header_line) if sample >= 0 else None
-            if len(names) > len(COLUMNS):
+            if len(names) > width:
                 message = message.behind("robot {robot}: ", robot=robot)
             raise FormatError.of(message, line=line, source=source)
-        found[robot] = Trajectory(*own)
+        found[robot] = Trajectory(*own, is_plan=is_plan)
     return found
 
 
-def _has_robots(header: str) -> bool:
-    return any(_names(header.lower(), delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
+def _has(header: str, name: str) -> bool:
+    return any(_names(header.lower(), delimiter).count(name) == 1 for delimiter in _DELIMITERS)
+
+
+def _is_plan(header: str) -> bool:
+    """Return True if a header has places and no times."""
+    names = header.lower()
+    return all(_has(header, name) for name in _PLACE) and not (
+        _has(header, "t") or any(sign in names for sign in _SIGNS_OF_TIME)
+    )
 
 
 def _samples(
@@ -159,7 +184,8 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
     raise FormatError(
         "columns-missing",
         "the header ({shown}) has {fault}",
-        "name t, x and y once each, separated by commas, semicolons or tabs",
+        "name t, x and y once each, or only x and y for a plan without times, separated by commas, "
+        "semicolons or tabs",
         shown=shown,
         fault=how,
         line=line,
@@ -204,7 +230,8 @@ def _slow(
         if len(fields) <= max(places.values()):
             raise FormatError(
                 "line-too-short",
-                "the line ends after field {count}, and the header has t, x or y in field {needed}",
+                "the line ends after field {count}, and the header has a column to read in field "
+                "{needed}",
                 "complete it, or remove it",
                 count=len(fields),
                 needed=max(places.values()) + 1,

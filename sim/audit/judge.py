@@ -1,22 +1,32 @@
-"""Judge whether a trajectory recorded in any simulator was possible in a world.
+"""Judge whether a trajectory recorded in any simulator, or a plan, is possible in a world.
 
 This is an independent referee that shares no code with the simulator. It assumes that the centre
-moves on a straight line at constant speed between two samples. ``docs/howto/audit.md`` explains
-each kind of finding and how exact it is.
+moves on a straight line or an arc at constant speed between two samples. ``docs/howto/audit.md``
+explains each kind of finding and how exact it is.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import typing
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from sim.audit.path import AuditPath
+from sim.audit.arrival import arrival_time, ends_in_target
+from sim.audit.bodies import scan_body
+from sim.audit.path import AuditPath, Samples, along_arcs
+from sim.audit.polygon import Body
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
+from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats
+from worldgen.timeline import Timeline
 from worldgen.world import World
+
+Interpolation: TypeAlias = Literal["line", "arc"]
+INTERPOLATIONS: tuple[Interpolation, ...] = typing.get_args(Interpolation)
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.
@@ -37,15 +47,21 @@ _FURTHEST = 1e9
 # Largest time, s.
 _LATEST = 1e12
 
+# Largest heading, rad; beyond it, float64 rounds too much.
+_MOST_TURNED = 1e6
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """The recorded positions of the robot's centre.
+    """The recorded positions of the robot's centre or axle, and its headings, or those of a plan.
 
     Args:
-        times: (n,) float64, s, finite and never decreasing; at least two.
+        times: (n,) float64, s, finite and never decreasing; at least two. For a plan, the number of
+            each pose, from 0.
         x: (n,) float64, m, in the world's frame.
         y: (n,) float64, m, in the world's frame.
+        headings: (n,) float64, rad, counter-clockwise from the x axis; ``None`` if unknown.
+        is_plan: True for a plan without times.
 
     Raises:
         InvalidParameter: If the arrays break these rules; the message names the sample, counted
@@ -55,30 +71,44 @@ class Trajectory:
     times: Floats
     x: Floats
     y: Floats
+    headings: Floats | None = None
+    is_plan: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("times", "x", "y"):
+        names = ("times", "x", "y", *(() if self.headings is None else ("headings",)))
+        for name in names:
             array = np.array(getattr(self, name), np.float64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        fault = self.fault(self.times, self.x, self.y)
+        fault = self.fault(self.times, self.x, self.y, self.headings)
         if fault is not None:
             sample, message = fault
             if sample >= 0:
                 message = message.behind("trajectory: sample {sample}: ", sample=sample)
             raise InvalidParameter.of(message)
 
+    @classmethod
+    def plan(cls, x: Floats, y: Floats, headings: Floats | None = None) -> Trajectory:
+        """Return a plan without times: poses in order, (n,) each, m, m and rad."""
+        return cls(np.arange(len(x), dtype=np.float64), x, y, headings, is_plan=True)
+
     @staticmethod
-    def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, Message] | None:
+    def fault(
+        times: Floats, x: Floats, y: Floats, headings: Floats | None = None
+    ) -> tuple[int, Message] | None:
         """Return the first sample that breaks a rule, and a message about it.
 
         The sample is -1 if the fault is in the trajectory as a whole. Without a fault, return
         ``None``.
         """
-        if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
+        columns = [("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)]
+        if headings is not None:
+            columns.append(("heading", headings, _MOST_TURNED))
+        if any(values.shape != (len(x),) for _, values, _ in columns):
             return -1, Message(
-                "wrong-shape", "trajectory: times, x and y must be flat arrays of equal length"
-            )
+                "wrong-shape", "trajectory: times, x, y and headings must be flat arrays of equal "
+                "length",
+            )  # fmt: skip
         if len(times) < 2:
             return -1, Message(
                 "too-few-samples",
@@ -86,11 +116,11 @@ class Trajectory:
                 "use more",
                 count=len(times),
             )
-        for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
+        for name, values, most in columns:
             with np.errstate(invalid="ignore"):
                 wrong = np.flatnonzero(~(np.isfinite(values) & (np.abs(values) <= most)))
             if len(wrong):
-                unit = "seconds" if name == "t" else "metres"
+                unit = {"t": "seconds", "heading": "radians"}.get(name, "metres")
                 value = float(values[wrong[0]])
                 return int(wrong[0]), Message(
                     "out-of-range",
@@ -119,20 +149,23 @@ class Finding:
 
     Args:
         kind: ``tunnel``, ``overlap``, ``outside``, ``jump``, ``burned`` or ``start``.
-        t: Time when it was worst, s; the earliest if there are several.
-        x: Position of the centre at that time, m.
+        t: Time when it was worst, s; the earliest if there are several. In a plan, times are
+            numbers of poses, from 0: 3.25 is a quarter of the way from pose 3 to pose 4.
+        x: Position of the centre, or of a body's axle, at that time, m.
         y: The same, m.
         depth: Largest extent, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
-            the distance to the cell. For ``outside``, the distance from the centre to the grid. For
-            a ``jump``, how much farther it went than possible. For ``start``, the distance from the
-            first sample to the start.
+            the distance to the cell; for a body with a footprint, the distance from the cell's
+            deepest point to the body's nearest side. For ``outside``, the distance from the centre
+            to the grid. For a ``jump``, how much farther it went than possible. For ``start``, the
+            distance from the first sample to the start.
         cell: Cell (ix, iy) at the worst place; -1 or the grid's width or height mean the outside.
             ``None`` for findings without a cell.
         begin: Time when it began, s.
         end: Time when it ended, s.
         sample: Number of the last sample at or before the worst place, from 0.
         speed: Largest speed of a ``jump``, m/s; ``inf`` if it took no time.
+        heading: Heading at that time, rad, for an overlap of a body with a footprint.
     """
 
     kind: str
@@ -145,6 +178,7 @@ class Finding:
     end: float
     sample: int
     speed: float = 0.0
+    heading: float | None = None
 
 
 @dataclass(frozen=True)
@@ -155,15 +189,18 @@ class Audit:
         findings: Everything impossible, in order of when it began.
         notes: Remarks that are not findings.
         samples: Number of samples.
-        reached: Time when the centre was first in the target, s; ``None`` if it never was.
+        reached: Time when the robot first arrived as the world's goal asks, s; ``None`` if it never
+            did. In a plan, the number of the pose.
         path_length: Length of the path, m.
-        duration: Time from the first sample to the last, s.
+        duration: Time from the first sample to the last, s; ``None`` for a plan.
         clearance: Smallest distance of the centre to the outside or to anything solid or burning at
-            that time, m. It is the radius of the largest disc that could have taken this path.
+            that time, m. It is the radius of the largest disc that could have taken this path. For
+            a body with a footprint, the smallest distance of the body, 0 if it overlapped.
         nearest: Time (s) and position (m, m) of that smallest distance.
         shaved: Number of moves whose straight line cuts a corner between clear samples, which does
             not count as a finding.
         shaved_depth: Depth of the deepest such cut, m.
+        is_plan: Whether it was a plan without times.
     """
 
     findings: tuple[Finding, ...]
@@ -171,11 +208,12 @@ class Audit:
     samples: int
     reached: float | None
     path_length: float
-    duration: float
+    duration: float | None
     clearance: float
     nearest: tuple[float, float, float]
     shaved: int
     shaved_depth: float
+    is_plan: bool = False
 
     @property
     def ok(self) -> bool:
@@ -191,44 +229,87 @@ def audit(
     slack: float | None = None,
     straight: bool = False,
     from_start: bool = False,
+    interpolate: Interpolation | None = None,
 ) -> Audit:
     """Judge whether a trajectory was possible in a world.
 
     Args:
-        world: The world, including its robot's radius and speed.
-        trajectory: The recorded trajectory.
-        tolerance: Depth up to which a cut of the disc is not reported, m.
+        world: The world, including its robot's body and speed.
+        trajectory: The recorded trajectory, or a plan.
+        tolerance: Depth up to which a cut of the body is not reported, m.
         slack: How much farther apart than speed and time allow two samples may be, m, because
             recorded positions are rounded; 1/256 of a cell if omitted.
-        straight: True if the robot is known to move straight from sample to sample. If not, a line
-            no longer than the radius whose ends are clear may cut a corner, as it does when the
-            robot slides around it.
+        straight: True if the robot is known to move as interpolated from sample to sample. If not,
+            a short line whose ends are clear may cut a corner, as it does when the robot slides
+            around it. Plans are always taken at their word.
         from_start: True to report it as a finding if the first sample is not at the world's start.
+        interpolate: ``line``: between two samples, the robot drives straight and, if it has a
+            footprint, turns on the spot before or after that, whichever fits better. ``arc``: it
+            drives with constant speed, turn rate and direction in its own frame. By default, a car
+            whose headings are recorded drives arcs, and all others lines.
 
     Returns:
         Findings and figures.
 
     Raises:
-        InvalidParameter: If tolerance or slack are out of range, or a position is absurdly far
-            away.
+        InvalidParameter: If tolerance or slack are out of range, a position is absurdly far away,
+            or headings are missing that are needed.
     """
     slack = world.cell_size * _SLACK if slack is None else slack
     _check("tolerance", tolerance, LEAST_TOLERANCE)
     _check("slack", slack, 0.0)
     size = world.cell_size
     _check_places(trajectory, size)
+    robot = world.robots[0]
+    if interpolate is None:
+        is_known = trajectory.headings is not None
+        interpolate = "arc" if robot.drive.is_car and is_known else "line"
+    _check_headings(trajectory, interpolate, is_disc=robot.is_disc)
+
+    # A plan without times is judged in the world as it is at first.
+    notes = []
+    if trajectory.is_plan and world.is_dynamic:
+        world = replace(world, timeline=Timeline())
+        notes.append("the plan has no times, so it is judged in the world as it is at 0 s")
+    samples = Samples(trajectory.times, trajectory.x, trajectory.y, trajectory.headings)
+    is_literal = straight or trajectory.is_plan
+    if interpolate == "arc":
+        grain = tolerance if robot.is_disc else size / UNIT
+        samples = along_arcs(samples, grain)
 
     # Collect findings along the path, of moves that are too fast, and of the start.
-    way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
-    result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
+    way = AuditPath(world, samples)
+    result = scan(way, robot.radius / size, tolerance / size, straight=is_literal)
+    if not robot.is_disc:
+        body = Body.of(robot, size)
+        result = _of_body(result, way, body, tolerance / size, interpolate, literal=is_literal)
+        if not body.holds_axle:
+            notes.append("the axle is outside the footprint, so only overlaps of the body count")
     findings: list[Finding] = []
     for kind, hits in result.hits.items():
         findings += _findings(kind, hits, way, size)
-    findings += _jumps(world, trajectory, slack)
+    if not trajectory.is_plan:
+        findings += _jumps(world, trajectory, way.lengths, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
     findings += elsewhere if from_start else []
     findings.sort(key=lambda finding: (finding.begin, finding.sample, KINDS.index(finding.kind)))
-    return _report(world, trajectory, way, result, findings, [] if from_start else elsewhere)
+    return _report(world, trajectory, way, result, findings, [] if from_start else elsewhere, notes)
+
+
+def _of_body(
+    result: Scan,
+    way: AuditPath,
+    body: Body,
+    tolerance: float,
+    interpolate: Interpolation,
+    *,
+    literal: bool,
+) -> Scan:
+    """Return the scan of a body, with the tunnels and ways outside of its axle."""
+    own = scan_body(way, body, tolerance, arcs=interpolate == "arc", literal=literal)
+    if body.holds_axle:
+        own.hits |= {kind: result.hits[kind] for kind in ("tunnel", "outside")}
+    return own
 
 
 def _check(name: str, value: float, least: float) -> None:
@@ -255,18 +336,31 @@ def _check_places(trajectory: Trajectory, size: float) -> None:
         )
 
 
+def _check_headings(trajectory: Trajectory, interpolate: Interpolation, *, is_disc: bool) -> None:
+    if trajectory.headings is None and (interpolate == "arc" or not is_disc):
+        raise InvalidParameter(
+            "no-headings",
+            "the trajectory has no headings, and {why}",
+            "add a column heading, yaw or theta, rad, or give Trajectory the headings",
+            why="an arc needs them" if is_disc else "the robot's body is not a disc",
+        )
+
+
 def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Finding]:
     t, x, y = way.place(hits.worst)
     begin = way.place(hits.begin)[0]
     end = way.place(hits.end)[0]
-    sample = np.floor(hits.worst).astype(int)
-    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, sample)
+    sample = np.floor(way.recorded(hits.worst)).astype(int)
+    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, sample, hits.heading)
     return [
-        Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
-        for t, x, y, depth, ix, iy, begin, end, sample in zip(
+        Finding(
+            kind, t, x, y, depth, (ix, iy), begin, end, sample,
+            heading=None if math.isnan(heading) else math.remainder(heading, 2.0 * math.pi),
+        )
+        for t, x, y, depth, ix, iy, begin, end, sample, heading in zip(
             *(column.tolist() for column in columns), strict=True
         )
-    ]
+    ]  # fmt: skip
 
 
 def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Finding]:
@@ -278,9 +372,15 @@ def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Fin
     return [Finding("start", t, x, y, away, None, t, t, 0)] if away > allowed else []
 
 
-def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
-    """Return the moves that are faster than the robot, each at the end of its worst move."""
-    steps = np.hypot(np.diff(trajectory.x), np.diff(trajectory.y))
+def _jumps(world: World, trajectory: Trajectory, steps: Floats, slack: float) -> list[Finding]:
+    """Return the moves that are faster than the robot, each at the end of its worst move.
+
+    Args:
+        world: The world.
+        trajectory: The trajectory.
+        steps: (n - 1,) Length of each move, m.
+        slack: How much longer it may be, m.
+    """
     allowed = world.robot_speed * np.diff(trajectory.times) * (1.0 + SPEED_TOLERANCE)
     rows = np.flatnonzero(steps > allowed + slack)
     excess: Floats = steps[rows] - world.robot_speed * np.diff(trajectory.times)[rows]
@@ -311,6 +411,7 @@ def _report(
     result: Scan,
     findings: list[Finding],
     elsewhere: list[Finding],
+    remarks: list[str],
 ) -> Audit:
     # Collect notes: facts that may explain a finding, or the lack of one.
     size = world.cell_size
@@ -320,6 +421,7 @@ def _report(
         f"world's start"
         for found in elsewhere
     ]
+    notes += remarks
     if world.is_dynamic and times[0] != 0.0:
         notes.append(
             f"the first sample is at {times[0]:.9g} s, but the world's changes are timed from 0 s"
@@ -331,46 +433,19 @@ def _report(
             f"samples cut a corner, by up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
+    reached = arrival_time(world.target, way, is_plan=trajectory.is_plan)
+    if reached is None and not trajectory.is_plan and ends_in_target(world.target, way):
+        notes.append("the path ends in the target, but nothing shows that the robot stood there")
     return Audit(
         findings=tuple(findings),
         notes=tuple(notes),
         samples=len(times),
-        reached=_reached(world, trajectory),
-        path_length=float(np.sum(np.hypot(np.diff(trajectory.x), np.diff(trajectory.y)))),
-        duration=float(times[-1] - times[0]),
+        reached=reached,
+        path_length=float(np.sum(way.lengths)),
+        duration=None if trajectory.is_plan else float(times[-1] - times[0]),
         clearance=result.clearance * size,
         nearest=(float(nearest[0][0]), float(nearest[1][0]), float(nearest[2][0])),
         shaved=result.shaved,
         shaved_depth=depth,
+        is_plan=trajectory.is_plan,
     )
-
-
-def _reached(world: World, trajectory: Trajectory) -> float | None:
-    """Return the time when the centre first is in the target's disc, s."""
-    # Find the first move that comes within the target's radius.
-    x = trajectory.x - world.target.x
-    y = trajectory.y - world.target.y
-    ax = x[:-1]
-    ay = y[:-1]
-    dx = np.diff(x)
-    dy = np.diff(y)
-    square = dx * dx + dy * dy
-    share = np.clip(-(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    gap = np.hypot(ax + share * dx, ay + share * dy)
-    inside = np.flatnonzero(gap <= world.target.radius * (1.0 + 1e-9))
-    if not len(inside):
-        return None
-
-    # Solve for the fraction of that move at which the centre enters the disc.
-    row = int(inside[0])
-    enter = float(share[row])
-    along = math.sqrt(square[row])
-    if math.hypot(ax[row], ay[row]) <= world.target.radius:
-        enter = 0.0
-    elif along > 0.0:
-        across = (ax[row] * dy[row] - ay[row] * dx[row]) / along
-        half = math.sqrt(max(world.target.radius**2 - across * across, 0.0))
-        enter = max(-(ax[row] * dx[row] + ay[row] * dy[row]) / along - half, 0.0) / along
-    begin = float(trajectory.times[row])
-    end = float(trajectory.times[row + 1])
-    return begin + min(enter, 1.0) * (end - begin)

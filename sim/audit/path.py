@@ -2,15 +2,113 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 
 from sim.audit.exact import Move, decimal, is_beyond
 from sim.audit.geometry import Parts, slab
-from worldgen.support.arrays import Bools, Floats
+from worldgen.support.arrays import Bools, Floats, Indices
 from worldgen.world import World
 
 # Cells. Longer moves are examined in pieces of at most this length.
 _PIECE = 2.0
+
+
+# rad. Arcs that turn by less are straight.
+_STRAIGHT = 1e-9
+
+# Pieces of one arc; more would hardly be shorter than rounding errors.
+_MOST_PIECES = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The samples of a trajectory, (n,) each, with places added along the arcs between them.
+
+    Args:
+        times: s, never decreasing.
+        x: m.
+        y: m.
+        headings: rad; ``None`` if unknown.
+        place: Place of each on the recorded path; ``None`` if all of them are recorded.
+        lengths: Lengths of the moves between recorded samples, m; ``None`` for straight ones.
+    """
+
+    times: Floats
+    x: Floats
+    y: Floats
+    headings: Floats | None = None
+    place: Floats | None = None
+    lengths: Floats | None = None
+
+
+def shorter_turn(turn: Floats) -> Floats:
+    """Return turns in [-pi, pi], rad: a robot turns the shorter way."""
+    shorter: Floats = turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi))
+    return shorter
+
+
+def chord_to(share: Floats, half: Floats) -> tuple[Floats, Floats]:
+    """Return how the chord to a place on an arc compares to the chord of the whole arc.
+
+    Args:
+        share: Share of the arc up to the place.
+        half: Half of the arc's turn, rad.
+
+    Returns:
+        Its length divided by that of the whole, and the angle between the two, rad.
+    """
+    bends = np.abs(half) > _STRAIGHT
+    sine = np.sin(np.where(bends, half, 1.0))
+    return np.where(bends, np.sin(share * half) / sine, share), (share - 1.0) * half
+
+
+def longer_by(half: Floats) -> Floats:
+    """Return the length of an arc divided by that of its chord, for half of its turn, rad."""
+    bends = np.abs(half) > _STRAIGHT
+    sine = np.sin(np.where(bends, half, 1.0))
+    longer: Floats = np.where(bends, half / sine, 1.0)
+    return longer
+
+
+def along_arcs(samples: Samples, most: float) -> Samples:
+    """Add places between samples, so that straight lines are near the arcs that the robot drives.
+
+    On an arc, the speed, the turn rate and the direction of travel in the robot's frame stay the
+    same.
+
+    Args:
+        samples: The recorded samples, with headings.
+        most: Largest distance of an arc from the lines, m.
+    """
+    assert samples.headings is not None
+    half = 0.5 * shorter_turn(np.diff(samples.headings))
+    chord = np.column_stack((np.diff(samples.x), np.diff(samples.y)))
+    length = np.hypot(*chord.T)
+    arc = length * longer_by(half)
+
+    # The line over a piece of an arc is its length times its turn / 8 away from it.
+    pieces = np.ceil(np.sqrt(arc * np.abs(half) / (4.0 * most)))
+    pieces = np.clip(pieces, 1, _MOST_PIECES).astype(np.int64)
+    row = np.repeat(np.arange(len(pieces)), pieces)
+    share = (np.arange(len(row)) - (np.cumsum(pieces) - pieces)[row]) / pieces[row]
+
+    scale, angle = chord_to(share, half[row])
+    cos = scale * np.cos(angle)
+    sin = scale * np.sin(angle)
+    dx, dy = chord[row].T
+    columns = (
+        samples.times[row] + share * np.diff(samples.times)[row],
+        samples.x[row] + dx * cos - dy * sin,
+        samples.y[row] + dx * sin + dy * cos,
+        samples.headings[row] + 2.0 * share * half[row],
+        row + share,
+    )
+    last = (samples.times[-1], samples.x[-1], samples.y[-1], samples.headings[-1], len(pieces))
+    ends = zip(columns, last, strict=True)
+    return Samples(*(np.append(values, end) for values, end in ends), lengths=arc)
 
 
 class AuditPath:
@@ -18,15 +116,19 @@ class AuditPath:
 
     Args:
         world: The world that the robot drove in.
-        times: (n,) s, never decreasing.
-        x: (n,) m.
-        y: (n,) m.
+        samples: The samples between which the robot's centre moves straight.
     """
 
-    def __init__(self, world: World, times: Floats, x: Floats, y: Floats) -> None:
+    def __init__(self, world: World, samples: Samples) -> None:
         self.world = world
-        self.times = times
+        self.times = samples.times
+        self.headings = samples.headings
+        x = samples.x
+        y = samples.y
         self.metres = (x, y)
+        self._recorded = samples.place
+        lengths = np.hypot(np.diff(x), np.diff(y)) if samples.lengths is None else samples.lengths
+        self.lengths = lengths
         self.height, self.width = world.walls.shape
         self.x, beyond_x = _coordinate(x, self.width, world.cell_size)
         self.y, beyond_y = _coordinate(y, self.height, world.cell_size)
@@ -79,6 +181,20 @@ class AuditPath:
             b = values[row + 1]
             found.append(np.where(share >= 1.0, b, a + share * (b - a)))
         return found[0], found[1], found[2]
+
+    @property
+    def samples(self) -> Indices:
+        """The rows of the recorded samples."""
+        if self._recorded is None:
+            return np.arange(len(self.times))
+        return np.flatnonzero(self._recorded == np.floor(self._recorded))
+
+    def recorded(self, at: Floats) -> Floats:
+        """Return places on the path as places on the recorded path, without what was added."""
+        if self._recorded is None:
+            return at
+        recorded: Floats = np.interp(at, np.arange(len(self.times)), self._recorded)
+        return recorded
 
     def is_face(self, metres: float) -> bool:
         """Return True if a coordinate in m is exactly on the line between two columns or rows."""

@@ -49,16 +49,18 @@ def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
 
 
 def _as_object(finding: Finding) -> dict[str, object]:
-    """Return a finding without its speed, which only its sentence tells."""
+    """Return a finding without its speed, which only its sentence tells, and a disc's heading."""
     names = {"begin": "t_begin", "end": "t_end"}
     plain = asdict(finding)
     del plain["speed"]
+    if finding.heading is None:
+        del plain["heading"]
     return {names.get(name, name): value for name, value in plain.items()}
 
 
 def as_lines(world: World, audit: Audit) -> list[str]:
     """Return a line for each finding and each note, and then a summary."""
-    lines = [_line(world, finding) for finding in audit.findings[:_MOST_LINES]]
+    lines = [_line(world, audit, finding) for finding in audit.findings[:_MOST_LINES]]
     if len(audit.findings) > _MOST_LINES:
         lines.append(f"... and {len(audit.findings) - _MOST_LINES} more; --json prints all")
     lines += [f"note: {note}" for note in audit.notes]
@@ -94,11 +96,20 @@ def fleet_object(audits: Mapping[int, Audit], tolerance: float) -> dict[str, obj
     }
 
 
-def _line(world: World, finding: Finding) -> str:
+def _line(world: World, audit: Audit, finding: Finding) -> str:
     until = f" to {finding.end:.6g}" if finding.end > finding.begin else ""
     span = f"{finding.begin:.6g}{until} s"
-    where = f"at t = {finding.t:.6g} s, ({finding.x:.6g}, {finding.y:.6g}) m"
+    if audit.is_plan:
+        span = f"pose {finding.begin:.6g}{until}"
+    where = f"at {_time(audit, finding.t)}, ({finding.x:.6g}, {finding.y:.6g}) m"
+    if finding.heading is not None:
+        where += f", heading {math.degrees(finding.heading):.4g} degrees"
     return f"{finding.kind} {span}: {_words(world, finding)}, {where}"
+
+
+def _time(audit: Audit, t: float) -> str:
+    """Return a time, or the place of a plan that has none, in words."""
+    return f"pose {t:.6g}" if audit.is_plan else f"t = {t:.6g} s"
 
 
 def _words(world: World, finding: Finding) -> str:
@@ -111,7 +122,7 @@ def _words(world: World, finding: Finding) -> str:
         return f"the centre is up to {depth} deep in {what}"
     if finding.kind in ("overlap", "burned"):
         return (
-            f"the disc is up to {depth} deep in "
+            f"the {'disc' if world.robots[0].is_disc else 'body'} is up to {depth} deep in "
             f"{'burning ' if finding.kind == 'burned' else ''}{what}"
         )
     if finding.kind == "outside":
@@ -136,12 +147,17 @@ def _verdict(*audits: Audit) -> str:
 def _figures(world: World, audit: Audit) -> str:
     reached = "target not reached"
     if audit.reached is not None:
-        reached = f"target reached at {audit.reached:.6g} s"
+        time = f"{audit.reached:.6g} s"
+        reached = f"target reached at {_time(audit, audit.reached) if audit.is_plan else time}"
     t, x, y = audit.nearest
+    size = f"{audit.samples} poses" if audit.is_plan else f"{audit.samples} samples"
+    if audit.duration is not None:
+        size += f", {audit.duration:.6g} s"
+    robot = world.robots[0]
+    body = f"radius {robot.radius:g} m" if robot.is_disc else "of the body"
     return (
-        f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; "
-        f"smallest clearance {audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, "
-        f"radius {world.robot_radius:g} m"
+        f"{size}, {audit.path_length:.6g} m, {reached}; smallest clearance {audit.clearance:.6g} m "
+        f"at {_time(audit, t)}, ({x:.6g}, {y:.6g}) m, {body}"
     )
 
 

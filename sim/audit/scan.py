@@ -53,6 +53,7 @@ class Hits:
         worst: Place where it is worst.
         ix: Column of the cell there.
         iy: Row of the cell there.
+        heading: Heading of a body there, rad; NaN for a disc.
     """
 
     begin: Floats = field(default_factory=lambda: np.zeros(0))
@@ -61,6 +62,11 @@ class Hits:
     worst: Floats = field(default_factory=lambda: np.zeros(0))
     ix: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     iy: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    heading: Floats = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.heading) != len(self.begin):
+            object.__setattr__(self, "heading", np.full(len(self.begin), np.nan))
 
     def of_moves(self, rows: Indices) -> Hits:
         """Return the stretches on the path, if the places are fractions of these moves."""
@@ -78,7 +84,7 @@ class Hits:
     @property
     def columns(self) -> tuple[Any, ...]:
         """The fields in their order."""
-        return self.begin, self.end, self.depth, self.worst, self.ix, self.iy
+        return self.begin, self.end, self.depth, self.worst, self.ix, self.iy, self.heading
 
     def take(self, rows: Indices | Bools) -> Hits:
         """Return some of the stretches."""

@@ -1,9 +1,10 @@
-"""``worldgen audit``: check whether a recorded trajectory was possible in a world."""
+"""``worldgen audit``: check whether a recorded trajectory, or a plan, is possible in a world."""
 
 from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,10 +20,14 @@ from worldgen.cli.output import (
 from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
+if TYPE_CHECKING:
+    from sim.audit.judge import Interpolation
+
 EXAMPLES = (
     "\b\n  worldgen audit w.grid recording.csv --picture audit.png\n"
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
-    "  my-simulator | worldgen audit w.grid - --json"
+    "  my-simulator | worldgen audit w.grid - --json\n"
+    "  worldgen audit w.grid plan.csv --interpolate arc"
 )
 
 
@@ -44,12 +49,17 @@ EXAMPLES = (
     help="Distance by which a step may be longer than the speed allows, m.  [default: cell / 256]",
 )
 @click.option(
+    "--interpolate",
+    type=click.Choice(("line", "arc")),
+    help=(
+        "How the robot moves between two samples: straight, turning on the spot at one of the two, "
+        "or on an arc.  [default: arc for a car with recorded headings, otherwise line]"
+    ),
+)
+@click.option(
     "--straight",
     is_flag=True,
-    help=(
-        "Assume that the robot drove straight between samples, so that corners cut by these lines "
-        "count."
-    ),
+    help="Assume that the robot moved exactly so, so that corners cut by these lines count.",
 )
 @click.option(
     "--from-start", is_flag=True, help="Require that the first sample is the world's start."
@@ -73,6 +83,7 @@ def audit(
     trajectory_path: Path,
     tolerance: float,
     slack: float | None,
+    interpolate: Interpolation | None,
     straight: bool,
     from_start: bool,
     robot: int | None,
@@ -80,13 +91,13 @@ def audit(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Check whether a trajectory from any simulator was possible.
+    """Check whether a trajectory from any simulator was possible, or a plan is.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up) and, for several
-    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or that the
-    disc cut into (overlap), paths outside the grid, jumps faster than the robot's speed, and
-    contact with fire; docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1
-    if not.
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up), heading (rad) if the
+    robot has a footprint and, for several robots, robot; - is stdin. Without t it is a plan. It
+    reports walls that the centre went through (tunnel) or that the body cut into (overlap), paths
+    outside the grid, jumps faster than the robot's speed, and contact with fire;
+    docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1 if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectories
@@ -106,10 +117,20 @@ def audit(
             robot=robot,
             robots=len(world.robots),
         )
-    trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
+    # Other programs write anything as headings, so read them only if they matter.
+    headings = interpolate == "arc" or any(
+        not own.is_disc or own.drive.is_car or own.target.heading is not None
+        for own in world.robots
+    )
+    trajectories = read_trajectories(trajectory_path, len(world.robots), robot, headings=headings)
     driven = {number: world.alone(number) if world.is_fleet else world for number in trajectories}
     judge = partial(
-        audit_trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+        audit_trajectory,
+        tolerance=tolerance,
+        slack=slack,
+        straight=straight,
+        from_start=from_start,
+        interpolate=interpolate,
     )
     with working(f"auditing {trajectory_path}"):
         audits = {number: judge(driven[number], own) for number, own in trajectories.items()}

@@ -98,9 +98,9 @@ bool wg_body_is_clear(WgGrid grid, int state, const int64_t *headings, const WgF
 WgFound wg_body_first_not_clear(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint,
                                 WgSegment way, int64_t heading);
 
-// The solid cell nearest to a body at a pose, among those less than `within` lattice units away.
-WgFound wg_body_nearest(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
-                        int64_t heading, double within);
+// The solid cell that stops a body at (x, y): of those that it would cut on a way, the nearest.
+WgFound wg_body_stopping_cell(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
+                              WgSegment way, int64_t heading);
 
 // Returns how deep a body cuts a cell while it moves along a segment at a heading, lattice units: the
 // shortest way in which the hull of the move could be shifted out of the cell. 0 if it does not.

@@ -154,7 +154,9 @@ def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
     Each move adds a few corners: one for the step, one for each event and each push, and every step
     may end in a place that pushes.
     """
-    moves = steps * (int(lib.wg_most_legs(settings)) + bool(settings.place_count)) + len(arena.events)
+    moves = steps * (int(lib.wg_most_legs(settings)) + bool(settings.place_count)) + len(
+        arena.events
+    )
     return MOST_CORNERS * (moves + int(settings.push_count))
 
 

@@ -16,12 +16,38 @@ from tests.sim.test_batch import burning
 from tests.sim.test_episode import GoToTarget, cup
 from tests.sim.test_vector_controllers import AlwaysTheSame, OneByOne, TurnsAway
 from worldgen import generate
+from worldgen.robot import Drive
 
+
+def driven_by(world: Any, **parts: Any) -> Any:
+    """Return a world whose robot has another body or drive."""
+    robot = replace(world.robots[0], **parts)
+    return replace(world, robots=(robot,), certificate=None)
+
+
+BOX = ((0.07, 0.03), (-0.03, 0.03), (-0.03, -0.03), (0.07, -0.03))
 WORLDS = {
     "cup": cup(),
     "fire": burning(),
     "trap": generate("trap", seed=3),
     "maze": generate("maze", seed=4, size=14),
+    "body": driven_by(generate("trap", seed=3), footprint=BOX),
+    "body in fire": driven_by(burning(), footprint=BOX),
+    "car": driven_by(generate("trap", seed=3), footprint=BOX, drive=Drive(0.1, True, 2.0)),
+}
+
+
+def with_goal(world: Any, **goal: Any) -> Any:
+    """The world with a larger target, and another goal there."""
+    return replace(world, target=replace(world.target, radius=3 * world.cell_size, **goal))
+
+
+# Worlds whose goal asks for more than a touch; not for the thesis's motion.
+GOALS = {
+    "heading": with_goal(WORLDS["trap"], heading=2.0, heading_tolerance=1.0),
+    "step": with_goal(WORLDS["maze"], arrival="step", contact="stop"),
+    "stop": with_goal(WORLDS["cup"], arrival="stop", arrival_speed=0.5, arrival_turn_rate=9.0),
+    "no contact": with_goal(WORLDS["fire"], contact="fail"),
 }
 
 
@@ -88,9 +114,13 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_every_driver_gives_the_same_verdict_steps_and_digest(case):
     controller, options = CASES[case]
-    for name, world in WORLDS.items():
-        # What can be covered is undefined where it changes.
-        if world.is_dynamic and options.task == "cover":
+    for name, world in (WORLDS | GOALS).items():
+        robot = world.robots[0]
+        is_body = not robot.is_disc or robot.drive.is_car
+        # What can be covered is undefined where it changes, and for bodies.
+        if (world.is_dynamic or is_body) and options.task == "cover":
+            continue
+        if not robot.is_plain and options.motion == "stepped":
             continue
         expected = alone(world, controller, options)
         for driver, driven in DRIVERS.items():
@@ -103,3 +133,11 @@ def test_the_table_of_drivers_has_runs_that_loop_arrive_and_burn():
     cases = [CASES[name] for name in ("compiled", "compiled with randomness", "planner")]
     seen = {alone(world, *case).verdict for case in cases for world in WORLDS.values()}
     assert {"loop", "reached", "burned"} <= seen
+
+
+def test_the_table_of_goals_has_runs_that_loop_arrive_and_touch_a_wall():
+    cases = [CASES[name] for name in ("compiled", "compiled with randomness", "planner", "learner")]
+    seen = {name: {alone(world, *case).verdict for case in cases} for name, world in GOALS.items()}
+    assert "contact" in seen["no contact"]
+    for name in ("heading", "step", "stop"):
+        assert "reached" in seen[name] and len(seen[name]) > 1, name

@@ -15,8 +15,17 @@ from tests.reference.sim.flat_arrays import COUNTS, arena_of, settings_of
 from tests.sim.test_batch import burning
 from tests.sim.test_episode import cup
 from worldgen import generate
+from worldgen.robot import Drive, Pose, Robot, Target
 
 STEPS = 90
+
+
+def box(length, width, ahead=0.0):
+    """Return the corners of a rectangle whose middle is some way ahead of the axle."""
+    return tuple((ahead + sx * length / 2, sy * width / 2) for sx, sy in _SIGNS)
+
+
+_SIGNS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 ROBOTS = {
     "plain": {},
     "slippery": {"slip": 0.3, "odometry_noise": 0.2},
@@ -71,9 +80,16 @@ def reference_run(run, recorded):
     """The same run in plain Python: robot, search, rows and path."""
     settings, scales = settings_of(run.settings)
     memory = np.array(run.controller.memory, np.float64)
-    robot = lattice_state.new_robot(memory.size, run.events, run.settings.push_count)
-    room = lattice_state.new_room(memory.size, run.options.robot.beams, STEPS)
-    rows = np.zeros((STEPS + 1 if recorded else 0, 6 + memory.size), np.int64)
+    carriage = int(lib.wg_carriage_words(run.settings))
+    robot = lattice_state.new_robot(
+        memory.size,
+        run.events,
+        run.settings.push_count,
+        carriage=carriage,
+        legs=int(lib.wg_most_legs(run.settings)),
+    )
+    room = lattice_state.new_room(memory.size, run.options.robot.beams, STEPS, carriage=carriage)
+    rows = np.zeros((STEPS + 1 if recorded else 0, 6 + memory.size + carriage), np.int64)
     path = np.zeros((_points(run) if recorded else 0, 4), np.int64)
     act = ACTS[run.controller.act.name]
     with np.errstate(over="ignore"):
@@ -161,6 +177,50 @@ def test_the_runs_to_other_goals_arrive_loop_and_touch_walls():
                     (goal.get("arrival"), simulate(found, name, steps=STEPS, time_step=0.1).verdict)
                 )
     assert {(None, "contact"), (None, "reached"), ("step", "reached"), ("stop", "reached")} <= seen
+
+
+BODIES = {
+    "rectangle": Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), footprint=box(0.12, 0.08, 0.01)),
+    "fails at contact": Robot(
+        Pose(0.0, 0.0), Target(0.0, 0.0, 0.1, contact="fail"), footprint=box(0.1, 0.1)
+    ),
+    "axle outside": Robot(
+        Pose(0.0, 0.0),
+        Target(0.0, 0.0, 0.1),
+        footprint=((0.02, -0.03), (0.08, -0.03), (0.05, 0.04)),
+    ),
+    "car": Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), drive=Drive(0.15, True)),
+    "long car": Robot(
+        Pose(0.0, 0.0),
+        Target(0.0, 0.0, 0.1),
+        footprint=box(0.14, 0.06, 0.04),
+        drive=Drive(0.2, steering_rate=3.0),
+    ),
+}
+
+
+# In plain Python, every heading of a turn is tested, so most of these are for the gate.
+_SOME = [("cup", "plain"), ("cup", "pushed"), ("burning", "drifting")]
+_REST = [
+    pytest.param(world, robot, marks=pytest.mark.gate)
+    for world in WORLDS
+    for robot in ROBOTS
+    if (world, robot) not in _SOME
+]
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize(("world", "robot"), [*_SOME, *_REST])
+def test_a_run_of_a_body_or_a_car_is_that_of_the_reference(world, robot, body, motion):
+    before = WORLDS[world]()
+    own = BODIES[body]
+    target = replace(before.target, contact=own.target.contact)
+    driver = replace(own, start=before.start, target=target, speed=before.robot_speed)
+    after = replace(before, robots=(driver,), certificate=None)
+    assert_the_same(
+        prepared(after, "turn-random", motion, ROBOTS[robot], digest=True), recorded=True
+    )
 
 
 @pytest.mark.parametrize("digest", [True, False])

@@ -11,6 +11,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.facts.proofs import certified
 from fuzz.layouts.features import decode_scene, decode_world
 from fuzz.layouts.layout_bytes import LAYOUT_BYTES, SCENE_BYTES
+from fuzz.layouts.variation import with_robot
 from fuzz.screening import evaluate
 from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay
@@ -85,6 +86,40 @@ def test_a_look_is_the_run_in_the_decoded_world_bit_for_bit(data, name, seed, ti
         assert (looks.raw["overlap_step"][0], looks.raw["hit_step"][0]) == (
             run.overlap_step,
             run.hit_step,
+        )
+
+
+BODIES = {
+    "rectangle": {"robot_footprint": "0.62x0.9"},
+    "long": {"robot_footprint": "3x0.3"},
+    "off its axle": {"robot_footprint": "0.5,0 -0.2,0.3 -0.2,-0.1"},
+    "round car": {"robot_drive": "car", "robot_turning_radius": 0.5},
+    "car": {
+        "robot_footprint": "1.2x0.4@0.3",
+        "robot_drive": "car",
+        "robot_turning_radius": 0.5,
+        "robot_reverse": True,
+    },
+    "goal": {"robot_arrival": "stop", "robot_target_heading": "1:0.1", "robot_contact": "stop"},
+    "no contact": {"robot_footprint": "1.2x0.4", "robot_contact": "fail"},
+}
+
+
+@pytest.mark.parametrize("robot", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize("name", ["bug2", "turn-right+motion=endpoint"])
+def test_looks_at_bodies_and_goals_are_runs_of_these(name, robot):
+    scenario = Scenario.parse(name)
+    seeds = np.zeros(40, np.uint64)
+    looks = evaluate(scenes(40), scenario, seeds, 0.015, 400, **robot)
+    assert looks.ran.sum() > 10
+    for n in np.flatnonzero(looks.ran).tolist():
+        run = run_of(looks, n)
+        assert looks.world(n).robots[0] == with_robot(looks.world(n), robot).robots[0]
+        assert looks.verdict[n] in (run.ending, "undecided")
+        assert (looks.steps[n], looks.collisions[n], looks.period[n]) == (
+            run.steps,
+            run.collisions,
+            run.period,
         )
 
 

@@ -23,7 +23,7 @@ from sim.options.thesis import ThesisOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen import CellState, Event, Pose, Target, Timeline, World, generate
+from worldgen import CellState, Drive, Event, Pose, Robot, Target, Timeline, World, generate
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import loads, read_world
 from worldgen.reach import check_certificate
@@ -234,6 +234,46 @@ def test_four_quarters_and_two_mirrors_give_the_world_back():
         assert math.remainder(same.start.heading - world.start.heading, math.tau) == pytest.approx(
             0.0, abs=1e-12
         )
+
+
+FOOTPRINT = ((0.2, 0.05), (-0.1, 0.05), (-0.1, -0.15))
+GOAL = Target(0.4, 0.2, 0.1, 0.5, 0.2, "stop", 0.3, 0.4, "stop")
+BODY = Robot(Pose(0.25, 0.15, 0.3), GOAL, 1.0, 2.0, FOOTPRINT, Drive(0.4, True, 0.7))
+
+
+@pytest.mark.parametrize(
+    ("change", "goal", "robot"),
+    [
+        pytest.param(turned, {"x": 0.7, "y": 0.4, "heading": 0.5 + math.pi / 2}, {}, id="turned"),
+        pytest.param(
+            mirrored,
+            {"x": 0.6, "heading": math.pi - 0.5},
+            {"footprint": tuple((x, -y) for x, y in FOOTPRINT)},
+            id="mirrored",
+        ),
+        pytest.param(shifted, {"x": 0.7, "y": 0.7}, {}, id="shifted"),
+        pytest.param(
+            scaled,
+            {"x": 0.8, "y": 0.4, "radius": 0.2, "arrival_speed": 0.6},
+            {
+                "speed": 4.0,
+                "footprint": tuple((2 * x, 2 * y) for x, y in FOOTPRINT),
+                "drive": Drive(0.8, True, 0.7),
+            },
+            id="scaled",
+        ),
+    ],
+)
+def test_a_changed_world_keeps_the_robot_s_goal_body_and_drive(change, goal, robot):
+    changed = change(World(np.zeros((9, 10), bool), robots=[BODY])).robots[0]
+    expected = replace(BODY, start=changed.start, target=replace(GOAL, **goal), **robot)
+    assert changed.target.heading == pytest.approx(expected.target.heading)
+    place = {name: pytest.approx(getattr(expected.target, name)) for name in ("x", "y")}
+    assert {name: getattr(changed.target, name) for name in place} == place
+    same_place = replace(
+        changed.target, x=expected.target.x, y=expected.target.y, heading=expected.target.heading
+    )
+    assert replace(changed, target=same_place) == expected
 
 
 def test_a_shift_moves_cells_places_and_events_alike():

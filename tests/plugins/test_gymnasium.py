@@ -1,6 +1,7 @@
 """Gymnasium environments: the checker's requirements, the effect of seeds, refused arguments."""
 
 import copy
+import math
 import pickle
 import re
 import subprocess
@@ -16,7 +17,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import worldgen.gym
-from sim import RobotOptions, simulate
+from sim import Command, RobotOptions, simulate
 from tests.helpers.raising import raises
 from tests.sim.test_batch import burning
 from tests.sim.test_episode import arena
@@ -42,6 +43,7 @@ ALL = (
     "heading",
     "position",
     "odometry",
+    "goal_direction",
     "beams",
 )
 TRAPS = {"family": "trap", "params": {"size": 16}, "pool": 5, "sensors": PLAIN}
@@ -322,6 +324,64 @@ def test_arriving_and_burning_end_an_episode():
     told = [env.step(np.zeros(2, np.float32)) for _ in range(6)]
     assert [one[2] for one in told] == [False] * 5 + [True]
     assert told[5][1] < -49.0 and told[5][4] == {"is_success": False}
+
+
+class GoesAndTurns:
+    """A controller that drives to the target, and takes up the heading that the goal asks for."""
+
+    senses = ("target_distance", "target_heading", "heading", "goal_heading", "time_step")
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        is_there = memory[0] > 0.0 or observation.target_distance < 0.03
+        aim = observation.goal_heading if is_there else observation.target_heading
+        turn = math.remainder(aim - observation.heading, math.tau) / observation.time_step
+        return Command(0.0 if is_there else 0.5, max(-9.0, min(9.0, turn))), (float(is_there),)
+
+
+@pytest.mark.parametrize("arrival", ["touch", "step", "stop"])
+def test_an_episode_ends_when_its_robot_arrives_as_the_goal_asks(arrival):
+    goal = Target(1.2, 0.45, 0.1, heading=-2.0, heading_tolerance=0.05, arrival=arrival)
+    world = World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.0), goal)
+    run = simulate(world, GoesAndTurns(), steps=900, record=True)
+    assert run.verdict == "reached"
+    # The commands of its steps, as actions.
+    turns = np.angle(np.exp(1j * np.diff(run.trace.heading))) / 0.015 / 10.0
+    speeds = run.trace.states[1:, 3].view(np.int64) / (65536 * 1024) * 0.1 / 0.015 / 2.0
+    env = NavigateEnv(world=world, sensors=("goal_direction",), turn_rate=10.0)
+    seen, _ = env.reset(seed=3)
+    for k in range(run.steps):
+        off = -2.0 - run.trace.heading[k]
+        assert seen == pytest.approx((math.cos(off), math.sin(off)), abs=1e-3)
+        seen, _, over, _, told = env.step(np.array([turns[k], speeds[k]], np.float32))
+        if over:
+            break
+    # A step's end shows after the action that led there, and a stop after the action itself.
+    assert told["is_success"] and k + 1 == (run.steps if arrival == "stop" else run.steps - 1)
+
+
+def test_each_robot_senses_the_heading_of_its_own_goal():
+    headings = (None, 0.5, 2.0)
+    goals = [Target(1.2, 0.45, 0.1, heading=heading) for heading in headings]
+    worlds = [World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.0), goal) for goal in goals]
+    envs = NavigateVectorEnv(worlds=worlds, num_envs=8, sensors=("goal_direction", "bump"))
+    seen, told = envs.reset(seed=1)
+    assert set(told["world"].tolist()) == {0, 1, 2}
+    for row, number in zip(seen, told["world"], strict=True):
+        heading = headings[int(number)]
+        expected = (0.0, 0.0) if heading is None else (math.cos(heading), math.sin(heading))
+        assert row[:2] == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_wall_that_may_not_be_touched_ends_an_episode():
+    goal = Target(0.25, 0.45, 0.1, contact="fail")
+    env = NavigateEnv(world=World(np.zeros((9, 20), bool), Pose(1.45, 0.45, 0.0), goal))
+    env.reset(seed=0)
+    told = [env.step(np.array([0.0, 1.0], np.float32)) for _ in range(25)]
+    end = next(k for k, one in enumerate(told) if one[2])
+    assert end > 3 and told[end][4] == {"is_success": False}
 
 
 def test_the_shortest_way_leads_round_the_walls():

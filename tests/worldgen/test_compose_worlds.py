@@ -1,14 +1,19 @@
 """Composed worlds: proved like every world, or refused in one sentence."""
 
+import math
+from dataclasses import replace
+
+import numpy as np
 from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
-from worldgen.compose import drawn, of_family, rectangle
+from worldgen.compose import drawn, of_family, of_world, rectangle
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import family
 from worldgen.reach import check_certificate
-from worldgen.world import Witness
+from worldgen.robot import Drive
+from worldgen.world import Pose, Robot, Target, Witness, World
 
 HOSTS, PARTS = ("trap", "rooms", "forest"), ("cave", "fire", "maze", "trap")
 
@@ -65,3 +70,28 @@ def test_no_way_to_put_a_piece_on_is_said():
 def test_where_no_start_is_given_it_is_placed_far_from_the_target():
     world = rectangle(30, 6).border().with_target(3.5, 3.5).world()
     assert world.start.x > 2.5 and check_certificate(world).valid
+
+
+def test_a_composed_world_keeps_the_robot_s_goal_body_and_drive_and_turns_the_goal_with_it():
+    goal = Target(0.75, 0.35, 0.05, 0.5, 0.1, "stop", 0.2, 0.3, "stop")
+    robot = Robot(
+        Pose(0.35, 0.35, 0.2),
+        goal,
+        speed=1.0,
+        footprint=((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)),
+        drive=Drive(0.3, reverse=True, steering_rate=2.0),
+    )
+    world = World(np.zeros((8, 12), bool), robots=[robot])
+    turned = of_world(world).rotate(1).mirror("x").layout().robots[0]
+    # x = height - y and y = x, with left and right swapped again: a mirror image at the diagonal.
+    assert (turned.target.x, turned.target.y) == (0.35, 0.75)
+    assert math.isclose(turned.target.heading, math.pi / 2 - 0.5, abs_tol=1e-4)
+    assert math.isclose(turned.start.heading, math.pi / 2 - 0.2, abs_tol=1e-4)
+    kept = replace(
+        turned,
+        start=robot.start,
+        target=replace(turned.target, x=goal.x, y=goal.y, heading=goal.heading),
+    )
+    assert kept == robot
+    host = rectangle(20, 20)
+    assert host.place(of_world(world), at=[3, 3]).layout().target.arrival == "stop"

@@ -196,7 +196,7 @@ def _for_robot(world: World) -> str:
     from worldgen.robot_overrides import describe_body
 
     robot = world.robots[0]
-    if robot.is_disc and not robot.drive.is_car:
+    if robot.is_round:
         return ""
     return f" of {world.cell_size:g} m for a {describe_body(robot)}"
 

@@ -153,7 +153,7 @@ def _as_disc(world: World, radius: float | None) -> World:
 def _body(world: World) -> dict[str, Any]:
     """Return what moves, if it is not one disc that turns on the spot."""
     robot = world.robots[0]
-    if world.is_fleet or (robot.is_disc and not robot.drive.is_car):
+    if world.is_fleet or robot.is_round:
         return {}
     footprint = {"footprint": [list(corner) for corner in robot.footprint]}
     drive = {"turning_radius": robot.drive.turning_radius, "reverse": robot.drive.reverse}

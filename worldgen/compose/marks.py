@@ -28,7 +28,8 @@ class Mark:
     Args:
         x: Cells from the piece's left side.
         y: Cells from its lower side.
-        heading: In 1/65536 turns, counter-clockwise from +x; ``None`` if the mark has no heading.
+        heading: In 1/65536 turns, counter-clockwise from +x; ``None`` if the mark has no heading. At
+            the target, the robot must have it when it arrives.
         radius: Radius of the target's disc, cells; ``None`` for other marks.
     """
 
@@ -95,7 +96,8 @@ def marks_of(world: World) -> Marks:
             TARGET: Mark(
                 in_cells(target.x, side),
                 in_cells(target.y, side),
-                radius=in_cells(target.radius, side),
+                None if target.heading is None else heading_to_lattice(target.heading),
+                in_cells(target.radius, side),
             ),
         }
     )
@@ -138,9 +140,19 @@ def pose_of(start: Mark, target: Mark, cell_size: float) -> Pose:
     return Pose(float(start.x * side), float(start.y * side), heading_from_lattice(heading))
 
 
-def target_of(target: Mark, cell_size: float) -> Target:
-    """Convert a target mark to a world's target; the radius defaults to half a cell."""
+def target_of(target: Mark, cell_size: float, goal: Target) -> Target:
+    """Convert a target mark to a world's target; the radius defaults to half a cell.
+
+    Args:
+        target: The mark.
+        cell_size: Side of a cell, m.
+        goal: What else counts as arriving; its place, radius and heading are replaced.
+    """
     side = exact(cell_size)
-    return Target(
-        float(target.x * side), float(target.y * side), float((target.radius or HALF) * side)
+    return replace(
+        goal,
+        x=float(target.x * side),
+        y=float(target.y * side),
+        radius=float((target.radius or HALF) * side),
+        heading=None if target.heading is None else heading_from_lattice(target.heading),
     )

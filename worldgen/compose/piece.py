@@ -12,7 +12,7 @@ from worldgen.compose.cells import HOW, Events, How, settled, taken, timeline_of
 from worldgen.compose.marks import START, TARGET, Mark, Marks, frozen, mark_at, moved
 from worldgen.compose.placing import corner_of, put_down
 from worldgen.compose.sizes import check_size, whole
-from worldgen.compose.world import proved, usual, world_of
+from worldgen.compose.world import USUAL_ROBOT, proved, usual, world_of
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_choice
@@ -20,7 +20,13 @@ from worldgen.lattice import TURN
 from worldgen.random_streams import RandomStream
 from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import Timeline
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
+from worldgen.world import (
+    DEFAULT_CELL_SIZE,
+    DEFAULT_ROBOT_RADIUS,
+    DEFAULT_ROBOT_SPEED,
+    Robot,
+    World,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +45,9 @@ class Piece:
         cell_size: Side of a cell, m; ``None`` if the piece fits any size.
         robot_radius: Radius of the robot that the piece was made for, m; ``None`` for any.
         robot_speed: Top speed of that robot, m/s; ``None`` for any.
+        robot: What else that robot is: its body, its drive, and what counts as arriving; ``None``
+            for a disc that turns on the spot and touches its target. Places and numbers in it are
+            ignored.
 
     Raises:
         InvalidParameter: If the shapes differ, there are too many cells, or an event is outside.
@@ -51,6 +60,7 @@ class Piece:
     cell_size: float | None = None
     robot_radius: float | None = None
     robot_speed: float | None = None
+    robot: Robot | None = None
 
     def __post_init__(self) -> None:
         # Copy the arrays before making them read-only, because the caller may still use its own.
@@ -99,7 +109,7 @@ class Piece:
         arrays = all(
             np.array_equal(getattr(self, name), getattr(other, name)) for name in ("solid", "mask")
         )
-        rest = ("marks", "timeline", "cell_size", "robot_radius", "robot_speed")
+        rest = ("marks", "timeline", "cell_size", "robot_radius", "robot_speed", "robot")
         return arrays and all(getattr(self, name) == getattr(other, name) for name in rest)
 
     __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is an array
@@ -290,8 +300,9 @@ class Piece:
         cell_size = usual(self.cell_size, DEFAULT_CELL_SIZE)
         radius = usual(self.robot_radius, DEFAULT_ROBOT_RADIUS)
         speed = usual(self.robot_speed, DEFAULT_ROBOT_SPEED)
+        robot = replace(self.robot or USUAL_ROBOT, radius=radius, speed=speed)
         walls = np.asarray(self.solid | ~self.mask)
-        return world_of(walls, self.marks, self.timeline, (cell_size, radius, speed), seed)
+        return world_of(walls, self.marks, self.timeline, robot, cell_size, seed)
 
     def world(self, *, seed: int = 0, margin: float = 0.0) -> World:
         """Return the world with a witness, proved like every generated world.

@@ -171,6 +171,7 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
         cell_size=_same_size(host.cell_size, piece.cell_size),
         robot_radius=piece.robot_radius if host.robot_radius is None else host.robot_radius,
         robot_speed=piece.robot_speed if host.robot_speed is None else host.robot_speed,
+        robot=piece.robot if host.robot is None else host.robot,
     )
 
     # Cut the piece to the part that is inside the host.

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from worldgen.compose.marks import START, TARGET, Mark, frozen, marks_of
 from worldgen.compose.piece import Piece
 from worldgen.compose.sizes import check_size, whole
+from worldgen.compose.world import kind_of
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import FAMILIES, Family
@@ -39,6 +40,7 @@ def of_world(world: World) -> Piece:
         cell_size=world.cell_size,
         robot_radius=world.robot_radius,
         robot_speed=world.robot_speed,
+        robot=kind_of(world.robots[0]),
     )
 
 

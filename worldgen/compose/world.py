@@ -12,9 +12,24 @@ from worldgen.lattice import in_cells
 from worldgen.reach import REACHABLE, decide
 from worldgen.support.arrays import Bools
 from worldgen.timeline import Timeline
-from worldgen.world import Witness, World
+from worldgen.world import Pose, Robot, Target, Witness, World
 
-RobotNumbers = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
+USUAL_ROBOT = Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 1.0))
+"""A disc that turns on the spot and has to touch its target."""
+
+
+def kind_of(robot: Robot) -> Robot | None:
+    """Return a robot without what a piece's marks and numbers say; ``None`` for the usual one."""
+    place = USUAL_ROBOT.target
+    goal = replace(robot.target, x=place.x, y=place.y, radius=place.radius, heading=None)
+    kind = replace(
+        robot,
+        start=USUAL_ROBOT.start,
+        target=goal,
+        radius=USUAL_ROBOT.radius,
+        speed=USUAL_ROBOT.speed,
+    )
+    return None if kind == USUAL_ROBOT else kind
 
 
 def usual(value: float | None, otherwise: float) -> float:
@@ -23,7 +38,7 @@ def usual(value: float | None, otherwise: float) -> float:
 
 
 def world_of(
-    walls: Bools, marks: Marks, timeline: Timeline, robot: RobotNumbers, seed: int
+    walls: Bools, marks: Marks, timeline: Timeline, robot: Robot, cell_size: float, seed: int
 ) -> World:
     """Build a world without proving it.
 
@@ -33,29 +48,26 @@ def world_of(
         walls: (height, width) bool, True is solid.
         marks: Named places; only ``start`` and ``target`` are used.
         timeline: Changes of cells.
-        robot: Cell size and robot radius, m, and top speed, m/s.
+        robot: The robot; the marks replace its start, and its target's place.
+        cell_size: Side of a cell, m.
         seed: Seed of the search for places that are far apart.
 
     Raises:
         InvalidWorld: If there is no room for the robot.
     """
-    cell_size, radius, speed = robot
     ends = [marks.get(name) for name in (START, TARGET)]
     if None in ends:
         points = [None if mark is None else _metres(mark, cell_size) for mark in ends]
-        placed = place(walls, cell_size, radius, seed, start=points[0], target=points[1])
+        placed = place(walls, cell_size, robot.radius, seed, start=points[0], target=points[1])
         found = [_mark(placed.start, cell_size), _mark(placed.target, cell_size)]
         ends = [mark or other for mark, other in zip(ends, found, strict=True)]
     start, target = (mark or Mark(Fraction(0), Fraction(0)) for mark in ends)
-    return World(
-        walls=walls,
+    placed_robot = replace(
+        robot,
         start=pose_of(start, target, cell_size),
-        target=target_of(target, cell_size),
-        cell_size=cell_size,
-        robot_radius=radius,
-        robot_speed=speed,
-        timeline=timeline,
+        target=target_of(target, cell_size, robot.target),
     )
+    return World(walls, cell_size=cell_size, timeline=timeline, robots=[placed_robot])
 
 
 def _metres(mark: Mark, cell_size: float) -> tuple[float, float]:

@@ -52,7 +52,8 @@ def decide_in_time(
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
     check_deadline(deadline)
-    if world.is_fleet:
+    robot = world.robots[0]
+    if world.is_fleet or (radius is None and not robot.is_round):
         return _all_in_time(world, deadline, radius)
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)
@@ -112,15 +113,16 @@ def until(world: World, deadline: float) -> World:
 
 
 def _all_in_time(world: World, deadline: float | None, radius: float | None) -> Decision:
-    """Decide for several robots: a joint witness that is too late leaves the question open."""
+    """Decide for several robots, or a body: a witness that is too late leaves the question open."""
     decision = deciding.decide(world, radius=radius)
     proof = decision.certificate
-    if deadline is None or not isinstance(proof, JointWitness) or proof.duration <= deadline:
+    if deadline is None or not isinstance(proof, Witness | JointWitness):
         return decision
-    reason = (
-        f"the joint paths found take {proof.duration:.6g} s; whether all robots can be faster is "
-        f"undecided"
-    )
+    if proof.duration <= deadline:
+        return decision
+    found = "joint paths found take" if world.is_fleet else "path found takes"
+    who = "all robots" if world.is_fleet else "it"
+    reason = f"the {found} {proof.duration:.6g} s; whether {who} can be faster is undecided"
     return Decision(UNDECIDED, None, reason)
 
 

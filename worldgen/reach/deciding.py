@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from worldgen.reach.decision import (
     BLOCKED,
-    REACHABLE,
     UNDECIDED,
     Decision,
     check_margin,
@@ -45,7 +44,7 @@ def decide(
     if not world.is_fleet:
         robot = world.robots[0]
         if radius is None and not (robot.is_disc and not robot.drive.is_car):
-            return _decide_body(world, margin=margin, cut=cut)
+            return _decide_body(world, margin=margin, certificate=certificate, cut=cut)
         return prove.decide(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
     if radius is not None:
         check_radius(radius, world.cell_size)
@@ -55,19 +54,18 @@ def decide(
     return decide_joint(world, radius=radius, margin=margin, certificate=certificate, cut=cut)
 
 
-def _decide_body(world: World, *, margin: float, cut: bool) -> Decision:
-    """Decide by the discs about the axle: one that the body holds, and one that holds the body."""
+def _decide_body(world: World, *, margin: float, certificate: bool, cut: bool) -> Decision:
+    """Decide for a footprint or a car; what stops a body that turns on the spot stops a car."""
+    check_margin(margin)
     robot = world.robots[0]
-    # What stops the smaller disc stops the body, however it drives.
-    if robot.inner_radius > 0.0:
-        inside = prove.decide(world, radius=robot.inner_radius, margin=margin, cut=cut)
-        if inside.result == BLOCKED:
-            return inside
-    if robot.drive.is_car:
-        from worldgen.reach.car.decide import decide_car
+    if robot.is_disc:
+        body = prove.decide(world, margin=margin, certificate=certificate, cut=cut)
+    else:
+        from worldgen.reach.body.prove import decide_body
 
-        return decide_car(world, margin=margin)
-    around = prove.decide(world, radius=robot.radius, margin=margin, cut=False)
-    if around.result == REACHABLE:
-        return around
-    return Decision(UNDECIDED, None, "the body is between the discs that are decided")
+        body = decide_body(world, margin=margin, certificate=certificate, cut=cut)
+    if not robot.drive.is_car or body.result == BLOCKED:
+        return body
+    from worldgen.reach.car.decide import decide_car
+
+    return decide_car(world, margin=margin)

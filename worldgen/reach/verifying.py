@@ -85,8 +85,10 @@ def verify_world(
     answer |= {"robots": len(world.robots)} if world.is_fleet else {}
     # How late the robot may begin matters only if something changes or there is a deadline.
     is_timed = world.is_dynamic or deadline is not None
-    if is_timed and report.valid and isinstance(certificate, Witness):
-        answer |= _lateness(world, certificate, asked, deadline)
+    witness = certificate if isinstance(certificate, Witness) and report.valid else None
+    # The other paths of a body are not searched for a later start.
+    if is_timed and witness is not None and witness.headings is None:
+        answer |= _lateness(world, witness, asked, deadline)
     return answer
 
 

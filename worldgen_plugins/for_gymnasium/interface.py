@@ -53,6 +53,7 @@ SENSORS: Mapping[str, Sensor] = {
     "signal": Sensor(lib.WG_SHOW_SIGNAL, (0.0,), (1.0,), ("signal",)),
     "signal_direction": _direction(lib.WG_SHOW_SIGNAL_DIRECTION, "signal_heading"),
     "target_direction": _direction(lib.WG_SHOW_TARGET_DIRECTION, "target_heading"),
+    "goal_direction": _direction(lib.WG_SHOW_GOAL_DIRECTION, "goal_heading"),
     "target_distance": Sensor(lib.WG_SHOW_TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
     "heading": _direction(lib.WG_SHOW_HEADING),
     "position": Sensor(lib.WG_SHOW_POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
@@ -194,6 +195,7 @@ class Interface:
         ffi.memmove(seen, pointer(ffi, numbers, np.float64), numbers.nbytes)
         seen.beams = pointer(ffi, beams, np.float64)
         seen.beam_count = len(beams)
+        seen.goal_heading = observation.goal_heading
         out = np.empty(sum(len(low) for low, _ in self.bounds().values()), np.float32)
         codes = self.codes
         sensors = pointer(ffi, codes, np.int64)

@@ -154,7 +154,9 @@ class RobotArrays:
         """Restore everything from a snapshot; the same worlds must be loaded."""
         arrays, robots = snapshot
         own = [getattr(self, name) for name in _OF_ROBOTS]
-        for array, before in zip((*own, self.state, self.carriage, *self._own), arrays, strict=True):
+        for array, before in zip(
+            (*own, self.state, self.carriage, *self._own), arrays, strict=True
+        ):
             array[...] = before
         ffi.memmove(self._robots, robots, len(robots))
         self._tie_robots()

@@ -157,6 +157,7 @@ def restored(message: WorldMessage) -> World:
     if message.source is None:
         return world
     opened = loads(message.source.encode("utf-8"))
+    world = _with_robot_of(opened, world)
     if opened.alone(1) == world:
         return opened
     if not opened.is_fleet:
@@ -171,3 +172,17 @@ def restored(message: WorldMessage) -> World:
             robots=len(opened.robots),
         )
     return dataclasses.replace(world, robots=(*world.robots, *opened.robots[1:]))
+
+
+def _with_robot_of(opened: World, world: World) -> World:
+    """Return an edited world with what the page does not show of the file's first robot.
+
+    That is its body, its drive, and what counts as arriving.
+    """
+    robot = opened.robots[0]
+    shown = world.target
+    goal = dataclasses.replace(robot.target, x=shown.x, y=shown.y, radius=shown.radius)
+    robot = dataclasses.replace(
+        robot, start=world.start, target=goal, radius=world.robot_radius, speed=world.robot_speed
+    )
+    return dataclasses.replace(world, robots=(robot,))

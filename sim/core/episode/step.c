@@ -139,7 +139,7 @@ static WgFound stopping_cell(const WgArena *arena, const WgSettings *settings, i
     int64_t nearest = reach * reach;
     WgFound found = {false, 0, 0};
     if (settings->footprint.count > 0) {
-        found = wg_body_nearest(grid, arena->headings, &settings->footprint, x, y, heading, SLACK);
+        found = wg_body_stopping_cell(grid, arena->headings, &settings->footprint, x, y, way, heading);
         return found.found ? found : first_cut(arena, settings, WG_SOLID, way, heading);
     }
     for (int64_t iy = wg_cell_of(y - reach); iy <= wg_cell_of(y + reach); iy++) {

@@ -46,6 +46,14 @@ void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_c
         case WG_SHOW_TARGET_DIRECTION:
             shown = show_direction(seen->target_heading - seen->heading, shown);
             break;
+        case WG_SHOW_GOAL_DIRECTION:
+            if (!isnan(seen->goal_heading)) {
+                shown = show_direction(seen->goal_heading - seen->heading, shown);
+            } else {
+                *shown++ = 0.0f;
+                *shown++ = 0.0f;
+            }
+            break;
         case WG_SHOW_TARGET_DISTANCE:
             shown = show_share(seen->target_distance, rules->extent, shown);
             break;
@@ -156,8 +164,10 @@ static double distance_of(const WgCrew *crew, int64_t robot)
     return sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
 }
 
-static void observe(const WgCrew *crew, float *observation)
+// Shows what a robot has just sensed.
+static void observe(WgCrew *crew, int64_t robot, float *observation)
 {
+    crew->workspace.observation.goal_heading = wg_sensed_goal_heading(settings_of(crew, robot));
     wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
 }
 
@@ -189,7 +199,7 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
 
     // Make the first move, at standstill.
     advance(crew, robot);
-    observe(crew, observation);
+    observe(crew, robot, observation);
     crew->distance[robot] = distance_of(crew, robot);
     crew->over[robot] = 0;
 }
@@ -260,7 +270,7 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     } else {
         sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it is where episodes end
     }
-    observe(crew, observation);
+    observe(crew, robot, observation);
     crew->elapsed[robot]++;
     told->reward[robot] = reward_of(crew, robot, touched);
     told->terminated[robot] = report->ending != WG_LIMIT;

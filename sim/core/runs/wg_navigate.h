@@ -24,6 +24,7 @@ enum {
     WG_SHOW_POSITION = 7,
     WG_SHOW_ODOMETRY = 8,
     WG_SHOW_BEAMS = 9,
+    WG_SHOW_GOAL_DIRECTION = 10,
 };
 
 // When the next episode begins: in the step after the last one, in the same step,
@@ -85,7 +86,7 @@ typedef struct WgCrew {
 typedef struct WgTold {
     float *observation;   // (count, size)
     double *reward;       // (count,)
-    uint8_t *terminated;  // (count,) 1 if it arrived, or burned
+    uint8_t *terminated;  // (count,) 1 if it arrived, burned, or touched a wall that it may not touch
     uint8_t *truncated;   // (count,) 1 if its time is over
     uint8_t *reached;     // (count,) 1 if it arrived
     uint8_t *began;       // (count,) 1 if the observation is the first of an episode

@@ -53,4 +53,19 @@ def arena_of(arena: CoreArena, settings: Any) -> lattice_state.Arena:
         ),
         tuple((int(d.x), int(d.y), float(d.strength)) for d in decoys),
         arena.wanted,
+        _carriage_of(settings),
+    )
+
+
+def _carriage_of(settings: Any) -> lattice_state.Carriage | None:
+    body = settings.footprint
+    corners = tuple((int(body.x[k]), int(body.y[k])) for k in range(body.count))
+    if not corners and settings.turn_per_unit == 0.0:
+        return None
+    return lattice_state.Carriage(
+        corners,
+        float(settings.turn_per_unit),
+        float(settings.turning_radius),
+        float(settings.steering_rate),
+        bool(settings.reverse),
     )

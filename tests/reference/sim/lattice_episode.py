@@ -188,7 +188,7 @@ def lattice_steps(
         event, count, nx, ny = move_and_sense(arena, settings, scales, room, robot, step, event)
         if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
             yield step
-            obey(settings, scales, room.command, step, robot)
+            obey(settings, scales, room.command, step, robot, arena)
         remember(room, robot)
         if is_over(settings, room, robot, step, quiet, (count, nx != 0.0 or ny != 0.0), rows, path):
             break

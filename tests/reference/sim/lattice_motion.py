@@ -11,8 +11,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from tests.reference.sim.geometry import cell_state, pose_is_clear, segment_first_not_clear
+from tests.reference.sim import polygon
+from tests.reference.sim.geometry import cell_state
 from tests.reference.sim.layout import SOLID, TIME_UNIT, UNIT
+from tests.reference.sim.shape import Shape, pose_is_clear, segment_first_not_clear
 
 Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]
@@ -100,7 +102,7 @@ def first_contact(
 
 
 def _step_aside(
-    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
+    cells: Cells, clear_sq: Shape, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
 ) -> tuple[bool, int, int]:
     """A clear end of a slide: its destination, or one or two lattice units off the wall."""
     x, y, qx, qy = ends
@@ -118,7 +120,7 @@ def _step_aside(
 
 def _stop_at(
     cells: Cells,
-    clear_sq: int,
+    clear_sq: Shape,
     reach: int,
     ends: tuple[int, int, int, int],
     contact: tuple[float, float, float],
@@ -147,7 +149,7 @@ def _stop_at(
 
 
 def _first_stop(
-    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
+    cells: Cells, clear_sq: Shape, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[float, float, float, int, int]:
     """Find the first contact of a path that is not clear, and where the disc can stop.
 
@@ -155,9 +157,15 @@ def _first_stop(
     play no part in a slide along a wall, however near they are.
     """
     x, y, dx, dy = ends
-    radius, graze = math.sqrt(float(clear_sq)), _GRAZE
+    graze = _GRAZE
     while True:
-        t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy, graze)
+        if isinstance(clear_sq, tuple):
+            t, nx, ny = polygon.first_contact(
+                cells, clear_sq, ends, polygon.GRAZE if graze else 0.0
+            )
+        else:
+            radius = math.sqrt(float(clear_sq))
+            t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy, graze)
         if t > 1.0 and graze == 0.0:
             t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic detects
         if t <= 1.0:
@@ -176,7 +184,7 @@ def _append(chain: Chain, count: int, x: int, y: int, time: float) -> int:
 
 def swept_move(
     cells: Cells,
-    clear_sq: int,
+    clear_sq: Shape,
     reach: int,
     ends: tuple[int, int, int, int],
     during: tuple[float, float],
@@ -184,11 +192,11 @@ def swept_move(
     chain: Chain,
     count: int,
 ) -> tuple[int, float, float]:
-    """Moves a disc, stopping at walls and sliding along them.
+    """Moves a robot, stopping at walls and sliding along them.
 
     Args:
         cells: (height, width) cell states.
-        clear_sq: Squared clear distance, lattice units squared.
+        clear_sq: Squared clear distance, lattice units squared; the corners of a body.
         reach: Its root, rounded up.
         ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
         during: When the move begins and ends, as fractions of the step.
@@ -240,13 +248,13 @@ def swept_move(
 
 def endpoint_move(
     cells: Cells,
-    clear_sq: int,
+    clear_sq: Shape,
     reach: int,
     ends: tuple[int, int, int, int],
     chain: Chain,
     count: int,
 ) -> tuple[int, float, float]:
-    """Moves a disc if it is clear at the end of the move, otherwise not at all.
+    """Moves a robot if it is clear at the end of the move, otherwise not at all.
 
     The path in between is not checked, as in most small simulators, so a fast robot passes through
     walls. Arguments and result as for :func:`swept_move`.

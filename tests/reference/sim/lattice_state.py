@@ -23,6 +23,24 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 
+class Carriage(NamedTuple):
+    """A body, or a car.
+
+    Args:
+        body: Corners in the robot's frame, counter-clockwise, lattice units; none for a disc.
+        turn_per_unit: Heading units that a car turns, at most, on a lattice unit; 0: it is no car.
+        turning_radius: Of a car, m.
+        steering_rate: Largest change of its curvature, as a share of the largest, 1/s.
+        reverse: Whether it may drive backwards.
+    """
+
+    body: tuple[tuple[int, int], ...]
+    turn_per_unit: float
+    turning_radius: float
+    steering_rate: float
+    reverse: bool
+
+
 class Arena(NamedTuple):
     """The robot's surroundings; ``cells``, ``near`` and ``visited`` change during an episode.
 
@@ -37,6 +55,7 @@ class Arena(NamedTuple):
         pushes: (n, PUSH_SIZE) int64, pushes at places first, then those at times, by step.
         decoys: Other sources of the signal: x, y, lattice units, and strength.
         wanted: (height, width) uint8, cells that a coverage task requires; no rows for other tasks.
+        carriage: The robot's body and drive; None for a disc that turns on the spot.
     """
 
     cells: npt.NDArray[np.uint8]
@@ -48,13 +67,15 @@ class Arena(NamedTuple):
     pushes: Ints
     decoys: tuple[tuple[int, int, float], ...]
     wanted: npt.NDArray[np.uint8]
+    carriage: Carriage | None = None
 
 
 class Robot(NamedTuple):
     """The robot and its reports.
 
     Args:
-        state: (STATE_MEMORY + memory,) int64, ``STATE_``.
+        state: (STATE_MEMORY + memory,) int64, ``STATE_``; a body or a car has two more: 1 plus the
+            heading away from the wall that cut its last turn short, and its curvature.
         odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured
             them.
         chain: (n, 3) int64, path of the last step: x, y, time in the step.
@@ -87,7 +108,9 @@ class Room(NamedTuple):
     search: Search
 
 
-def new_robot(memory: int, events: Ints, pushes: int = 0) -> Robot:
+def new_robot(
+    memory: int, events: Ints, pushes: int = 0, *, carriage: int = 0, legs: int = 1
+) -> Robot:
     """A robot with this many numbers of memory, and room for the path of the step with the most
     events.
     """
@@ -97,15 +120,15 @@ def new_robot(memory: int, events: Ints, pushes: int = 0) -> Robot:
         else 0
     )
     return Robot(
-        np.zeros(layout.STATE_MEMORY + memory, np.int64),
+        np.zeros(layout.STATE_MEMORY + memory + carriage, np.int64),
         np.zeros(3),
-        np.zeros((MOST_POINTS * (most + 1 + pushes), 3), np.int64),
+        np.zeros((MOST_POINTS * (most + legs + pushes), 3), np.int64),
         np.zeros(layout.OUT_SIZE, np.int64),
         np.zeros(layout.SUM_SIZE),
     )
 
 
-def new_room(memory: int, beams: int, steps: int = 0) -> Room:
+def new_room(memory: int, beams: int, steps: int = 0, *, carriage: int = 0) -> Room:
     """Workspace for a controller with this many numbers of memory and range beams.
 
     Args:
@@ -119,7 +142,7 @@ def new_room(memory: int, beams: int, steps: int = 0) -> Room:
         values.view(np.int64),
         np.full(layout.OBS_SIZE + beams, np.nan),
         np.zeros(layout.CMD_SIZE),
-        new_search(layout.STATE_MEMORY + memory, steps),
+        new_search(layout.STATE_MEMORY + memory + carriage, steps),
     )
 
 
@@ -179,6 +202,8 @@ def set_out(
     for k in range(memory.size):
         room.memory[k] = memory[k]
         robot.state[layout.STATE_MEMORY + k] = room.words[k]
+    for k in range(layout.STATE_MEMORY + memory.size, robot.state.size):
+        robot.state[k] = 0
     room.search.marks[TOUCHED] = 0
     if settings[layout.SET_FIND_LOOP] != layout.NO_LOOP:
         begin_search(room.search, robot.state, quiet)

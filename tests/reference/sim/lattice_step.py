@@ -12,13 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tests.reference.sim import layout
+from tests.reference.sim import layout, polygon
 from tests.reference.sim.geometry import (
     mark_near,
-    pose_is_clear,
-    segment_box_depth,
     segment_crosses_box,
-    segment_first_not_clear,
     segment_point_within,
     window_is_free,
 )
@@ -28,12 +25,20 @@ from tests.reference.sim.lattice_sense import (
     NOISE_TURN,
     NOISE_WAY,
     displacement,
+    heading_of,
     noise_channel,
     noise_draw,
     sense,
 )
 from tests.reference.sim.lattice_state import Arena, Robot, Room, whole_speed
 from tests.reference.sim.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
+from tests.reference.sim.polygon import contains_axle, turned
+from tests.reference.sim.shape import (
+    Shape,
+    pose_is_clear,
+    segment_box_depth,
+    segment_first_not_clear,
+)
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -42,6 +47,14 @@ Floats = npt.NDArray[np.float64]
 def _drive(speed: int) -> int:
     """Whole lattice units driven at a speed in a step."""
     return speed // SPEED_UNIT if speed >= 0 else -(-speed // SPEED_UNIT)
+
+
+def shape_of(arena: Arena, settings: Ints, robot: Robot) -> Shape:
+    """What moves: a disc's squared clear distance, or the corners of a body at its heading."""
+    if arena.carriage is None or not arena.carriage.body:
+        return int(settings[layout.SET_CLEAR_SQ])
+    heading = int(robot.state[layout.STATE_HEADING])
+    return turned(arena.headings, arena.carriage.body, heading)
 
 
 def _apply_events(arena: Arena, settings: Ints, step: int, first: int, robot: Robot) -> int:
@@ -61,7 +74,7 @@ def _apply_events(arena: Arena, settings: Ints, step: int, first: int, robot: Ro
         arena.cells[iy, ix] = np.uint8(events[first, layout.EVENT_STATE])
         mark_near(arena.cells, arena.near, ix, iy)
         first += 1
-    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    clear_sq, reach = shape_of(arena, settings, robot), settings[layout.SET_REACH]
     x, y = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
     for caught in (SOLID, BURNING):
         if not pose_is_clear(arena.cells, caught, clear_sq, reach, x, y):
@@ -88,7 +101,8 @@ def _judge_segment(
     px, py, qx, qy = ends
     counts, sums = robot.counts, robot.sums
     reach = settings[layout.SET_REACH]
-    radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
+    shape = shape_of(arena, settings, robot)
+    body = () if arena.carriage is None else arena.carriage.body
     for iy in range(
         max((min(py, qy) - reach) // UNIT, -1),
         min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1,
@@ -100,14 +114,13 @@ def _judge_segment(
             inside = 0 <= ix < arena.cells.shape[1] and 0 <= iy < arena.cells.shape[0]
             if inside and arena.cells[iy, ix] != SOLID:
                 continue
-            depth = segment_box_depth(radius, px, py, qx, qy, ix, iy)
+            depth = segment_box_depth(shape, ends, ix, iy)
             sums[layout.SUM_OVERLAP] = max(sums[layout.SUM_OVERLAP], depth)
             if depth > scales[layout.SCALE_TOLERANCE] and counts[layout.OUT_OVERLAP_STEP] < 0:
                 counts[layout.OUT_OVERLAP_STEP] = step
                 counts[layout.OUT_OVERLAP_IX], counts[layout.OUT_OVERLAP_IY] = ix, iy
-            if counts[layout.OUT_ENDING] == layout.LIMIT and segment_crosses_box(
-                px, py, qx, qy, ix, iy
-            ):
+            is_through = contains_axle(body) and segment_crosses_box(px, py, qx, qy, ix, iy)
+            if counts[layout.OUT_ENDING] == layout.LIMIT and is_through:
                 counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.TUNNEL, step
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
 
@@ -159,17 +172,23 @@ def _judge_contact(
         x, y = px + dx, py + dy
         way = (x, y, x, y)
     height, width = arena.cells.shape
-    radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
+    shape = shape_of(arena, settings, robot)
+
+    def distance(ix: int, iy: int) -> float:
+        if isinstance(shape, tuple):
+            return polygon.gap_to(shape, ix, iy, x, y)
+        return _cell_distance(x, y, ix, iy)
+
     solid = [
-        (_cell_distance(x, y, ix, iy), iy, ix)
+        (distance(ix, iy), iy, ix)
         for iy in range(-1, height + 1)
         for ix in range(-1, width + 1)
         if not (0 <= ix < width and 0 <= iy < height) or arena.cells[iy, ix] == SOLID
-        if segment_box_depth(radius, *way, ix, iy) > 1e-6
+        if segment_box_depth(shape, way, ix, iy) > 1e-6
     ]
     away, iy, ix = min(solid)
     # No wall of these tests stops a robot farther away.
-    assert away < (settings[layout.SET_REACH] + 20) ** 2
+    assert away < (20 if isinstance(shape, tuple) else (settings[layout.SET_REACH] + 20) ** 2)
     counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.CONTACT, step
     counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
 
@@ -203,7 +222,7 @@ def _judge_path(
         robot: The robot.
     """
     state, counts, sums = robot.state, robot.counts, robot.sums
-    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    clear_sq, reach = shape_of(arena, settings, robot), settings[layout.SET_REACH]
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
     swept = settings[layout.SET_MOTION] == SWEPT
     fire = arena.events.shape[0] > 0
@@ -279,7 +298,7 @@ def _move(
     state, chain = robot.state, robot.chain
     dx, dy = part
     ends = (state[layout.STATE_X], state[layout.STATE_Y], dx, dy)
-    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    clear_sq, reach = shape_of(arena, settings, robot), settings[layout.SET_REACH]
     nx, ny, before = 0.0, 0.0, count
     free = _nothing_near(
         arena,
@@ -306,9 +325,9 @@ def _move(
     return count, nx, ny
 
 
-def _share(whole: int, time: int) -> int:
-    """The part of a displacement covered by a time in the step, lattice units."""
-    return round_away(float(whole) * (float(time) / TIME_UNIT))
+def _share(whole: int, time: int, whole_time: int) -> int:
+    """The part of a displacement covered by a time, lattice units."""
+    return round_away(float(whole) * (float(time) / float(whole_time)))
 
 
 def _move_through_events(
@@ -319,8 +338,10 @@ def _move_through_events(
     way: tuple[int, int],
     event: int,
     robot: Robot,
+    during: tuple[int, int] = (0, TIME_UNIT),
+    count: int = 0,
 ) -> tuple[int, int, float, float]:
-    """Moves the robot by a step's displacement, with each event of the step at its time.
+    """Moves the robot by a displacement between two times of the step, with each event at its time.
 
     ``endpoint`` only checks the world at the end of a step, so all events come first.
 
@@ -329,14 +350,20 @@ def _move_through_events(
         contact.
     """
     events, counts, exact = arena.events, robot.counts, settings[layout.SET_MOTION] == SWEPT
-    count, now, gone = 0, 0, (0, 0)
+    begin, end = during
+    now, gone = begin, (0, 0)
     nx, ny = 0.0, 0.0
     stopped = False
-    while now < TIME_UNIT:
+    while now < end:
         due = event < events.shape[0] and events[event, layout.EVENT_STEP] == step
-        until = events[event, layout.EVENT_TIME] if due and exact else TIME_UNIT
+        due = due and events[event, layout.EVENT_TIME] < end
+        until = events[event, layout.EVENT_TIME] if due and exact else end
         if until > now and not (due and not exact):
-            there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
+            there = (
+                way
+                if until == end
+                else tuple(_share(part, until - begin, end - begin) for part in way)
+            )
             if stopped:
                 there = gone
             part = (there[0] - gone[0], there[1] - gone[1])
@@ -379,6 +406,139 @@ def _measure(
     robot.odometry[1] += wrong * (across * way[0] + along * way[1])
 
 
+def _bump(arena: Arena, robot: Robot) -> tuple[float, float]:
+    """Direction away from the wall that cut the last turn short; (0, 0) if none did."""
+    if robot.state[-2] == 0:
+        return 0.0, 0.0
+    away = int(robot.state[-2]) - 1
+    return float(arena.headings[away]), float(arena.headings[(away - TURN // 4) % TURN])
+
+
+def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) -> int:
+    """Turns a robot as far as its body is clear; returns how far.
+
+    The last but one word of its state becomes 1 plus the heading away from the wall in its way.
+    """
+    state, counts = robot.state, robot.counts
+    body = arena.carriage.body
+    x, y, heading = (int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING))
+    state[-2] = 0
+    made, cell = turn, None
+    if body and settings[layout.SET_MOTION] == SWEPT:
+        made, cell = polygon.clear_turn(arena.cells, arena.headings, body, (x, y, heading), turn)
+        if cell is not None:
+            last = turned(arena.headings, body, (heading + made) % TURN)
+            nx, ny = polygon.away_from(last, *cell, x, y)
+    elif body and turn != 0:
+        there = turned(arena.headings, body, (heading + turn) % TURN)
+        cut, ix, iy = polygon.first_not_clear(arena.cells, SOLID, there, (x, y, x, y))
+        if cut:
+            made, cell = 0, (ix, iy)
+            nx, ny = float(x - ix * UNIT) - UNIT / 2, float(y - iy * UNIT) - UNIT / 2
+    if cell is not None:
+        state[-2] = 1 + heading_of(int(nx * UNIT), int(ny * UNIT), 0)
+        if (
+            settings[layout.SET_CONTACT] == layout.FAIL
+            and counts[layout.OUT_ENDING] == layout.LIMIT
+        ):
+            counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.CONTACT, step
+            counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = cell
+    state[layout.STATE_HEADING] = (heading + made) % TURN
+    return made
+
+
+def _measure_turn(settings: Ints, scales: Floats, step: int, turn: int, robot: Robot) -> None:
+    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_TURN)) - 1.0)
+    robot.odometry[2] += wrong * turn
+
+
+def _truncated(whole: int, share: int, of: int) -> int:
+    """Whole times a fraction, rounded towards zero."""
+    return abs(whole) * share // of * (1 if whole >= 0 else -1)
+
+
+def _part(whole: int, part: int, of: int) -> int:
+    """One of equal parts of a whole number."""
+    return _truncated(whole, part + 1, of) - _truncated(whole, part, of)
+
+
+def _drive_car(
+    arena: Arena, settings: Ints, scales: Floats, step: int, drive: int, event: int, robot: Robot
+) -> tuple[int, int, float, float]:
+    """Moves a car along its arc: straight legs, each with a turn after it, up to the first contact.
+
+    Result as for :func:`_advance`.
+    """
+    state, car = robot.state, arena.carriage
+    # The turn of the step, and how many legs keep the path within 1/64 of a cell of its arc.
+    share = float(state[-1]) / float(1 << 30)
+    limit = min(32767.0, scales[layout.SCALE_TURN_LIMIT] * scales[layout.SCALE_TURN] + 1e-9)
+    turn = int(min(max(share * float(drive) * car.turn_per_unit, -limit), limit))
+    legs = 1
+    while (
+        settings[layout.SET_MOTION] == SWEPT
+        and legs < 32
+        and legs * legs * 1335088 < abs(drive) * abs(turn)
+    ):
+        legs += 1
+    count = 0
+    for leg in range(legs):
+        x, y = int(state[layout.STATE_X]), int(state[layout.STATE_Y])
+        ahead = _part(drive, leg, legs)
+        drift = tuple(
+            _part(int(settings[k]), leg, legs) for k in (layout.SET_DRIFT_X, layout.SET_DRIFT_Y)
+        )
+        way = displacement(arena.headings, state[layout.STATE_HEADING], ahead)
+        way = (int(way[0]) + drift[0], int(way[1]) + drift[1])
+        during = (TIME_UNIT * leg // legs, TIME_UNIT * (leg + 1) // legs)
+        if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
+            event, count, nx, ny = _move_through_events(
+                arena, settings, scales, step, way, event, robot, during, count
+            )
+        else:
+            count, nx, ny = _move(arena, settings, scales, step, way, during, count, robot)
+        touched = nx != 0.0 or ny != 0.0
+        dx, dy = int(state[layout.STATE_X]) - x, int(state[layout.STATE_Y]) - y
+        if settings[layout.SET_MEASURES] != 0:
+            missed = (0, 0) if touched else drift
+            own = (dx - missed[0], dy - missed[1])
+            _measure(settings, scales, arena.headings, step, own, robot)
+        if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
+            return event, count, nx, ny
+        turns = _part(turn, leg, legs)
+        if touched:
+            length_sq = float(way[0] * way[0] + way[1] * way[1])
+            made = float(way[0] * dx + way[1] * dy) / length_sq if length_sq > 0.0 else 0.0
+            turns = int(float(turns) * min(max(made, 0.0), 1.0))
+        made = turn_body(arena, settings, step, turns, robot)
+        if settings[layout.SET_MEASURES] != 0:
+            _measure_turn(settings, scales, step, made, robot)
+        if made != turns:
+            nx, ny = _bump(arena, robot)
+            state[-2] = 0
+        if nx != 0.0 or ny != 0.0:
+            return event, count, nx, ny
+    return event, count, 0.0, 0.0
+
+
+def _steer(arena: Arena, scales: Floats, speed: float, rate: float, robot: Robot) -> None:
+    """Sets a car's curvature: the commanded arc's, as near as its steering allows."""
+    car, full = arena.carriage, 1 << 30
+    limit = scales[layout.SCALE_TURN_LIMIT]
+    rate = min(max(rate, -limit), limit)
+    wanted = 0.0
+    if speed != 0.0:
+        wanted = min(max(rate / speed * car.turning_radius, -1.0), 1.0)
+    elif rate != 0.0:
+        wanted = 1.0 if rate > 0.0 else -1.0
+    steering, now = int(wanted * full), int(robot.state[-1])
+    if car.steering_rate < math.inf:
+        most = int(min(car.steering_rate * scales[layout.SCALE_TIME_STEP] * full, 2.0 * full))
+        steering = max(now - most, min(now + most, steering))
+    robot.state[-1] = steering
+
+
 def _push(
     arena: Arena,
     settings: Ints,
@@ -403,8 +563,18 @@ def _push(
         The same then.
     """
     state, (count, nx, ny) = robot.state, moved
-    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
-    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + push[layout.PUSH_TURN]) % TURN
+    clear_sq, reach = shape_of(arena, settings, robot), settings[layout.SET_REACH]
+    if arena.carriage is not None and arena.carriage.body:
+        off = int(push[layout.PUSH_TURN]) % TURN
+        earlier = int(state[-2])
+        turn_body(arena, settings, step, off - TURN if off > TURN // 2 else off, robot)
+        if state[-2] != 0:
+            nx, ny = _bump(arena, robot)
+            moved = (count, nx, ny)
+        state[-2] = earlier
+    else:
+        state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + push[layout.PUSH_TURN]) % TURN
+    clear_sq = shape_of(arena, settings, robot)
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
     dx, dy = push[layout.PUSH_DX], push[layout.PUSH_DY]
     if (dx == 0 and dy == 0) or not pose_is_clear(arena.cells, SOLID, clear_sq, reach, x, y):
@@ -462,14 +632,17 @@ def _advance(
     way = displacement(arena.headings, state[layout.STATE_HEADING], drive)
     drift = (settings[layout.SET_DRIFT_X], settings[layout.SET_DRIFT_Y])
     way = (way[0] + drift[0], way[1] + drift[1])
-    if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
+    is_car = arena.carriage is not None and arena.carriage.turn_per_unit > 0.0
+    if is_car:
+        event, count, nx, ny = _drive_car(arena, settings, scales, step, drive, event, robot)
+    elif event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
         event, count, nx, ny = _move_through_events(
             arena, settings, scales, step, way, event, robot
         )
     else:
         whole = (0, TIME_UNIT)
         count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
-    if settings[layout.SET_MEASURES] != 0:
+    if settings[layout.SET_MEASURES] != 0 and not is_car:
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
         if (
             nx == 0.0 and ny == 0.0
@@ -481,6 +654,8 @@ def _advance(
     ends_there = settings[layout.SET_ARRIVAL] == layout.STEP and _is_at_goal(settings, robot)
     if ends_there and counts[layout.OUT_ENDING] == layout.LIMIT:
         counts[layout.OUT_ENDING] = layout.REACHED
+    if arena.carriage is not None and nx == 0.0 and ny == 0.0:
+        nx, ny = _bump(arena, robot)
     counts[layout.OUT_POINTS] += count
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
     if (
@@ -540,7 +715,14 @@ def _next_speed(now: int, wanted: int, scales: Floats) -> int:
     return wanted
 
 
-def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
+def obey(
+    settings: Ints,
+    scales: Floats,
+    command: Floats,
+    step: int,
+    robot: Robot,
+    arena: Arena | None = None,
+) -> None:
     """Applies a command: the turn now, the speed in the next step.
 
     Clamps both, and refuses nan and infinities.
@@ -551,15 +733,24 @@ def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robo
         robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
         return
     top, limit = scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_TURN_LIMIT]
-    most = math.floor(min(limit * scales[layout.SCALE_TURN] + 1e-9, float(TURN // 2)))
+    carriage = None if arena is None else arena.carriage
+    half = float(TURN // 2) if carriage is None else float(TURN // 2 - 1)
+    most = math.floor(min(limit * scales[layout.SCALE_TURN] + 1e-9, half))
     asked = round_away(min(max(rate * scales[layout.SCALE_TURN], -float(TURN)), float(TURN)))
     turn = min(max(asked, -most), most)  # rounded to the lattice, and never above the limit
-    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
-    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    is_car = carriage is not None and carriage.turn_per_unit > 0.0
+    if is_car:
+        turn = 0
+        _steer(arena, scales, speed, rate, robot)
+    if carriage is None:
+        state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
+    else:
+        turn = turn_body(arena, settings, step, turn, robot)
     if settings[layout.SET_MEASURES] != 0:
-        wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_TURN)) - 1.0)
-        robot.odometry[2] += wrong * turn
+        _measure_turn(settings, scales, step, turn, robot)
     wanted = whole_speed(min(max(speed, -top), top) * scales[layout.SCALE_SPEED] * SPEED_UNIT)
+    if is_car and not carriage.reverse:
+        wanted = max(wanted, 0)
     state[layout.STATE_SPEED] = _next_speed(state[layout.STATE_SPEED], wanted, scales)
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
@@ -595,6 +786,6 @@ def one_step(
     event, count, nx, ny = move_and_sense(arena, settings, scales, room, robot, step, event)
     if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
         act(room.observation, room.memory, room.command)
-        obey(settings, scales, room.command, step, robot)
+        obey(settings, scales, room.command, step, robot, arena)
     remember(room, robot)
     return event, count, nx != 0.0 or ny != 0.0

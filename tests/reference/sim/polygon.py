@@ -62,10 +62,13 @@ def first_not_clear(
     cells: Cells, state: int, corners: Corners, ends: tuple[int, int, int, int]
 ) -> tuple[bool, int, int]:
     """The first cell in ``state``, in order of rows, that a body cuts on its way from p to q."""
-    px, py, qx, qy = ends
+    px, py, qx, qy = (int(number) for number in ends)
     dx, dy = qx - px, qy - py
     xs, ys = zip(*corners, strict=True)
-    left, right = (min(xs) + min(0, dx) * SCALE) // SCALE, -((-max(xs) - max(0, dx) * SCALE) // SCALE)
+    left, right = (
+        (min(xs) + min(0, dx) * SCALE) // SCALE,
+        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
+    )
     low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
     height, width = cells.shape
     for iy in range(max((py + low) // UNIT, -1), min((py + high - 1) // UNIT, height) + 1):
@@ -80,11 +83,7 @@ def first_not_clear(
 
 
 def clear_turn(
-    cells: Cells,
-    table: Sequence[int],
-    body: Corners,
-    pose: tuple[int, int, int],
-    turn: int,
+    cells: Cells, table: Sequence[int], body: Corners, pose: tuple[int, int, int], turn: int
 ) -> tuple[int, tuple[int, int] | None]:
     """How far a body turns through every heading, and the first cell in its way, if one is."""
     x, y, heading = pose
@@ -118,6 +117,12 @@ def _gaps(corners: Corners, left: float, low: float) -> Iterator[tuple[float, fl
         yield fx * (px - x / SCALE) + fy * (py - y / SCALE), -fx, -fy
 
 
+def gap_to(corners: Corners, ix: int, iy: int, x: int, y: int) -> float:
+    """The widest gap between a body at (x, y) and a cell along an axis, lattice units."""
+    gaps = enumerate(_gaps(corners, float(ix * UNIT - x), float(iy * UNIT - y)))
+    return max(gap if k < 4 else gap / math.sqrt(nx * nx + ny * ny) for k, (gap, nx, ny) in gaps)
+
+
 def away_from(corners: Corners, ix: int, iy: int, x: int, y: int) -> tuple[float, float]:
     """The axis along which a body and a cell are farthest apart, away from the cell."""
     left, low = float(ix * UNIT - x), float(iy * UNIT - y)
@@ -136,11 +141,14 @@ def first_contact(
 
     Every gap is a linear function of time; the body overlaps a cell while all of them are negative.
     """
-    x, y, dx, dy = ends
+    x, y, dx, dy = (int(number) for number in ends)
     fx, fy = float(dx), float(dy)
     best, normal_x, normal_y = 2.0, 0.0, 0.0
     xs, ys = zip(*corners, strict=True)
-    left, right = (min(xs) + min(0, dx) * SCALE) // SCALE, -((-max(xs) - max(0, dx) * SCALE) // SCALE)
+    left, right = (
+        (min(xs) + min(0, dx) * SCALE) // SCALE,
+        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
+    )
     low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
     height, width = cells.shape
     for iy in range(max((y + low) // UNIT, -1), min((y + high - 1) // UNIT, height) + 1):
@@ -167,7 +175,7 @@ def first_contact(
 
 def depth(corners: Corners, ends: tuple[int, int, int, int], ix: int, iy: int) -> float:
     """How deep a body cuts a cell on its way from p to q: the shortest way out of it."""
-    px, py, qx, qy = ends
+    px, py, qx, qy = (int(number) for number in ends)
     dx, dy = float(qx - px), float(qy - py)
     left, low = float(ix * UNIT - px), float(iy * UNIT - py)
     points = _floats(corners)
@@ -193,5 +201,5 @@ def depth(corners: Corners, ends: tuple[int, int, int, int], ix: int, iy: int) -
 def contains_axle(body: Corners) -> bool:
     """Whether the point that a pose is about is in the body."""
     return all(
-        x * ny - y * nx >= 0 for (x, y), (nx, ny) in zip(body, [*body[1:], body[0]], strict=True)
+        x * ny - y * nx >= 0 for (x, y), (nx, ny) in zip(body, body[1:] + body[:1], strict=True)
     )

@@ -34,7 +34,7 @@ class Headings(NamedTuple):
     """Headings of the lattice: the first one, and how many follow counter-clockwise."""
 
     first: int
-    count: int  # type: ignore[assignment]
+    following: int
 
 
 ALL_HEADINGS = Headings(0, TURN - 1)
@@ -137,7 +137,7 @@ class Body:
                 "target_y": float(target.y),
                 "target_radius": float(target.radius),
                 "from_heading": headings.first,
-                "headings": headings.count,
+                "headings": headings.following,
                 "most_boxes": most_boxes,
                 "wants_proof": proof,
             },
@@ -174,11 +174,7 @@ def _cosines() -> Ints:
 def _described(footprint: tuple[Corner, ...], cell_size: float) -> Any:
     corners = footprint_on_lattice(footprint, cell_size)
     table = _cosines()
-    numbers = (
-        pointer(ffi, corners, np.int64),
-        len(corners),
-        pointer(ffi, table, np.int64),
-    )
+    numbers = (pointer(ffi, corners, np.int64), len(corners), pointer(ffi, table, np.int64))
     return kept(ffi, ffi.new("WgBody *", numbers), corners, table)
 
 

@@ -1,8 +1,8 @@
 """Decide whether a body can get from the start to the target, with a proof either way.
 
-Two discs about the axle decide most worlds: what stops the one that the body holds stops the body, and
-where the one that holds the body gets, the body gets with its heading kept. Between them, boxes of
-poses are searched (``worldgen/core/body/decide.c``).
+Two discs about the axle decide most worlds: what stops the one that the body holds stops the body,
+and where the one that holds the body gets, the body gets with its heading kept. Between them, boxes
+of poses are searched (``worldgen/core/body/decide.c``).
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from worldgen.reach.body.core_calls import ALL_HEADINGS, Body, BodyAnswer, BodyP
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.single import prove
 from worldgen.reach.still.disc import target_disc
-from worldgen.reach.still.path import travel_ticks
-from worldgen.reach.still.path import ticks_per_second
+from worldgen.reach.still.path import ticks_per_second, travel_ticks
+from worldgen.support.arrays import Ints
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Target, Witness, World
 
@@ -135,9 +135,9 @@ def goal_headings(target: Target) -> Headings | None:
 def _into(heading: int, headings: Headings) -> int:
     """Return the nearest of some headings."""
     ahead = (heading - headings.first) % TURN
-    if ahead <= headings.count:
+    if ahead <= headings.following:
         return heading
-    last = (headings.first + headings.count) % TURN
+    last = (headings.first + headings.following) % TURN
     back = (heading - last) % TURN
     return last if back <= TURN - ahead else headings.first
 
@@ -199,9 +199,7 @@ class _Question:
     def _by_disc(self, headings: Headings) -> Decision | None:
         """Return the path of the disc that holds the body, if it has one."""
         around = _disc_of(self.world, outer=True)
-        decision = prove.decide(
-            self.world, radius=around, certificate=self.certificate, cut=False
-        )
+        decision = prove.decide(self.world, radius=around, certificate=self.certificate, cut=False)
         if decision.result != REACHABLE:
             return None
         proof = decision.certificate
@@ -279,5 +277,5 @@ class _Question:
         return Decision(REACHABLE, witness, reason)
 
 
-def _cut_of(rows: np.ndarray) -> Cut:
+def _cut_of(rows: Ints) -> Cut:
     return Cut(np.zeros((0, 2), np.int64), 0.0, boxes=rows)

@@ -17,6 +17,16 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from worldgen.reach.check.body import (
+    LATTICE,
+    BodyPath,
+    Footprint,
+    Mistake,
+    body_clearance,
+    check_boxes,
+    check_ends,
+    footprint_of,
+)
 from worldgen.reach.check.car import car_fault
 from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part
@@ -76,30 +86,89 @@ def check_certificate(
         return _check_one_of_several(world, certificate, radius)
     robot = world.robots[0]
     is_about_robot = radius is None
-    if radius is None:
-        # A chain that stops the disc inside a body stops the body.
-        radius = robot.inner_radius if isinstance(certificate, Cut) else robot.radius
+    radius = robot.radius if radius is None else radius
     measured = [0.0]
     try:
-        if isinstance(certificate, Cut):
-            _require(certificate.boxes is None, "a cut of poses is not checked")
-        else:
-            is_car = is_about_robot and robot.drive.is_car
-            _require(
-                is_car or certificate.headings is None, "a witness with headings is not checked"
-            )
-            fault = car_fault(world, certificate) if is_car else None
-            _require(fault is None, str(fault))
         # A hostile file may contain times whose difference overflows.
         with np.errstate(all="ignore"):
-            if isinstance(certificate, Witness):
+            if is_about_robot and not robot.is_plain:
+                reason = _check_for_robot(world, certificate, measured)
+            elif isinstance(certificate, Witness):
                 _check_witness(world, certificate, radius, measured)
                 reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
             else:
                 reason = _check_cut(world, certificate, radius, measured)
-    except _Refused as refusal:
+    except (_Refused, Mistake) as refusal:
         return CheckReport(False, str(refusal), measured[0])
     return CheckReport(True, reason, measured[0])
+
+
+def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[float]) -> str:
+    """Check a proof about a robot with a footprint, a car's drive, or a goal of its own."""
+    robot = world.robots[0]
+    size = world.cell_size
+    body = None if robot.is_disc else footprint_of(robot, size)
+    if isinstance(certificate, Cut) and certificate.boxes is not None:
+        _require(body is not None, "the cut is about a footprint, and the robot is a disc")
+        return check_boxes(world, certificate.boxes)
+    if isinstance(certificate, Cut):
+        # A chain that stops the disc inside a body stops the body.
+        radius = robot.radius if body is None else body.inner * size
+        _require(radius > 0.0, "the footprint holds no disc about the axle that a chain could stop")
+        return _check_cut(world, certificate, radius, measured)
+    headings = certificate.headings
+    if robot.drive.is_car:
+        fault = car_fault(world, certificate)
+        _require(fault is None, str(fault))
+    if body is None:
+        _check_witness(world, certificate, robot.radius, measured)
+        return f"the path is clear for discs of up to {measured[0]:.6g} m"
+    if headings is None:
+        raise _Refused("a footprint's witness needs headings")
+    _check_body_path(world, certificate, headings, body, measured)
+    return f"the path is clear for the footprint padded by {measured[0]:.6g} m"
+
+
+def _check_body_path(
+    world: World, witness: Witness, headings: Floats, body: Footprint, measured: list[float]
+) -> None:
+    """Check the poses of a footprint's path, its times, and its clearance."""
+    size = world.cell_size
+    out = body.outer if body.inner < 0 else 0.0
+    # The path begins at the pose of the lattice that is nearest to the start.
+    path = path_of(world, witness, off=LATTICE, out=out)
+    _require(bool(np.isfinite(headings).all()), "the witness has a heading that is not finite")
+    check_ends(world, headings)
+    turns = np.repeat(headings, 2) if len(headings) == 1 else headings
+    if world.robots[0].drive.is_car:
+        path, turns = _half_turns(path, turns)
+    # In a world that changes, the disc around the body may be what the times are made for.
+    if world.is_dynamic:
+        around, _ = _static_clearance(world, path)
+        around, _ = _timed_clearance(world, path, around, "", body.outer + witness.clearance / size)
+        if around >= body.outer + witness.clearance / size - TOLERANCE:
+            measured[0] = max(0.0, (around - body.outer) * size)
+            return
+    claim = witness.clearance / size
+    measured[0] = body_clearance(world, BodyPath(path.x, path.y, turns), claim) * size
+
+
+def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floats]:
+    """Return a car's path with each leg as it is driven: half of its turn, straight, and the rest.
+
+    Args:
+        path: n points.
+        turns: (n,) float64, rad, the headings at them.
+
+    Returns:
+        The path of 3 n - 2 points, and their headings.
+    """
+    middle = turns[:-1] + np.remainder(np.diff(turns) + np.pi, 2 * np.pi) / 2 - np.pi / 2
+    legs = np.arange(len(middle))
+    order = np.concatenate(([0], np.column_stack((legs, legs + 1, legs + 1)).ravel()))
+    headings = np.column_stack((middle, middle, turns[1:])).ravel()
+    points = WitnessPoints(path.times[order], path.x[order], path.y[order])
+    return points, np.concatenate((turns[:1], headings))
 
 
 def _check_joint(world: World, joint: JointWitness, radius: float | None) -> CheckReport:
@@ -304,8 +373,17 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     )
 
 
-def path_of(world: World, witness: Witness) -> WitnessPoints:
-    """Return the witness if its ends are right, it stays in the grid, and it keeps to the speed."""
+def path_of(
+    world: World, witness: Witness, *, off: float = TOLERANCE, out: float = 0.0
+) -> WitnessPoints:
+    """Return the witness if its ends are right, it stays in the grid, and it keeps to the speed.
+
+    Args:
+        world: The world.
+        witness: The path.
+        off: Cells by which it may begin next to the start.
+        out: Cells by which it may leave the grid.
+    """
     # The times must begin at 0 and never go back.
     times = witness.times
     x = witness.x
@@ -321,12 +399,13 @@ def path_of(world: World, witness: Witness) -> WitnessPoints:
     # The path must stay in the grid, and lead from the start into the target.
     x = x / size
     y = y / size
-    inside = (x >= 0) & (y >= 0) & (x <= world.width + TOLERANCE) & (y <= world.height + TOLERANCE)
+    most = out + TOLERANCE
+    inside = (x >= -out) & (y >= -out) & (x <= world.width + most) & (y <= world.height + most)
     _require(
         bool(inside.all()), f"the witness leaves the grid at point {_first(np.nonzero(~inside)[0])}"
     )
-    off = math.dist((x[0], y[0]), (world.start.x / size, world.start.y / size))
-    _require(off <= TOLERANCE, f"the witness starts {off * size:.3g} m from the start")
+    away = math.dist((x[0], y[0]), (world.start.x / size, world.start.y / size))
+    _require(away <= off, f"the witness starts {away * size:.3g} m from the start")
     missed = (
         math.dist((x[-1], y[-1]), (world.target.x / size, world.target.y / size))
         - world.target.radius / size

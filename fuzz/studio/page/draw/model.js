@@ -296,13 +296,22 @@ export class Model {
 }
 
 /**
+ * Returns true if only the file's text has everything about the robots: version 2 has several, or
+ * one with a goal, a body or a drive that the page does not edit.
+ * @param {{source: string | null}} world
+ * @returns {boolean}
+ */
+export function hasMoreInFile({ source }) {
+  return source !== null && source.startsWith("%worldgen-grid 2");
+}
+
+/**
  * Returns a digest of 53 bits of everything about a world that a run depends on.
  * @param {EditedWorld} world
  * @returns {string}
  */
 function digestOf({ cells, name, file, sheet, source, ...rest }) {
-  // Only the file's text has everything about the other robots.
-  const text = JSON.stringify([rest, rest.others.length > 0 ? source : null]);
+  const text = JSON.stringify([rest, hasMoreInFile({ source }) ? source : null]);
   let low = 0x9e3779b9,
     high = 0x41c6ce57;
   const take = (value) => {

@@ -4,7 +4,7 @@
 import { askAbout } from "#studio/shared/asking.js";
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "#studio/shared/connection.js";
-import { messageOf, robotsIn } from "#studio/draw/model.js";
+import { hasMoreInFile, messageOf, robotsIn } from "#studio/draw/model.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const SOON = 60; // ms after the last change
@@ -104,8 +104,8 @@ async function decide(studio, proved) {
     waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150);
   try {
     const sent = messageOf(studio.model.world);
-    // The server reads the other robots from the file's text; one robot does not need it.
-    const world = robotsIn(studio.model.world) > 1 ? sent : { ...sent, source: null };
+    // The server reads what the page does not edit of the robots from the file's text.
+    const world = hasMoreInFile(sent) ? sent : { ...sent, source: null };
     proved(await askAbout(studio.connection, () => studio.model.version, "decide", { world }));
   } catch (error) {
     if (error instanceof Refused) proved(/** @type {any} */ ({ error: error.message }));
