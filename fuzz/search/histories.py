@@ -126,10 +126,8 @@ def extremes_of(controller: Any, trace: Trace) -> dict[Cell, float]:
         trace: The run's recording.
     """
     found: dict[Cell, float] = {}
-    size = trace.memory_size
-    if size and trace.recall is None:
-        first = trace.states.shape[1] - trace.message_size - size
-        memory = np.ascontiguousarray(trace.states[:, first : first + size]).view(np.float64)
+    if trace.memory_size and trace.recall is None:
+        memory = trace.memories
         changed = np.flatnonzero((memory != memory[0]).any(axis=0))[:_MOST_NUMBERS]
         for number in changed.tolist():
             values = memory[np.isfinite(memory[:, number]), number]

@@ -15,14 +15,7 @@ import numpy as np
 from scipy import ndimage
 
 from sim.audit.path import AuditPath, chord_to, longer_by, shorter_turn
-from sim.audit.polygon import (
-    Body,
-    box_corners,
-    deepest_on_segments,
-    distances,
-    separations,
-    turned,
-)
+from sim.audit.polygon import Body, box_corners, deepest_on_segments, distances, separations, turned
 from sim.audit.scan import Hits, Scan, merged
 from worldgen.lattice import TURN
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
@@ -296,9 +289,7 @@ class Overlaps:
         return depth
 
 
-def scan_body(
-    way: AuditPath, body: Body, tolerance: float, *, arcs: bool, literal: bool
-) -> Scan:
+def scan_body(way: AuditPath, body: Body, tolerance: float, *, arcs: bool, literal: bool) -> Scan:
     """Scan every piece of a path for overlaps of the body, and for its clearance.
 
     Args:
@@ -569,12 +560,7 @@ def _as_overlaps(
 
 
 def _shaved(
-    found: Overlaps,
-    way: AuditPath,
-    headings: Floats,
-    body: Body,
-    tolerance: float,
-    result: Scan,
+    found: Overlaps, way: AuditPath, headings: Floats, body: Body, tolerance: float, result: Scan
 ) -> Bools:
     """Return which overlaps are small cuts between two clear poses that are near each other.
 
