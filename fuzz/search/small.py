@@ -171,8 +171,9 @@ class _Unit:
         self._finds_loops = True
         # Extremes of the runs in grown worlds.
         self._histories: Histories | None = None
-        # Returns the lines that have run in them for the first time.
+        # Returns the lines that have run in them for the first time, and those of the first of them.
         self._lines: Callable[[], frozenset[int]] = frozenset
+        self._usual_lines: frozenset[int] | None = None
         # Numbers that a run records for each step.
         self._width = _USUAL_WIDTH
 
@@ -322,7 +323,10 @@ class _Unit:
         self._width = max(self._width, outcome.trace.states.shape[1])
         host = getattr(trial.run, "host", None)
         extremes = extremes_of(None if host is None else host.controller, outcome.trace)
-        extremes |= {line_cell(line): 1.0 for line in self._lines()}
+        ran = self._lines()
+        if self._usual_lines is None:
+            self._usual_lines = ran
+        extremes |= {line_cell(line): 1.0 for line in ran - self._usual_lines}
         return self._histories.take(genome, extremes, first_look(outcome))
 
     def _run(self, trial: _Trial, steps: int) -> Outcome:

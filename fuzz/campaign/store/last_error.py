@@ -16,9 +16,6 @@ from worldgen.errors import FormatError, Message, OutputError, WorldgenError
 from worldgen.files.locks import holder
 from worldgen.files.whole import read_text, write_bytes
 
-ANOTHER_CAMPAIGN = "another-campaign"
-"""Code of the error of a campaign whose folder holds another one."""
-
 _VERSION = 1
 # Limit on the characters of a template.
 _LONGEST = 4_000
@@ -64,14 +61,11 @@ def record_error(out: Path, error: WorldgenError) -> None:
 
 @contextlib.contextmanager
 def errors_recorded(out: Path | None) -> Iterator[None]:
-    """Record an error raised in the block in a campaign's folder, and let it propagate.
-
-    Another campaign's folder is left alone.
-    """
+    """Record an error raised in the block in a campaign's folder, and let it propagate."""
     try:
         yield
     except WorldgenError as error:
-        if out is not None and error.code != ANOTHER_CAMPAIGN:
+        if out is not None:
             record_error(out, error)
         raise
 

@@ -17,7 +17,6 @@ from fuzz.campaign.store.fingerprint import (
     pace_of,
 )
 from fuzz.campaign.store.folder import Budget, FolderStore
-from fuzz.campaign.store.last_error import ANOTHER_CAMPAIGN
 from fuzz.unit.config import CampaignConfig
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.support.plain_text import shown
@@ -224,7 +223,7 @@ def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint) -> None:
         )
         more = f", and {len(said) - _SAID_AT_MOST} more" if len(said) > _SAID_AT_MOST else ""
         raise OutputError(
-            ANOTHER_CAMPAIGN,
+            "another-campaign",
             "{out} holds another campaign: {differences!l}{more}",
             "{way_out}, --force starts over, or choose another folder",
             at_terminal=True,
