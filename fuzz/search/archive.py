@@ -29,7 +29,6 @@ from worldgen.support.arrays import Bytes, Floats, Ints
 
 ARCHIVE = "archive"
 
-_SETTLED = 24  # units before the first one that grows worlds for long histories
 _UNRELATED = 10  # one in this many scenes of a generation has no parents
 _EDITS = 3  # largest number of changed bytes in a child; at least one changes
 # Small changes of a byte: a move by one or three cells, a different kind, one feature more or less.
@@ -91,7 +90,7 @@ def search(task: SearchTask) -> None:
 
     look_through(task, draw, seen)
     # Once a campaign has been through what takes little, it also looks for what takes long.
-    if task.unit >= _SETTLED:
+    if task.unit >= small.SETTLED:
         small.grow(task)
 
 

@@ -45,13 +45,16 @@ _SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
 _OWN = 3e-3  # s of ours for each world
 _USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
 _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
-# One in this many units grows worlds, and takes this many times as long.
+SETTLED = 24
+"""Number of units that only look at what takes little. Later ones also grow worlds."""
+
+# One in this many of them does, and stops after this many worlds if no run changes any state.
 _GROWN = 4
-_GROWN_TIMES = 1.0
+_STATELESS = 4
 # s for proving and deciding each cell of a grown world.
 _PER_CELL = 5e-7
 # Limits on the proof of a run in one: s of the controller's time, and numbers that it records.
-_LONGEST_PROOF = 4.0
+_LONGEST_PROOF = 20.0
 _MOST_RECORDED = 1 << 25
 _USUAL_WIDTH = 32
 # Times the witness's steps after which a run that has not arrived is examined, and the fewest
@@ -81,7 +84,8 @@ def search(task: SearchTask) -> None:
     """Run small worlds one after another, and prove the first failure of each cause."""
     unit = _Unit(task)
     try:
-        if task.unit % _GROWN == _GROWN - 1:
+        is_grown = task.unit >= SETTLED and task.unit % _GROWN == 0
+        if is_grown and task.config.fixed_map is None:
             unit.grow()
         else:
             unit.screen()
@@ -238,8 +242,8 @@ class _Unit:
                 self._spent += _PER_CELL * world.walls.size
                 self._grow(genome, world, scenario, number)
             # A controller without any state has no history.
-            is_stateless = number >= _GROWN and self._histories.is_empty
-            if is_stateless or self._has_found() or self._spent >= _GROWN_TIMES * _SECONDS:
+            is_stateless = number >= _STATELESS and self._histories.is_empty
+            if is_stateless or self._has_found() or self._spent >= _SECONDS:
                 break
         self._triage.result.elites |= self._histories.brought
 
