@@ -18,7 +18,8 @@ def drawn_world(world: World) -> dict[str, Any] | None:
 
     Returns:
         ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
-        and ``target`` (x, y, radius in cells); ``events`` in columns, with times rounded to ms;
+        and ``target`` (x, y, radius in cells); ``goal_heading`` in rad, if there the robot must
+        have one; ``events`` in columns, with times rounded to ms;
         ``witness`` in columns, ms and parts of a cell, of which there are ``per_cell``; ``cut``, a
         chain of cells. ``start``, ``target``, ``radius`` and ``witness`` are about the first robot;
         ``others`` has the same for each of the others.
@@ -35,6 +36,7 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         "cells": bits(world.walls),
         "start": [world.start.x / side, world.start.y / side, world.start.heading],
         "target": [world.target.x / side, world.target.y / side, world.target.radius / side],
+        **({} if world.target.heading is None else {"goal_heading": world.target.heading}),
         "events": {
             "ms": numbers(np.rint(times * 1000.0)),
             "ix": numbers(ix),

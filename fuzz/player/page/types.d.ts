@@ -42,6 +42,8 @@ interface DrawnWorld {
   start: Triple;
   /** x, y and radius in cells. */
   target: Triple;
+  /** Heading that a single robot must have there, rad. */
+  goal_heading?: number;
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
   witness?: PackedWitness | null;
   cut?: CellPlace[] | null;

@@ -16,6 +16,16 @@ export function drawTarget(pen, world) {
     ring(pen, x, y, shown + 2.5 / pen.scale, strong, 1.5);
     if (number) drawNumber(pen, number, pen.px(x + shown) + 5, pen.py(y + shown));
   }
+  if (world.goal_heading !== undefined) drawGoalHeading(pen, world.target, world.goal_heading);
+}
+
+// A line out of the target's ring is the heading that the robot must have there.
+function drawGoalHeading(pen, [x, y, radius], heading) {
+  const rim = Math.max(radius, 4 / pen.scale) + 2.5 / pen.scale;
+  pen.context.beginPath();
+  for (const away of [rim, rim + 12 / pen.scale])
+    pen.context.lineTo(pen.px(x + Math.cos(heading) * away), pen.py(y + Math.sin(heading) * away));
+  stroke(pen, pen.colours.target, 3);
 }
 
 /**
