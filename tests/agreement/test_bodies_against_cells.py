@@ -53,7 +53,9 @@ def test_a_pose_and_a_move_are_clear_as_in_whole_numbers(room, dx, dy):
 
 @settings(max_examples=150)
 @given(rooms(), st.integers(-400, 400))
-@example((np.zeros((SIDE, SIDE), np.uint8), ((-UNIT, -1), (UNIT, -1), (UNIT, 1)), (UNIT, UNIT, 0)), 9)
+@example(
+    (np.zeros((SIDE, SIDE), np.uint8), ((-UNIT, -1), (UNIT, -1), (UNIT, 1)), (UNIT, UNIT, 0)), 9
+)
 def test_a_turn_passes_every_heading_and_stops_at_the_last_clear_one(room, turn):
     cells, body, pose = room
     if body_is_clear(cells, footprint_of(body), *pose):
@@ -119,6 +121,6 @@ def test_a_bar_turns_until_its_corner_is_at_the_wall():
     bar = ((-2 * UNIT, -10), (2 * UNIT, -10), (2 * UNIT, 10), (-2 * UNIT, 10))
     turned = clear_turn(cells, footprint_of(bar), (9 * UNIT, 5 * UNIT // 2, 0), 32_767)
     # sin(a) * 2 cells + cos(a) * 10 units = 1.5 cells
-    assert 2.0 * np.sin(turned * 2 * np.pi / TURN) + 10 / 1024 * np.cos(turned * 2 * np.pi / TURN) == (
-        pytest.approx(1.5, abs=2e-4)
-    )
+    assert 2.0 * np.sin(turned * 2 * np.pi / TURN) + 10 / 1024 * np.cos(
+        turned * 2 * np.pi / TURN
+    ) == (pytest.approx(1.5, abs=2e-4))

@@ -220,10 +220,7 @@ def team_mapping(driven: CompiledController, name: str) -> CompiledController:
         about="Like mapper, but tell the robots around where walls are, and learn from them.",
         memory_fields=tuple(one._replace(place=one.place + before) for one in driven.memory_fields),
         memory_map=shown,
-        memory_map_on=(
-            *range(TEAM.count, before),
-            *(at + before for at in driven.memory_map_on),
-        ),
+        memory_map_on=(*range(TEAM.count, before), *(at + before for at in driven.memory_map_on)),
     )
 
 
