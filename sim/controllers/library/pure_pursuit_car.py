@@ -2,9 +2,9 @@
 
 At the start, the controller plans the shortest path of its body on the map that it knows, as if it
 could turn on the spot, with some room to walls if there is any. In each step it drives along the arc
-from its pose to the point of the path that is a fixed distance away. A bend that is narrower than its turning circle is none of the path's
-concern, so it hits walls there; if it may reverse, it then backs away from the wall, turning the
-other way, and tries again.
+from its pose to the point of the path that is a fixed distance away. A bend that is narrower than
+its turning circle is none of the path's concern, so it hits walls there; if it may reverse, it then
+backs away from the wall, turning the other way, and tries again.
 
 Source: R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon
     University CMU-RI-TR-92-01 (1992).
