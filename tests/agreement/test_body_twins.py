@@ -75,8 +75,7 @@ def test_shapely_agrees_on_random_poses_of_random_bodies(seed):
         body = Body(walls, convex_footprint(rectangle(*rng.uniform(0.05, 0.5, 2))), SIZE)
         count = 110
         poses = np.stack(
-            [rng.integers(UNIT, n * UNIT, count) for n in (10, 8)]
-            + [rng.integers(0, TURN, count)],
+            [rng.integers(UNIT, n * UNIT, count) for n in (10, 8)] + [rng.integers(0, TURN, count)],
             axis=1,
         )
         angles = poses[:, 2] * (2 * math.pi / TURN)

@@ -14,9 +14,7 @@ def corners_at(body, x, y, heading):
     table = cosines()
     c = int(table[heading % _TURN])
     s = int(table[(heading - _TURN // 4) % _TURN])
-    return [
-        ((x << 30) + cx * c - cy * s, (y << 30) + cx * s + cy * c) for cx, cy in body
-    ]
+    return [((x << 30) + cx * c - cy * s, (y << 30) + cx * s + cy * c) for cx, cy in body]
 
 
 def hull_of(points):
@@ -44,7 +42,9 @@ def overlaps(hull, ix, iy):
     """True if the interiors of a polygon and of a cell have a point in common: no axis parts them."""
     cell = [(i * _SIDE, j * _SIDE) for i in (ix, ix + 1) for j in (iy, iy + 1)]
     axes = [(1, 0), (0, 1)]
-    axes += [(by - ay, ax - bx) for (ax, ay), (bx, by) in zip(hull, hull[1:] + hull[:1], strict=True)]
+    axes += [
+        (by - ay, ax - bx) for (ax, ay), (bx, by) in zip(hull, hull[1:] + hull[:1], strict=True)
+    ]
     for nx, ny in axes:
         ours = [nx * x + ny * y for x, y in hull]
         theirs = [nx * x + ny * y for x, y in cell]
