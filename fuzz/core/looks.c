@@ -154,11 +154,11 @@ static int64_t solid_beside(WgGrid grid, int64_t ix, int64_t iy)
            (wg_cell_state(grid, ix, iy + 1) == WG_SOLID) + (wg_cell_state(grid, ix, iy - 1) == WG_SOLID);
 }
 
-// Notes the kind of wall that the robot went through or into.
+// Notes the kind of wall that the robot went through or into, or touched although it may not.
 static void note_wall(const WgArena *arena, WgLook *look)
 {
     const WgReport *report = &look->report;
-    if (report->ending == WG_TUNNEL) {
+    if (report->ending == WG_TUNNEL || report->ending == WG_CONTACT) {
         look->around = solid_beside(wg_grid(arena), report->hit_ix, report->hit_iy);
     } else if (report->overlap_step >= 0) {
         look->around = solid_beside(wg_grid(arena), report->overlap_ix, report->overlap_iy);
