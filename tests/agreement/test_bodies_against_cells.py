@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from benchmarks.referee import _body
+from benchmarks.referee import random_body
 from sim.runners.core_calls import headings
 from tests.helpers.core_parts import (
     body_first_not_clear,
@@ -30,7 +30,7 @@ def rooms(draw):
     """Cells, a body, and a pose; many poses touch a wall exactly."""
     cells = np.frombuffer(draw(st.binary(min_size=SIDE * SIDE, max_size=SIDE * SIDE)), np.uint8)
     cells = (cells.reshape(SIDE, SIDE) < draw(st.sampled_from([4, 12, 40]))).astype(np.uint8)
-    body = _body(RandomStream(draw(st.integers(0, 2**32))))
+    body = random_body(RandomStream(draw(st.integers(0, 2**32))))
     heading = draw(st.integers(0, TURN - 1) | st.sampled_from([0, 8192, 16384, 32768, 49152]))
     corner = draw(st.sampled_from(polygon.turned(TABLE, body, heading)))
     x, y = draw(st.integers(-UNIT, (SIDE + 1) * UNIT)), draw(st.integers(-UNIT, (SIDE + 1) * UNIT))
