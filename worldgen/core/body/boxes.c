@@ -190,6 +190,11 @@ static bool is_next_to(const WgBoxes *boxes, const WgBox *a, const WgBox *b)
     return any || faces + (turning == 0) <= 1;
 }
 
+bool wg_boxes_share_face(const WgBoxes *boxes, int64_t a, int64_t b)
+{
+    return is_next_to(boxes, &boxes->all[a], &boxes->all[b]);
+}
+
 static bool add_near(WgBox *box, int64_t number)
 {
     if (box->near_count == box->near_room) {

@@ -82,6 +82,9 @@ WgStatus wg_boxes_split(WgBoxes *boxes, int64_t number);
 // Adds a thin free box, and connects it with all that it touches but thin ones.
 WgStatus wg_boxes_add_thin(WgBoxes *boxes, WgRange range);
 
+// Returns true if two boxes share a face, or touch if one of them is thin.
+bool wg_boxes_share_face(const WgBoxes *boxes, int64_t a, int64_t b);
+
 // Connects two thin boxes if they touch.
 WgStatus wg_boxes_connect(WgBoxes *boxes, int64_t a, int64_t b);
 
