@@ -267,7 +267,7 @@ static bool follow_edge(Search *search, int64_t from, const WgCarPart *parts, in
     for (int64_t part = 0; part < count; part++) {
         node.steer[part] = (int8_t)parts[part].steer;
         node.amount[part] = parts[part].amount;
-        int8_t backwards = parts[part].amount < 0.0;
+        int8_t backwards = parts[part].amount < 0.0 ? 1 : 0;
         node.cost += wg_car_length(&search->car, parts[part]) * (backwards ? BACKWARDS : 1.0);
         // Each change of gear costs as much as half a cell.
         node.cost += from > 0 && backwards != node.backwards ? 0.5 * WG_UNIT : 0.0;
