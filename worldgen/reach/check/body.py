@@ -105,11 +105,15 @@ class BodyPath:
 
 
 def check_ends(world: World, headings: Floats) -> None:
-    """Check the first heading of a path, and the last one.
+    """Check the first heading of a path, the last one, and that all are headings of the lattice.
 
     Raises:
-        Mistake: If they aren't the start's and one of the target's.
+        Mistake: If they aren't the start's and one of the target's, or one is not of the lattice.
     """
+    off = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
+    if (off > 1e-4).any():
+        at = int(np.argmax(off > 1e-4))
+        raise Mistake(f"the heading of point {at} is not a multiple of 1/65536 turn")
     away = abs(float(_angle(headings[:1] - world.start.heading)[0]))
     if away > 0.5 * _RADIANS + 1e-9:
         raise Mistake(f"the witness starts {away:.3g} rad from the start's heading")
@@ -142,7 +146,6 @@ def body_clearance(world: World, path: BodyPath, claim: float) -> float:
     moved = np.hypot(np.diff(path.x), np.diff(path.y)) > 1e-9
     for number in np.flatnonzero(turned & moved).tolist():
         raise Mistake(f"the witness turns while it moves, after point {number}")
-    _check_lattice(path.headings)
     # Moves: the hull of both ends, and of the only pose of a path without moves.
     ends = body.at(path.x, path.y, path.headings)
     pairs = np.concatenate([ends[:-1], ends[1:]], axis=1)[~turned] if len(ends) > 1 else ends
@@ -174,13 +177,6 @@ def _too_near(measured: float, claim: float, what: str, place: npt.ArrayLike, wo
         f"the body comes within {measured * world.cell_size:.9g} m of a wall in {what} near "
         f"({x:.6g}, {y:.6g}) m; the witness claims {claim * world.cell_size:.9g} m"
     )
-
-
-def _check_lattice(headings: Floats) -> None:
-    off = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
-    if (off > 1e-4).any():
-        at = int(np.argmax(off > 1e-4))
-        raise Mistake(f"the heading of point {at} is not a multiple of 1/65536 turn")
 
 
 def _angle(difference: Floats) -> Floats:
