@@ -179,16 +179,16 @@ class RobotOverrides:
             raise InvalidParameter(
                 "option-missing",
                 "{option} is for a car, and the robot turns on the spot",
-                "add --drive car, or omit it",
+                "make it a car with {needs!l}, or omit it",
                 option=option_flag(next(iter(changes))),
-                needs=["drive", "turning_radius"] if lacks_radius else ["drive"],
+                needs=["--drive", *(["--turning-radius"] if lacks_radius else [])],
             )
         if is_car and lacks_radius:
             raise InvalidParameter(
                 "option-missing",
-                "--drive car needs a turning radius",
-                "add --turning-radius, the smallest radius in m that its axle can drive",
-                needs=["turning_radius"],
+                "a car needs a turning radius, in m",
+                "give it with {needs!l}",
+                needs=["--turning-radius"],
             )
         return replace(drive, **changes)
 
@@ -330,7 +330,7 @@ def _arrival(text: str) -> dict[str, Any]:
         raise InvalidParameter(
             "wrong-form",
             "arrival {name!q} has a limit that it does not take",
-            "write stop:SPEED:TURN_RATE, in m/s and rad/s; touch and step take no limits",
+            "write {near}; only stop takes limits, stop:SPEED:TURN_RATE, in m/s and rad/s",
             name=text,
             near=word,
         )

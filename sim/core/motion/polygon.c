@@ -268,6 +268,15 @@ static double widest_gap(const WgPolygon *polygon, double left, double low, WgNo
     return gap;
 }
 
+double wg_body_gap(const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y, int64_t heading,
+                   int64_t ix, int64_t iy)
+{
+    WgPolygon polygon;
+    WgNormal away;
+    wg_polygon_turned(headings, footprint, heading, &polygon);
+    return widest_gap(&polygon, relative(ix, x), relative(iy, y), &away);
+}
+
 // Returns true if some axis shows that a cell is farther away from a body than a distance. Most cells are, and no
 // root and no division is needed for them, which saves a fifth of the time of a turn.
 static inline bool is_farther(const WgPolygon *polygon, double left, double low, double distance)

@@ -127,8 +127,8 @@ def away_from(corners: Corners, ix: int, iy: int, x: int, y: int) -> tuple[float
     """The axis along which a body and a cell are farthest apart, away from the cell."""
     left, low = float(ix * UNIT - x), float(iy * UNIT - y)
     best, away = -math.inf, (0.0, 0.0)
-    for k, (gap, nx, ny) in enumerate(_gaps(corners, left, low)):
-        gap = gap if k < 4 else gap / math.sqrt(nx * nx + ny * ny)
+    for k, (scaled, nx, ny) in enumerate(_gaps(corners, left, low)):
+        gap = scaled if k < 4 else scaled / math.sqrt(nx * nx + ny * ny)
         if gap > best:
             best, away = gap, (nx, ny)
     return away

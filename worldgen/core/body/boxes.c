@@ -190,6 +190,11 @@ static bool is_next_to(const WgBoxes *boxes, const WgBox *a, const WgBox *b)
     return any || faces + (turning == 0) <= 1;
 }
 
+bool wg_boxes_share_face(const WgBoxes *boxes, int64_t a, int64_t b)
+{
+    return is_next_to(boxes, &boxes->all[a], &boxes->all[b]);
+}
+
 static bool add_near(WgBox *box, int64_t number)
 {
     if (box->near_count == box->near_room) {
@@ -489,8 +494,8 @@ static WgStatus list_for_tiles(WgBoxes *boxes)
         int64_t last[2];
         const int64_t sides[2] = {boxes->columns, boxes->rows};
         for (int axis = 0; axis < 2; axis++) {
-            first[axis] = wg_max(0, wg_floor_div(solid->low[axis] - reach, boxes->tile));
-            last[axis] = wg_min(sides[axis] - 1, wg_floor_div(solid->high[axis] + reach, boxes->tile));
+            first[axis] = wg_max(0, wg_floor_div(solid->low[axis] - boxes->low - reach, boxes->tile));
+            last[axis] = wg_min(sides[axis] - 1, wg_floor_div(solid->high[axis] - boxes->low + reach, boxes->tile));
         }
         for (int64_t row = first[1]; row <= last[1] && status == WG_OK; row++) {
             for (int64_t column = first[0]; column <= last[0] && status == WG_OK; column++) {
@@ -529,16 +534,21 @@ WgStatus wg_boxes_make(WgBoxes *boxes, const WgWalls *walls, const WgBody *body,
     while (boxes->tile < (int64_t)(boxes->discs.outer * 0.75)) {
         boxes->tile *= 2;
     }
-    int64_t width = walls->width * WG_UNIT;
-    int64_t height = walls->height * WG_UNIT;
-    boxes->columns = (width + boxes->tile - 1) / boxes->tile;
-    boxes->rows = (height + boxes->tile - 1) / boxes->tile;
+    // An axle outside its body may be outside the grid, too.
+    int64_t out = boxes->discs.inner > 0.0 ? 0 : (int64_t)boxes->discs.outer + 1;
+    boxes->low = -out;
+    boxes->high[0] = walls->width * WG_UNIT + out;
+    boxes->high[1] = walls->height * WG_UNIT + out;
+    boxes->columns = (boxes->high[0] + out + boxes->tile - 1) / boxes->tile;
+    boxes->rows = (boxes->high[1] + out + boxes->tile - 1) / boxes->tile;
     boxes->tiles = boxes->columns * boxes->rows;
     for (int64_t row = 0; row < boxes->rows; row++) {
         for (int64_t column = 0; column < boxes->columns; column++) {
+            int64_t x = boxes->low + column * boxes->tile;
+            int64_t y = boxes->low + row * boxes->tile;
             WgRange range = {
-                {(int32_t)(column * boxes->tile), (int32_t)(row * boxes->tile), 0},
-                {(int32_t)wg_min(width, (column + 1) * boxes->tile), (int32_t)wg_min(height, (row + 1) * boxes->tile),
+                {(int32_t)x, (int32_t)y, 0},
+                {(int32_t)wg_min(boxes->high[0], x + boxes->tile), (int32_t)wg_min(boxes->high[1], y + boxes->tile),
                  (int32_t)boxes->period},
             };
             if (add_box(boxes, range, WG_MIXED) == NULL) {
@@ -585,8 +595,8 @@ WgStatus wg_boxes_touching(const WgBoxes *boxes, const WgRange *range, unsigned 
     int64_t last[2];
     const int64_t sides[2] = {boxes->columns, boxes->rows};
     for (int axis = 0; axis < 2; axis++) {
-        first[axis] = wg_max(0, wg_floor_div(range->low[axis] - 1, boxes->tile));
-        last[axis] = wg_min(sides[axis] - 1, wg_floor_div(range->high[axis], boxes->tile));
+        first[axis] = wg_max(0, wg_floor_div(range->low[axis] - boxes->low - 1, boxes->tile));
+        last[axis] = wg_min(sides[axis] - 1, wg_floor_div(range->high[axis] - boxes->low, boxes->tile));
     }
     for (int64_t row = first[1]; row <= last[1]; row++) {
         for (int64_t column = first[0]; column <= last[0]; column++) {

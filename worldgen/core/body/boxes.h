@@ -32,6 +32,7 @@ typedef struct WgBox {
     int64_t cost[2];     // of the search from the start, and from the target
     int32_t round[2];    // in which that was found
     int32_t before[2];   // box before it on the way
+    int32_t label[2];    // of the free boxes that are the last before it, or its own
 } WgBox;
 
 // Where the body should arrive.
@@ -65,6 +66,8 @@ typedef struct WgBoxes {
     WgSpan **spans;  // ranges of headings, made when they are needed
     WgNumbers made;  // which of them
     int64_t tile;    // side of the boxes that all begins with, lu
+    int64_t low;     // least x and y of the tiles
+    int64_t high[2];
     int64_t tiles;   // the first boxes: tiles of all headings
     int64_t columns;
     int64_t rows;
@@ -78,6 +81,9 @@ WgStatus wg_boxes_split(WgBoxes *boxes, int64_t number);
 
 // Adds a thin free box, and connects it with all that it touches but thin ones.
 WgStatus wg_boxes_add_thin(WgBoxes *boxes, WgRange range);
+
+// Returns true if two boxes share a face, or touch if one of them is thin.
+bool wg_boxes_share_face(const WgBoxes *boxes, int64_t a, int64_t b);
 
 // Connects two thin boxes if they touch.
 WgStatus wg_boxes_connect(WgBoxes *boxes, int64_t a, int64_t b);

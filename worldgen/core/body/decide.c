@@ -17,6 +17,8 @@
 
 enum {
     MOST_HALVINGS = 64,
+    SHARES = 64,  // parts of the cheapest cost
+    FEW = 64,     // a round splits too few boxes if it looks at more than this for each
     TIGHT = 16,  // headings of a box that is so small that the body may fit exactly
 };
 #define NEVER INT64_MAX
@@ -25,6 +27,8 @@ typedef struct Rounds {
     WgBoxes *boxes;
     int32_t start;   // the start's box
     int32_t round;
+    int64_t slack;   // by how many shares ways may be dearer than the cheapest
+    int32_t labels;  // of connected free boxes in this round
     bool is_tight;   // ways lead through very small boxes
     bool has_fits;   // places of exact fit were added
     int64_t weights[MOST_HALVINGS + 1];
@@ -32,6 +36,22 @@ typedef struct Rounds {
     WgNumbers stack;
     WgNumbers reached[2];  // boxes that each search has reached
 } Rounds;
+
+// Labels free boxes that are connected, and mixed ones with the label of those that they are reached from.
+static void set_label(Rounds *rounds, int from, WgBox *box, int32_t before)
+{
+    const WgBox *last = before >= 0 ? &rounds->boxes->all[before] : NULL;
+    if (box->kind == WG_MIXED) {
+        box->label[from] = last != NULL ? last->label[from] : -1;
+    } else if (from == WG_FROM_GOAL) {
+        bool is_known = box->round[WG_FROM_START] == rounds->round;
+        box->label[from] = is_known ? box->label[WG_FROM_START] : -2;
+    } else if (last != NULL && last->kind == WG_FREE) {
+        box->label[from] = last->label[from];
+    } else {
+        box->label[from] = rounds->labels++;
+    }
+}
 
 static bool reach(Rounds *rounds, int from, int32_t number, int32_t before, int64_t cost)
 {
@@ -46,6 +66,7 @@ static bool reach(Rounds *rounds, int from, int32_t number, int32_t before, int6
     box->round[from] = rounds->round;
     box->cost[from] = cost;
     box->before[from] = before;
+    set_label(rounds, from, box, before);
     if (is_new && !wg_numbers_add(&rounds->reached[from], number)) {
         return false;
     }
@@ -104,7 +125,7 @@ static bool search(Rounds *rounds, int from, int64_t *cost)
             if (entry.key != rounds->boxes->all[number].cost[from]) {
                 continue;
             }
-            if (best != NEVER && entry.key > best) {
+            if (best != NEVER && entry.key > best + best / SHARES * rounds->slack) {
                 break;
             }
         }
@@ -131,11 +152,12 @@ static WgStatus split_ways(Rounds *rounds, int64_t cost, int64_t *count)
     for (int64_t k = 0; k < rounds->reached[WG_FROM_START].count; k++) {
         int32_t number = rounds->reached[WG_FROM_START].all[k];
         const WgBox *box = &rounds->boxes->all[number];
-        if (box->kind != WG_MIXED || box->is_done || box->round[WG_FROM_GOAL] != rounds->round) {
+        if (box->kind != WG_MIXED || box->is_done || box->round[WG_FROM_GOAL] != rounds->round
+            || box->label[WG_FROM_START] == box->label[WG_FROM_GOAL]) {
             continue;
         }
         int64_t weight = rounds->weights[box->halvings < MOST_HALVINGS ? box->halvings : MOST_HALVINGS];
-        if (box->cost[WG_FROM_START] + box->cost[WG_FROM_GOAL] - weight <= cost) {
+        if (box->cost[WG_FROM_START] + box->cost[WG_FROM_GOAL] - weight <= cost + cost / SHARES * rounds->slack) {
             WgStatus status = wg_boxes_split(rounds->boxes, number);
             if (status != WG_OK) {
                 return status;
@@ -188,6 +210,7 @@ static WgStatus go_around(Rounds *rounds, WgBodyQuery *query)
     query->outcome = WG_BODY_UNDECIDED;
     while (boxes->count < query->most_boxes) {
         rounds->round++;
+        rounds->labels = 0;
         int64_t cost = NEVER;
         if (!search(rounds, WG_FROM_START, &cost)) {
             return WG_OUT_OF_MEMORY;
@@ -206,6 +229,9 @@ static WgStatus go_around(Rounds *rounds, WgBodyQuery *query)
             return WG_OUT_OF_MEMORY;
         }
         WgStatus status = split_ways(rounds, cost, &count);
+        int64_t looked = rounds->reached[WG_FROM_START].count + rounds->reached[WG_FROM_GOAL].count;
+        bool is_few = count * FEW < looked;
+        rounds->slack = is_few ? wg_min(SHARES, 2 * rounds->slack + 1) : rounds->slack / 2;
         if (status != WG_OK || (count == 0 && rounds->has_fits)) {
             return status;
         }

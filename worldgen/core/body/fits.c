@@ -83,14 +83,14 @@ static WgStatus add_heading(WgBoxes *boxes, int64_t heading)
         }
         qsort(heights, (size_t)lines, sizeof *heights, compare_numbers);
     }
-    int64_t top = boxes->walls->height * WG_UNIT;
+    int64_t top = boxes->high[1];
     for (int64_t k = 0; k < lines && status == WG_OK; k++) {
-        if (heights[k] < 0 || heights[k] > top || (k > 0 && heights[k] == heights[k - 1])) {
+        if (heights[k] < boxes->low || heights[k] > top || (k > 0 && heights[k] == heights[k - 1])) {
             continue;
         }
         WgRange row = {
-            {0, (int32_t)heights[k], (int32_t)heading},
-            {(int32_t)(boxes->walls->width * WG_UNIT), (int32_t)heights[k], (int32_t)heading},
+            {(int32_t)boxes->low, (int32_t)heights[k], (int32_t)heading},
+            {(int32_t)boxes->high[0], (int32_t)heights[k], (int32_t)heading},
         };
         status = add_row(boxes, &span, row, room);
         if (status == WG_OK && k + 1 < lines && heights[k + 1] > heights[k] && heights[k + 1] <= top) {
@@ -127,7 +127,6 @@ static int64_t free_along(const WgBoxes *boxes, WgBodyPose pose, const int64_t d
 // Adds the lines through the start along x, y and its heading.
 static WgStatus add_lines(WgBoxes *boxes, WgBodyPose start)
 {
-    const int64_t sides[2] = {boxes->walls->width * WG_UNIT, boxes->walls->height * WG_UNIT};
     int32_t heading = (int32_t)(start.heading % boxes->period);
     for (int axis = 0; axis < LINES; axis++) {
         WgRange line = {{(int32_t)start.x, (int32_t)start.y, heading}, {(int32_t)start.x, (int32_t)start.y, heading}};
@@ -135,7 +134,7 @@ static WgStatus add_lines(WgBoxes *boxes, WgBodyPose start)
             int64_t direction[3] = {0, 0, 0};
             direction[axis] = sign;
             int64_t at = line.low[axis];
-            int64_t most = axis == 2 ? (sign < 0 ? at : boxes->period - at) : sign < 0 ? at : sides[axis] - at;
+            int64_t most = axis == 2 ? (sign < 0 ? at : boxes->period - at) : sign < 0 ? at - boxes->low : boxes->high[axis] - at;
             int64_t far = free_along(boxes, start, direction, axis == 2 ? wg_min(most, WG_TURN / 2) : most);
             *(sign < 0 ? &line.low[axis] : &line.high[axis]) = (int32_t)(at + sign * far);
         }

@@ -39,7 +39,7 @@ bool wg_body_is_valid(const WgWalls *walls, const WgBody *body)
 
 static bool is_pose(const WgBodyPose *pose)
 {
-    int64_t most = (int64_t)20001 * WG_UNIT;
+    int64_t most = (int64_t)20000 * WG_UNIT + WG_MOST_REACH + 1;
     return wg_abs(pose->x) <= most && wg_abs(pose->y) <= most && pose->heading >= 0 && pose->heading < WG_TURN;
 }
 

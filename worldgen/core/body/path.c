@@ -7,7 +7,7 @@
 #include "heap.h"
 #include "proof.h"
 
-enum { PATIENCE = 6, PASSES = 3 };
+enum { PATIENCE = 6, PASSES = 3, MOST_PADDING = WG_UNIT / 2 };
 
 // A free box on the way.
 typedef struct Entry {
@@ -62,12 +62,18 @@ static int64_t nearest_heading(int64_t heading, int64_t low, int64_t high, int64
     return best & (WG_TURN - 1);
 }
 
-// The pose that two boxes share and that is nearest to another.
+// The nearest of a range's middle half, so that ways keep away from the rims of boxes.
+static int64_t nearest_inside(int64_t value, int64_t low, int64_t high)
+{
+    return nearest_of(value, low + (high - low) / 4, high - (high - low) / 4);
+}
+
+// A pose that two boxes share, near another.
 static WgBodyPose shared_pose(const WgBoxes *boxes, const WgRange *a, const WgRange *b, WgBodyPose from)
 {
     WgBodyPose pose = {
-        nearest_of(from.x, wg_max(a->low[0], b->low[0]), wg_min(a->high[0], b->high[0])),
-        nearest_of(from.y, wg_max(a->low[1], b->low[1]), wg_min(a->high[1], b->high[1])),
+        nearest_inside(from.x, wg_max(a->low[0], b->low[0]), wg_min(a->high[0], b->high[0])),
+        nearest_inside(from.y, wg_max(a->low[1], b->low[1]), wg_min(a->high[1], b->high[1])),
         0,
     };
     int64_t low = wg_max(a->low[2], b->low[2]);
@@ -77,7 +83,9 @@ static WgBodyPose shared_pose(const WgBoxes *boxes, const WgRange *a, const WgRa
         low = 0;
         high = 0;
     }
-    pose.heading = nearest_heading(from.heading, low, high, boxes->period);
+    bool is_all = high - low >= boxes->period;
+    int64_t rim = is_all ? 0 : (high - low) / 4;
+    pose.heading = nearest_heading(from.heading, low + rim, high - rim, boxes->period);
     return pose;
 }
 
@@ -167,6 +175,13 @@ done:
     return status;
 }
 
+// What a leg is tested with.
+typedef struct Space {
+    const WgWalls *walls;
+    const WgBody *body;
+    const WgGoal *goal;
+} Space;
+
 // How to get from one pose to another.
 typedef enum Leg {
     NONE = 0,
@@ -174,31 +189,31 @@ typedef enum Leg {
     MOVE_FIRST = 2,
 } Leg;
 
-static Leg leg_between(const WgBoxes *boxes, WgBodyPose a, WgBodyPose b)
+static Leg leg_between(const Space *space, WgBodyPose a, WgBodyPose b)
 {
     int64_t turn = wg_turn_between(a.heading, b.heading);
     WgBodyPose turned = {a.x, a.y, b.heading};
-    if (wg_clear_along(boxes->walls, boxes->body, turned, b.x, b.y)
-        && (turn == 0 || wg_clear_turning(boxes->walls, boxes->body, a, turn))) {
+    if (wg_clear_along(space->walls, space->body, turned, b.x, b.y)
+        && (turn == 0 || wg_clear_turning(space->walls, space->body, a, turn))) {
         return TURN_FIRST;
     }
     WgBodyPose moved = {b.x, b.y, a.heading};
-    if (turn != 0 && wg_clear_along(boxes->walls, boxes->body, a, b.x, b.y)
-        && wg_clear_turning(boxes->walls, boxes->body, moved, turn)) {
+    if (turn != 0 && wg_clear_along(space->walls, space->body, a, b.x, b.y)
+        && wg_clear_turning(space->walls, space->body, moved, turn)) {
         return MOVE_FIRST;
     }
     return NONE;
 }
 
 // Leaves out poses where a leg skips them.
-static void leave_out(const WgBoxes *boxes, Poses *poses)
+static void leave_out(const Space *space, Poses *poses)
 {
     int64_t kept = 1;
     for (int64_t at = 0; at + 1 < poses->count;) {
         int64_t next = at + 1;
         int64_t failed = 0;
         for (int64_t to = at + 2; to < poses->count && failed < PATIENCE; to++) {
-            if (leg_between(boxes, poses->all[at], poses->all[to]) != NONE) {
+            if (leg_between(space, poses->all[at], poses->all[to]) != NONE) {
                 next = to;
                 failed = 0;
             } else {
@@ -215,7 +230,7 @@ static void leave_out(const WgBoxes *boxes, Poses *poses)
 }
 
 // Gives poses the heading of those before or after them, which saves turns.
-static void save_turns(const WgBoxes *boxes, Poses *poses)
+static void save_turns(const Space *space, Poses *poses)
 {
     for (int64_t k = 1; k + 1 < poses->count; k++) {
         for (int64_t other = k - 1; other <= k + 1; other += 2) {
@@ -228,12 +243,21 @@ static void save_turns(const WgBoxes *boxes, Poses *poses)
                             + wg_abs(wg_turn_between(poses->all[k].heading, poses->all[k + 1].heading))
                             - wg_abs(wg_turn_between(poses->all[k - 1].heading, tried.heading))
                             - wg_abs(wg_turn_between(tried.heading, poses->all[k + 1].heading));
-            if (saved >= 0 && leg_between(boxes, poses->all[k - 1], tried) != NONE
-                && leg_between(boxes, tried, poses->all[k + 1]) != NONE) {
+            if (saved >= 0 && leg_between(space, poses->all[k - 1], tried) != NONE
+                && leg_between(space, tried, poses->all[k + 1]) != NONE) {
                 poses->all[k] = tried;
                 break;
             }
         }
+    }
+    // The last one may have another heading if it is the target's, too.
+    WgBodyPose *last = &poses->all[poses->count - 1];
+    WgBodyPose tried = *last;
+    if (poses->count > 1) {
+        tried.heading = poses->all[poses->count - 2].heading;
+        bool is_goal = ((tried.heading - space->goal->heading) & (WG_TURN - 1)) <= space->goal->headings;
+        bool is_clear = is_goal && leg_between(space, poses->all[poses->count - 2], tried) != NONE;
+        *last = is_clear ? tried : *last;
     }
 }
 
@@ -243,11 +267,11 @@ static bool is_same_pose(WgBodyPose a, WgBodyPose b)
 }
 
 // Adds a turn and a move; half a turn is made in two parts, because its way around is not defined.
-static bool add_leg(const WgBoxes *boxes, Poses *path, WgBodyPose to)
+static bool add_leg(const Space *space, Poses *path, WgBodyPose to)
 {
     WgBodyPose from = path->all[path->count - 1];
     WgBodyPose corner = {to.x, to.y, from.heading};
-    if (leg_between(boxes, from, to) == TURN_FIRST) {
+    if (leg_between(space, from, to) == TURN_FIRST) {
         corner = (WgBodyPose){from.x, from.y, to.heading};
     }
     const WgBodyPose ends[2] = {corner, to};
@@ -293,6 +317,38 @@ static void join_equal(Poses *path)
     path->count = kept;
 }
 
+// Moves all sides of a body out. Corners are rounded; false if that makes a body that isn't one.
+static bool pad(const WgWalls *walls, const WgBody *body, int64_t padding, int64_t *corners, WgBody *padded)
+{
+    for (int64_t k = 0; k < body->count; k++) {
+        const int64_t *before = body->corners + 2 * ((k + body->count - 1) % body->count);
+        const int64_t *corner = body->corners + 2 * k;
+        const int64_t *after = body->corners + 2 * ((k + 1) % body->count);
+        double ux = (double)(corner[0] - before[0]);
+        double uy = (double)(corner[1] - before[1]);
+        double vx = (double)(after[0] - corner[0]);
+        double vy = (double)(after[1] - corner[1]);
+        double u = hypot(ux, uy);
+        double v = hypot(vx, vy);
+        // Both normals reach the padding from there.
+        double share = (double)padding / (1.0 + (ux * vx + uy * vy) / (u * v));
+        corners[2 * k] = corner[0] + (int64_t)floor(share * (uy / u + vy / v) + 0.5);
+        corners[2 * k + 1] = corner[1] - (int64_t)floor(share * (ux / u + vx / v) + 0.5);
+    }
+    *padded = (WgBody){corners, body->count, body->cosines};
+    return wg_body_is_valid(walls, padded);
+}
+
+static bool is_way_clear(const Space *space, const Poses *poses)
+{
+    for (int64_t k = 0; k + 1 < poses->count; k++) {
+        if (leg_between(space, poses->all[k], poses->all[k + 1]) == NONE) {
+            return false;
+        }
+    }
+    return true;
+}
+
 WgStatus wg_write_path(WgBoxes *boxes, int32_t start, WgBodyQuery *query)
 {
     Poses poses = {0};
@@ -302,14 +358,26 @@ WgStatus wg_write_path(WgBoxes *boxes, int32_t start, WgBodyQuery *query)
         free(poses.all);
         return status;
     }
-    for (int pass = 0; pass < PASSES; pass++) {
-        leave_out(boxes, &poses);
-        save_turns(boxes, &poses);
+    // The way is made shorter for a body that is as much larger as the way allows, so that it doesn't
+    // come nearer to walls than it has to.
+    Space space = {boxes->walls, boxes->body, &boxes->goal};
+    WgBody padded;
+    int64_t corners[2 * WG_MOST_CORNERS];
+    for (int64_t padding = MOST_PADDING; padding > 0; padding /= 2) {
+        const Space larger = {boxes->walls, &padded, &boxes->goal};
+        if (pad(boxes->walls, boxes->body, padding, corners, &padded) && is_way_clear(&larger, &poses)) {
+            space = larger;
+            break;
+        }
     }
-    leave_out(boxes, &poses);
+    for (int pass = 0; pass < PASSES; pass++) {
+        leave_out(&space, &poses);
+        save_turns(&space, &poses);
+    }
+    leave_out(&space, &poses);
     bool is_added = add_pose(&path, poses.all[0]);
     for (int64_t k = 1; k < poses.count && is_added; k++) {
-        is_added = add_leg(boxes, &path, poses.all[k]);
+        is_added = add_leg(&space, &path, poses.all[k]);
     }
     free(poses.all);
     status = WG_OUT_OF_MEMORY;

@@ -101,7 +101,9 @@ WgStatus wg_write_cut(WgBoxes *boxes, const WgNumbers *side, bool from_goal, WgB
         found.count = 0;
         status = wg_boxes_touching(boxes, &boxes->all[side->all[k]].range, 1U << WG_FULL, &found);
         for (int64_t at = 0; at < found.count; at++) {
-            is_listed[found.all[at]] = true;
+            // Where boxes only share an edge, others share a face.
+            int32_t full = found.all[at];
+            is_listed[full] = is_listed[full] || wg_boxes_share_face(boxes, side->all[k], full);
         }
     }
     for (int64_t k = 0; k < boxes->count && status == WG_OK; k++) {

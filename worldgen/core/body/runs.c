@@ -32,8 +32,22 @@ WgDiscs wg_discs_of(const WgBody *body)
     return (WgDiscs){wg_body_reach(body) + SAFETY, larger(0.0, inner - SAFETY)};
 }
 
-// Widens what a corner reaches, and finds whether it is farthest back from some direction in the range.
-static void reach_of_corner(WgSpan *span, const double begin[2], const double end[2])
+// Returns true if no corner is farther back than one, along the line through that one and the axle.
+static bool is_foremost(const WgBody *body, int64_t corner)
+{
+    int64_t x = body->corners[2 * corner];
+    int64_t y = body->corners[2 * corner + 1];
+    for (int64_t k = 0; k < body->count; k++) {
+        if (body->corners[2 * k] * x + body->corners[2 * k + 1] * y < x * x + y * y) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Widens what a corner reaches. If the axle is outside, such a corner can be what reaches farthest when
+// it is straight behind the axle.
+static void reach_of_corner(WgSpan *span, const double begin[2], const double end[2], bool is_first)
 {
     double far = hypot(begin[0], begin[1]);
     for (int toward = 0; toward < 4; toward++) {
@@ -44,6 +58,9 @@ static void reach_of_corner(WgSpan *span, const double begin[2], const double en
         double later = sign * (axis == 0 ? -end[1] : end[0]);
         double reached = larger(sign * begin[axis], sign * end[axis]);
         span->outer[toward] = larger(span->outer[toward], rate > 0.0 && later < 0.0 ? far : reached);
+        if (is_first && rate < 0.0 && later > 0.0) {
+            span->inner[toward] = smaller(span->inner[toward], -far);
+        }
     }
 }
 
@@ -63,8 +80,6 @@ void wg_span_make(const WgBody *body, int64_t heading, int64_t turn, WgSpan *spa
 {
     const int64_t headings[2] = {heading, heading + turn};
     double places[2][WG_MOST_CORNERS][2];
-    double least = INFINITY;
-    bool is_axle_inside = true;
     span->safety = turn == 0 ? 0.0 : SAFETY;
     span->shrink = turn == 0 ? 1.0 : cos((double)turn * WG_RADIANS / 2.0);
     for (int toward = 0; toward < 4; toward++) {
@@ -81,8 +96,7 @@ void wg_span_make(const WgBody *body, int64_t heading, int64_t turn, WgSpan *spa
             places[end][k][0] = cx * c - cy * s;
             places[end][k][1] = cx * s + cy * c;
         }
-        reach_of_corner(span, places[0][k], places[1][k]);
-        least = smaller(least, hypot(cx, cy));
+        reach_of_corner(span, places[0][k], places[1][k], is_foremost(body, k));
     }
     // What the body reaches at every heading is least at an end, or where a side faces that way.
     for (int end = 0; end < 2; end++) {
@@ -107,7 +121,6 @@ void wg_span_make(const WgBody *body, int64_t heading, int64_t turn, WgSpan *spa
             span->sides[k].normal[end][1] = -ex / length;
             distance = (ey * places[end][k][0] - ex * places[end][k][1]) / length;
         }
-        is_axle_inside = is_axle_inside && distance >= 0.0;
         // Between two ends the normal's product with a point is least at an end, unless it is negative;
         // and it is most at an end, but for the share that the shorter of both loses in between.
         double both = 2.0 * span->shrink * span->shrink - 1.0;
@@ -120,10 +133,6 @@ void wg_span_make(const WgBody *body, int64_t heading, int64_t turn, WgSpan *spa
         }
     }
     for (int toward = 0; toward < 4; toward++) {
-        // Behind the axle, the nearest corner can be what reaches farthest.
-        if (!is_axle_inside && turn > 0) {
-            span->inner[toward] = smaller(span->inner[toward], -least);
-        }
         span->outer[toward] += span->safety;
         span->inner[toward] -= span->safety;
     }

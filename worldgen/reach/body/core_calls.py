@@ -75,6 +75,11 @@ class Body:
         self._clear = ffi.new("int64_t *")
 
     @property
+    def described(self) -> Any:
+        """The body in the form that C reads, valid as long as this object."""
+        return self._body
+
+    @property
     def outer_sq(self) -> int:
         """Squared distance from the axle to the farthest corner, lu."""
         return int((self.corners**2).sum(axis=1).max())
@@ -145,7 +150,8 @@ class Body:
         check(lib.wg_body_decide(self._walls, self._body, query))
         try:
             columns = 3 if query.outcome == lib.WG_BODY_REACHED else 6
-            rows = np.array(ffi.unpack(query.rows, columns * query.count), np.int64)
+            numbers = ffi.unpack(query.rows, columns * query.count) if query.count else []
+            rows = np.array(numbers, np.int64)
         finally:
             lib.wg_body_free(query)
         return BodyAnswer(

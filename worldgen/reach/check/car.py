@@ -13,16 +13,18 @@ from worldgen.world import Robot, Witness, World
 # Cells by which the car may be away from a point of the witness: the points are rounded to 1/1024
 # cell. A leg also stays this near to the arc of which it is a chord.
 BOUND = 4 / 1024
-# Turn, rad, that two headings may differ by: half a unit of 1/65536 turn, and rounding.
-HEADING_BOUND = 0.51 * math.tau / 65536
+# rad: headings are multiples of this
+_UNIT = math.tau / 65536
+# Half of it, and rounding: how far the first heading may be from the start's.
+HEADING_BOUND = 0.51 * _UNIT
 
 
 def car_fault(world: World, witness: Witness) -> str | None:
     """Return why the world's car cannot drive a witness, in one sentence; None if it can.
 
     From one point to the next, the car turns by half of the difference of their headings, drives
-    straight, and turns by the other half. A leg that turns must be at least as long as the chord of
-    an arc that turns as much.
+    straight, and turns by the rest. A leg that turns must be at least as long as the chord of an
+    arc that turns as much.
 
     Args:
         world: A world of one robot, a car.
