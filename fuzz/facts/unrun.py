@@ -21,7 +21,7 @@ def unrun_lines(controller: str, ran: Collection[int]) -> list[str]:
         controller: Name of the controller.
         ran: First lines of the statements that ran; empty if that is not known.
     """
-    code = watch_lines(CONTROLLERS.get(controller)) if ran else None
+    code = watch_lines(CONTROLLERS.get(controller), frozenset(ran)) if ran else None
     if code is None:
         return []
     own = _by_function(code)

@@ -32,7 +32,7 @@ _MOST_NUMBERS = 64
 # Attributes and lines are known by a number below this.
 _MOST_NAMES = 1_000
 # One in this many worlds is not grown from another.
-_NEW = 4
+_NEW = 6
 # A value is more extreme than another if it exceeds it by this share.
 _FURTHER = 0.02
 # Parts into which the share of each number is divided.

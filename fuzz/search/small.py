@@ -48,8 +48,10 @@ _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
 SETTLED = 24
 """Number of units that only look at what takes little. Later ones also grow worlds."""
 
-# One in this many of them does, and stops after this many worlds if no run changes any state.
+# One in this many of them does, for so many s of the controller's time; it stops after this many
+# worlds if no run changes any state.
 _GROWN = 4
+_GROWN_SECONDS = 2.0
 _STATELESS = 4
 # s for proving and deciding each cell of a grown world.
 _PER_CELL = 5e-7
@@ -243,7 +245,7 @@ class _Unit:
                 self._grow(genome, world, scenario, number)
             # A controller without any state has no history.
             is_stateless = number >= _STATELESS and self._histories.is_empty
-            if is_stateless or self._has_found() or self._spent >= _SECONDS:
+            if is_stateless or self._has_found() or self._spent >= _GROWN_SECONDS:
                 break
         self._triage.result.elites |= self._histories.brought
 

@@ -14,9 +14,11 @@ from worldgen.plugins.counted_code import LineWatch
 # Compilers of Python functions, which would compile the counters.
 _COMPILERS = ("numba", "taichi")
 
-# The watch of this process, and the lines that it has reported, by the module's file.
+# The watch of this process, and the lines that it has reported, by the module's file. A process of a
+# cluster may serve several campaigns, so lines are only reported where one is known to begin.
 _watches: list[LineWatch] = []
 _reported: dict[str, set[int]] = {}
+_serves_one_campaign = [False]
 
 
 def watch_lines(controller: Any, known: frozenset[int] | None = None) -> LineWatch | None:
@@ -25,21 +27,25 @@ def watch_lines(controller: Any, known: frozenset[int] | None = None) -> LineWat
     Args:
         controller: The controller, made from a class of the user's.
         known: First lines of statements that need not be watched; if omitted, those that this
-            process has reported.
+            process has reported since :func:`begin_lines`. Before that, nothing is watched.
 
     Returns:
         The watch; ``None`` for a controller without lines in Python, and for one that a compiler
         reads.
     """
     module = _module_of(controller)
-    if module is None:
-        return None
-    wanted = frozenset(_reported.get(str(module.__file__), ())) if known is None else known
     watch = _watches[0] if _watches else None
-    if watch is None or watch.module is not module or watch.known != wanted:
-        if watch is not None:
-            watch.stop()
-            _watches.clear()
+    wanted = known
+    if wanted is None and module is not None and _serves_one_campaign[0]:
+        wanted = frozenset(_reported.get(str(module.__file__), ()))
+    # What another controller does must not count.
+    if watch is not None and (watch.module is not module or watch.known != wanted):
+        watch.stop()
+        _watches.clear()
+        watch = None
+    if module is None or wanted is None:
+        return None
+    if watch is None:
         try:
             watch = LineWatch(module, wanted)
         except WorldgenError:
@@ -47,6 +53,15 @@ def watch_lines(controller: Any, known: frozenset[int] | None = None) -> LineWat
         _watches.append(watch)
     watch.clear()
     return watch
+
+
+def begin_lines() -> None:
+    """Watch all lines again: a campaign begins, the only one that this process serves for now."""
+    _serves_one_campaign[0] = True
+    for watch in _watches:
+        watch.stop()
+    _watches.clear()
+    _reported.clear()
 
 
 def report_lines() -> None:

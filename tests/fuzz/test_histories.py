@@ -6,6 +6,7 @@ import statistics
 import pytest
 
 from benchmarks.real.planting import DEEP, write
+from fuzz.campaign.run import Campaign
 from fuzz.campaign.store.journal import UnitRecord
 from fuzz.campaign.unit import run_unit
 from fuzz.facts.unrun import unrun_lines
@@ -19,8 +20,9 @@ from fuzz.triage.triage import Triage
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.result import Elite, SearchState, UnitResult
 from sim import Command, simulate
+from sim.clock.controller_time import Effort
 from sim.controllers import CONTROLLERS
-from sim.controllers.lines_run import report_lines, watch_lines
+from sim.controllers.lines_run import begin_lines, report_lines, watch_lines
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen import generate
@@ -161,6 +163,7 @@ class Stateless:
 
 def test_lines_that_never_ran_are_named_with_their_function(robot):
     config = CampaignConfig(Scenario(robot), seed=1, examples=2, families=("features",))
+    begin_lines()
     result = run_unit(config, 0)
     assert unrun_lines(robot, result.lines) == ["14 (act)", "18-20 (recover)"]
     assert unrun_lines(robot, []) == []
@@ -168,6 +171,7 @@ def test_lines_that_never_ran_are_named_with_their_function(robot):
 
 def test_lines_that_are_known_to_run_are_not_counted_again(robot):
     controller = CONTROLLERS.get(robot)
+    begin_lines()
     watch = watch_lines(controller)
     code = type(controller).act.__code__
     simulate(generate("trap", seed=1), robot, steps=5)
@@ -176,6 +180,28 @@ def test_lines_that_are_known_to_run_are_not_counted_again(robot):
     assert watch_lines(controller).ran() == frozenset()
     assert len(type(controller).act.__code__.co_code) < len(code.co_code)
     watch_lines(controller).stop()
+
+
+def test_each_campaign_of_a_process_counts_all_of_its_lines(robot):
+    config = CampaignConfig(
+        Scenario(robot), seed=1, examples=2, families=("features",), shrink=False
+    )
+    ran = []
+    for _ in range(2):
+        campaign = Campaign(config, units=1)
+        list(campaign.run())
+        ran.append(campaign.state.memory.lines)
+    assert ran[0] == ran[1] and 11 in ran[0]
+
+
+def test_lines_of_one_controller_do_not_count_for_the_next(robot):
+    begin_lines()
+    watch_lines(CONTROLLERS.get(robot))
+    simulate(generate("trap", seed=1), robot, steps=5)
+    assert watch_lines(CONTROLLERS.get("bug2")) is None
+    before = Effort.so_far()
+    report_lines()
+    assert not before.since().lines
 
 
 @pytest.mark.gate

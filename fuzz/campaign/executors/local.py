@@ -20,6 +20,7 @@ from fuzz.facts.proofs import certified
 from fuzz.unit.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.unit.live import LiveCounts, count_in
 from sim.clock.controller_time import Effort
+from sim.controllers.lines_run import begin_lines
 from sim.episode.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.plugins.workers import WorkerPool, ctrl_c_held_back, current_folder_hidden
@@ -110,6 +111,7 @@ class InlineExecutor:
     def __enter__(self) -> Self:
         """Hold back Ctrl-C from here on, and count what this process runs."""
         count_in(self._counters)
+        begin_lines()
         self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
@@ -216,3 +218,4 @@ def _begin(stopped_at: c_double, counters: Any) -> None:
     """End a worker's work when the main process requests it, and count its runs."""
     stop_from(lambda: stopped_at.value)
     count_in(counters)
+    begin_lines()
