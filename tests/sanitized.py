@@ -16,6 +16,9 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import shapely
+
 from benchmarks.referee import random_body, referee_bodies
 from fuzz.campaign.unit import run_unit
 from fuzz.unit.config import CampaignConfig
@@ -25,7 +28,9 @@ from worldgen import check_certificate, decide, generate, read_world, write_worl
 from worldgen.errors import InvalidWorld
 from worldgen.family import FAMILIES
 from worldgen.random_streams import RandomStream
-from worldgen.robot import Drive
+from worldgen.reach.body.core_calls import Body, BodyPose
+from worldgen.robot import Drive, Pose, Robot, Target
+from worldgen.world import World
 
 _CONTROLLERS = ("turn-right", "turn-random", "bug2", "vfh", "gestalt", "mapper", "q-learner")
 _SHOVED = RobotOptions(
@@ -41,8 +46,9 @@ def main() -> None:
     thorough = parser.parse_args().thorough
     _generate(range(5) if thorough else range(1))
     _fleets(range(5) if thorough else range(1))
+    _prove_bodies(100_000, 200 if thorough else 40)
     _controllers(_CONTROLLERS)
-    _bodies(100_000 if thorough else 10_000)
+    _drive_bodies(100_000 if thorough else 10_000)
     _campaigns(_CONTROLLERS if thorough else _CONTROLLERS[:2], 10 if thorough else 2)
     print("no fault found")
 
@@ -77,6 +83,37 @@ def _fleets(seeds: range) -> None:
             simulate(world, "turn-right", steps=2_000)
 
 
+def _prove_bodies(poses: int, worlds: int) -> None:
+    """Test random bodies at random poses, and decide where some of them get."""
+    _say(f"{poses} poses of bodies")
+    rng = np.random.default_rng(1)
+    for number in range(worlds):
+        walls = rng.random(rng.integers(4, 24, 2)) < rng.choice([0.0, 0.03, 0.1])
+        height, width = walls.shape
+        points = rng.uniform(-1, 1, (int(rng.integers(3, 40)), 2)) * rng.choice([0.05, 0.3, 3.0])
+        points += rng.uniform(-0.3, 0.3, 2)
+        hull = shapely.convex_hull(shapely.multipoints(points))
+        footprint = shapely.get_coordinates(hull)[:-1][:16].tolist()
+        try:
+            robot = Robot(Pose(0.1 * width / 2, 0.1 * height / 2), Target(0.1, 0.1, 0.1))
+            robot = replace(robot, footprint=tuple(map(tuple, footprint)))
+            body = Body(walls, robot.footprint, 0.1)
+        except InvalidWorld:
+            continue
+        for _ in range(poses // worlds):
+            x, to_x = rng.integers(-2048, (width + 2) * 1024, 2).tolist()
+            y, to_y = rng.integers(-2048, (height + 2) * 1024, 2).tolist()
+            heading, turn = rng.integers(0, 32_768, 2).tolist()
+            pose = BodyPose(x, y, 2 * heading)
+            if body.is_clear(pose) and body.may_move(pose, to_x, to_y):
+                body.may_turn(pose, turn)
+                body.clearance([pose, BodyPose(to_x, to_y, 2 * heading)])
+        world = World(walls, robots=[robot])
+        decision = decide(world)
+        if number % 4 == 0 and decision.certificate is not None:
+            check_certificate(world, decision.certificate)
+
+
 def _controllers(names: tuple[str, ...]) -> None:
     """Run controllers alone, recorded, and many at once."""
     world = generate("maze", 3, size=20)
@@ -87,7 +124,7 @@ def _controllers(names: tuple[str, ...]) -> None:
         gc.collect()
 
 
-def _bodies(moves: int) -> None:
+def _drive_bodies(moves: int) -> None:
     """Move and turn random bodies, and run some of them, and cars, with pushes, fire and beams."""
     _say(f"{moves:,} moves of bodies")
     referee_bodies(moves, 5)
