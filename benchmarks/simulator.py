@@ -52,6 +52,7 @@ from sim.kernels import layout
 from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS, ffi
 from worldgen import generate
 from worldgen.random_streams import RandomStream
+from worldgen.robot import Drive
 from worldgen.world import Pose, Target, World
 
 # The words of a round that takes seconds; the gate runs it.
@@ -199,12 +200,31 @@ def _beams() -> Callable[[], Rate]:
     return _run(maze(), in_c("eyes"), 200_000, robot=RobotOptions(beams=36, beam_range=2.0))
 
 
+def _of_another(world: World, **parts: Any) -> World:
+    """Return a world whose robot has another body or drive."""
+    return replace(world, robots=(replace(world.robots[0], **parts),))
+
+
+def _box(length: float, width: float) -> tuple[tuple[float, float], ...]:
+    x, y = length / 2, width / 2
+    return ((x, y), (-x, y), (-x, -y), (x, -y))
+
+
 CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
     "swept, compiled controller": lambda: _run(maze(), in_c(), 2_000_000),
     "the same compiled by numba": lambda: _run(maze(), BOUNCER, 2_000_000),
     "the same in a 2000 x 2000 world": lambda: _run(hall(2000), in_c(), 1_000_000),
     "the same with 36 beams": _beams,
     "endpoint, compiled controller": lambda: _run(maze(), in_c(), 2_000_000, motion="endpoint"),
+    "a rectangle, compiled by numba": lambda: _run(
+        _of_another(maze(), footprint=_box(0.12, 0.08)), BOUNCER, 1_000_000
+    ),
+    "a rectangle of 6 x 9 cells": lambda: _run(
+        _of_another(hall(300), footprint=_box(0.62, 0.9)), BOUNCER, 1_000_000
+    ),
+    "a car, compiled by numba": lambda: _run(
+        _of_another(maze(), drive=Drive(0.2, reverse=True)), BOUNCER, 1_000_000
+    ),
     "stepped, the thesis's robot": lambda: _run(maze(), "turn-random", 500_000, motion="stepped"),
     "swept, Python class": lambda: _run(maze(), Bouncer(), 20_000),
     "swept, vector class, 1024 robots": lambda: _lockstep,

@@ -19,11 +19,19 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from benchmarks.referee import random_body, referee_bodies
+from benchmarks.referee import random_body
 from fuzz.campaign.unit import run_unit
 from fuzz.unit.config import CampaignConfig
 from sim import RobotOptions, RunOptions, simulate, simulate_many
 from sim.scenario import Scenario
+from tests.helpers.core_parts import (
+    MOST_CORNERS,
+    body_first_not_clear,
+    body_is_clear,
+    clear_turn,
+    footprint_of,
+    swept_body_move,
+)
 from worldgen import check_certificate, decide, generate, read_world, write_world
 from worldgen.errors import InvalidWorld
 from worldgen.family import FAMILIES
@@ -124,10 +132,30 @@ def _controllers(names: tuple[str, ...]) -> None:
         gc.collect()
 
 
+def _move_bodies(count: int, stream: RandomStream) -> None:
+    """Test random polygons at random poses, in the grid or not; move and turn those that are clear."""
+    chain = np.zeros((MOST_CORNERS, 3), np.int64)
+    for number in range(count):
+        if number % 20 == 0:
+            side = stream.between(1, 24)
+            cells = np.zeros((side, stream.between(1, 24)), np.uint8)
+            for _ in range(stream.below(side + 1)):
+                cells[stream.below(side), stream.below(cells.shape[1])] = 1
+        footprint = footprint_of(random_body(stream))
+        x = stream.between(-9_000, cells.shape[1] * 1024 + 9_000)
+        y = stream.between(-9_000, side * 1024 + 9_000)
+        heading = stream.below(65_536)
+        by = (stream.between(-1, 1) << stream.below(20), stream.between(-1, 1) << stream.below(20))
+        body_first_not_clear(cells, footprint, (x, y, x + by[0], y + by[1]), heading)
+        if body_is_clear(cells, footprint, x, y, heading):
+            swept_body_move(cells, footprint, heading, (x, y, *by), chain)
+            clear_turn(cells, footprint, (x, y, heading), stream.between(-32_767, 32_767))
+
+
 def _drive_bodies(moves: int) -> None:
     """Move and turn random bodies, and run some of them, and cars, with pushes, fire and beams."""
-    _say(f"{moves:,} moves of bodies")
-    referee_bodies(moves, 5)
+    _say(f"{moves:,} poses, moves and turns of bodies")
+    _move_bodies(moves, RandomStream(5))
     _say("runs of bodies and cars")
     stream = RandomStream(7)
     for seed in range(moves // 1_000):

@@ -77,8 +77,6 @@ def step_gap(
     last = int(np.searchsorted(trace.path_step, step, side="right"))
     places = np.array(path.coords)
     headings = trace.path_heading[last - len(places) + 1 : last]
-    if len(places) == 2 and last - 2 < 0:
-        headings = trace.path_heading[:1]
     gaps = []
     for before, after, heading in zip(places[:-1], places[1:], headings, strict=True):
         corners = [corners_at(world, x, y, heading) for x, y in (before, after)]
@@ -118,8 +116,7 @@ def convex_gap(points: Floats, box: shapely.Polygon) -> float:
     apart = float(hull.distance(box))
     if apart > 0.0:
         return apart
-    corners = np.array(hull.exterior.coords)
-    sides = np.array(box.exterior.coords)
+    corners, sides = shapely.get_coordinates(hull), shapely.get_coordinates(box)
     edges = np.concatenate([np.diff(corners, axis=0), np.diff(sides, axis=0)])
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
     normals /= np.linalg.norm(normals, axis=1)[:, np.newaxis]

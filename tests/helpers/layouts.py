@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzz._core import ffi, lib
-from fuzz.screening.batch import LOOK, Batch, Patience, Seat
+from fuzz.screening.batch import LOOK, Batch, Patience, SceneRobots, Seat
 
 
 class Drawn(NamedTuple):
@@ -33,9 +33,9 @@ def draw(data: bytes) -> Drawn:
     settings = ffi.new("WgSettings *")
     layouts = np.frombuffer(data, np.uint8)[None, :].copy()
     zero = np.zeros(1, np.int64)
-    batch = Batch(
-        layouts, np.zeros(1, np.uint64), zero, zero, [settings], (0.07,), Patience(1, 1, 1, 1)
-    )
+    robots = SceneRobots((0.07,), 0.1)
+    patience = Patience(1, 1, 1, 1)
+    batch = Batch(layouts, np.zeros(1, np.uint64), zero, zero, [settings], robots, patience)
     seat = Seat(batch, ())
     look = np.zeros(1, LOOK)
     at = ffi.cast("WgLook *", ffi.from_buffer("uint8_t[]", look.view(np.uint8)))
