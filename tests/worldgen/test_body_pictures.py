@@ -121,9 +121,8 @@ def test_show_draws_a_body_in_every_form(suffix, tmp_path):
 
 
 def test_the_terminal_shows_the_polygon_at_the_start():
-    grid = terminal._Grid.of(hall(), 170, 100, color=True)
+    grid = terminal._Grid(cells=1, dots_per_cell=4, dot_size=0.025)
     rows, columns = np.nonzero(grid.dots(hall(), ()) == terminal.START_DOT)
-    assert grid.dots_per_cell > 1
     # A bar is longer than it is wide; a disc would be as high as it is long.
     assert np.ptp(columns) + 1 == pytest.approx(3 * (np.ptp(rows) + 1), abs=2)
 

@@ -45,7 +45,7 @@ from worldgen.render.trail_parts import (
     robot_disc,
     stays_put,
 )
-from worldgen.robot_overrides import describe_body
+from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -75,6 +75,8 @@ def facts(world: World) -> str:
     if not robot.is_disc or robot.drive.is_car:
         body = describe_body(robot)
     parts = [f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, {body}"]
+    if goal := describe_goal(world.target):
+        parts.append(f"its goal asks for {goal}")
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
         parts += world.provenance.changed
