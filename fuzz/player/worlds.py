@@ -8,7 +8,7 @@ import numpy as np
 
 from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
-from worldgen.world import Cut, JointWitness, Witness, World
+from worldgen.world import Cut, JointWitness, Robot, Witness, World
 
 MOST_CELLS = 1 << 22  # limit on a world that can be drawn; 700 kB in the page
 
@@ -21,8 +21,9 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         and ``target`` (x, y, radius in cells); ``goal_heading`` in rad, if there the robot must
         have one; ``events`` in columns, with times rounded to ms;
         ``witness`` in columns, ms and parts of a cell, of which there are ``per_cell``; ``cut``, a
-        chain of cells. ``start``, ``target``, ``radius`` and ``witness`` are about the first robot;
-        ``others`` has the same for each of the others.
+        chain of cells. ``start``, ``target``, ``radius`` and ``witness`` are about the first robot,
+        and so are ``footprint``, its corners in cells, and ``aim``, its goal's heading in rad, if it
+        has them; ``others`` has the same for each of the others.
     """
     if world.width * world.height > MOST_CELLS:
         return None
@@ -46,6 +47,7 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         if world.is_dynamic
         else None,
         **drawn_certificate(world),
+        **_drawn_kind(world.robots[0], side),
         "others": drawn_others(world),
     }
 
@@ -65,8 +67,19 @@ def drawn_others(world: World) -> list[dict[str, Any]]:
                 "target": [target.x / side, target.y / side, target.radius / side],
                 "radius": robot.radius / side,
                 "witness": None if path is None else _columns(path, side),
+                **_drawn_kind(robot, side),
             }
         )
+    return found
+
+
+def _drawn_kind(robot: Robot, side: float) -> dict[str, Any]:
+    """Return a robot's footprint in cells and its goal's heading, if it has them."""
+    found: dict[str, Any] = {}
+    if not robot.is_disc:
+        found["footprint"] = [[x / side, y / side] for x, y in robot.footprint]
+    if robot.target.heading is not None:
+        found["aim"] = robot.target.heading
     return found
 
 
@@ -87,6 +100,6 @@ def drawn_certificate(world: World) -> dict[str, Any]:
         return {"witness": _columns(proof.paths[0], world.cell_size)}
     if isinstance(proof, Witness):
         return {"witness": _columns(proof, world.cell_size)}
-    if isinstance(proof, Cut):
+    if isinstance(proof, Cut) and proof.boxes is None:
         return {"cut": proof.cells.tolist()}
     return {}

@@ -11,6 +11,7 @@ from fuzz.failure import SHRINKING, ShrinkState
 from fuzz.overview.describe import describe_seeds
 from fuzz.report.gather import ReplayedFailure
 from sim.evidence import JointLoopEvidence, LoopEvidence
+from worldgen.robot_overrides import describe_body
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
 
@@ -138,10 +139,14 @@ def _of_the_run(seen: ReplayedFailure) -> list[Row]:
 def _of_the_world(world: World) -> list[Row]:
     side = world.cell_size
     line = world.timeline
+    robot = world.robots[0]
+    body = f"radius {robot.radius:.4g} m"
+    if not robot.is_disc or robot.drive.is_car:
+        body = describe_body(robot)
     rows = [
         ("cells", f"{world.width} x {world.height}, {world.solid_cells:,} solid"),
         ("size", f"{world.width * side:.4g} x {world.height * side:.4g} m, cells of {side:.4g} m"),
-        ("robot", f"radius {world.robot_radius:.4g} m, at most {world.robot_speed:.4g} m/s"),
+        ("robot", f"{body}, at most {world.robot_speed:.4g} m/s"),
     ]
     if world.is_dynamic:
         rows.append(("changes", f"{len(line):,}, the last at {line.last_time:.6g} s"))
@@ -149,9 +154,12 @@ def _of_the_world(world: World) -> list[Row]:
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))
-        rows.append(
-            ("clearance", f"{proof.clearance:.4g} m, the radius of the largest disc that fits")
-        )
+        fits = "the radius of the largest disc that fits"
+        if not robot.is_disc:
+            fits = "by which the footprint could be padded all around"
+        rows.append(("clearance", f"{proof.clearance:.4g} m, {fits}"))
+    elif isinstance(proof, Cut) and proof.boxes is not None:
+        rows.append(("cut", f"{len(proof.boxes):,} sets of poses that overlap a wall"))
     elif isinstance(proof, Cut):
         rows.append(
             ("cut", f"{len(proof.cells)} cells stop every disc above {proof.clearance:.4g} m")

@@ -187,22 +187,29 @@ def _trail(world: World, trajectory: Trajectory, audit: Audit) -> render.Trail:
     height = world.height * world.cell_size + border
     marks = []
     for kind, mark in _MARKS.items():
-        own = [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]
-        places = [(min(max(at.x, -border), width), min(max(at.y, -border), height)) for at in own]
-        marks += [render.EventMark(x, y, mark) for x, y in places]
-    x, y = _cut_off(trajectory.x, trajectory.y, (-border, width), (-border, height))
+        for at in [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]:
+            place = min(max(at.x, -border), width), min(max(at.y, -border), height)
+            marks.append(render.EventMark(*place, mark, at.heading))
+    headings = trajectory.headings
+    turned = np.zeros(len(trajectory.x)) if headings is None else np.unwrap(headings)
+    x, y, turned = _cut_off(trajectory.x, trajectory.y, turned, (-border, width), (-border, height))
 
     # Drop points that fall on the same spot as the one before; a long recording has many.
     grain = _SHARE_OF_A_PIXEL / frame.scale
     pixels = np.round(np.stack([x, y]) / grain)
     fresh = np.concatenate([[True], (np.diff(pixels, axis=1) != 0).any(axis=0)])
     fresh[-1] = True
-    return render.Trail(x[fresh], y[fresh], None, marks)
+    aims = None if headings is None else turned[fresh]
+    return render.Trail(x[fresh], y[fresh], None, marks, headings=aims)
 
 
 def _cut_off(
-    x: Floats, y: Floats, x_range: tuple[float, float], y_range: tuple[float, float]
-) -> tuple[Floats, Floats]:
+    x: Floats,
+    y: Floats,
+    headings: Floats,
+    x_range: tuple[float, float],
+    y_range: tuple[float, float],
+) -> tuple[Floats, Floats, Floats]:
     """Return a path clipped to a box, with a point added wherever it crosses a side.
 
     Outside the box, the clipped path runs along its sides.
@@ -214,6 +221,8 @@ def _cut_off(
             places.append(rows + (end - values[rows]) / (values[rows + 1] - values[rows]))
     at = np.sort(np.concatenate(places))
     samples = places[0]
-    return np.clip(np.interp(at, samples, x), *x_range), np.clip(
-        np.interp(at, samples, y), *y_range
+    return (
+        np.clip(np.interp(at, samples, x), *x_range),
+        np.clip(np.interp(at, samples, y), *y_range),
+        np.interp(at, samples, headings),
     )

@@ -20,7 +20,7 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
-from worldgen.support.arrays import Bools
+from worldgen.support.arrays import Bools, Floats
 from worldgen.world import World
 
 # Limit on the marks of bumps; more of them would hide the picture.
@@ -71,7 +71,16 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         () if world is None else penetrated_cells(episode, world),
         disturbances_in(trace),
         _missed(trace, world),
+        headings=headings_along(trace),
     )
+
+
+def headings_along(trace: Trace) -> Floats:
+    """Return the heading at each point of a recorded path, rad: a turn comes after its step's move."""
+    headings = np.array(trace.heading[np.maximum(trace.path_step - 1, 0)])
+    ends = np.searchsorted(trace.path_step, np.arange(len(trace.heading)), side="right") - 1
+    headings[ends] = trace.heading
+    return headings
 
 
 def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembered | None:

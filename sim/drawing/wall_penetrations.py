@@ -60,6 +60,8 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     """Yield steps and cells that the robot cuts into; a cell may occur more than once."""
     side = world.cell_size
+    # Of a body, the largest disc about its axle is sure to be in what it covers.
+    radius = world.robots[0].inner_radius
     steps = trace.path_step
     times = steps * trace.time_step
     x = trace.path_x / side
@@ -71,9 +73,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         cells = world.cells_at(float(times[begin]))
         solid = np.pad(cells == CellState.SOLID, 1, constant_values=True)
-        yield from _discs(
-            solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side
-        )
+        yield from _discs(solid, steps[begin:end], x[begin:end], y[begin:end], radius / side)
         # Include the last point before this stretch, where its first segment begins.
         before = max(0, begin - 1)
         yield from _centres(solid, steps[before:end], x[before:end], y[before:end])

@@ -9,7 +9,8 @@ import { drawManyCells } from "#player/picture/many_cells.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { drawScene, pictureLabel } from "#player/picture/map.js";
 import { drawMemory, memoryFacts } from "#player/picture/memory.js";
-import { drawOther } from "#player/picture/body.js";
+import { drawOther, drawRobot } from "#player/picture/body.js";
+import { drawStart, drawTarget } from "#player/picture/ends.js";
 import { drawNumbers } from "#player/picture/numbers.js";
 import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
@@ -321,4 +322,42 @@ test("robots of one world have their numbers at their starts, and where their ru
     // Each number is at the target as well.
     for (const number of ["1", "2"]) assert.equal(written.filter((words) => words === number).length, 2, number);
   }
+});
+
+/* Returns the places of the points of a path, in cells, that was filled or stroked in a colour. */
+function polygonsIn(pen, world, colour) {
+  const found = [];
+  let points = [];
+  for (const { name, given, fillStyle, strokeStyle } of pen.context.calls) {
+    if (name === "beginPath") points = [];
+    if (name === "lineTo" || name === "moveTo") points.push([given[0] / pen.scale, world.height - given[1] / pen.scale]);
+    if ((name === "fill" && fillStyle === colour) || (name === "stroke" && strokeStyle === colour)) found.push(points);
+  }
+  return found;
+}
+
+const near = (points, wanted) => points.length === wanted.length && points.every(([x, y], k) => Math.hypot(x - wanted[k][0], y - wanted[k][1]) < 1e-9);
+
+test("a body is drawn as its polygon at its heading, where it starts, drives and has to stand", () => {
+  const footprint = [[2, 0.5], [-1, 0.5], [-1, -0.5], [2, -0.5]];
+  const body = { ...room, footprint, start: [3, 2, Math.PI / 2], target: [11, 7, 0.5], aim: 0 };
+  const pen = penOf(body);
+  drawStart(pen, body);
+  drawTarget(pen, body);
+  assert.ok(polygonsIn(pen, body, "start").some((points) => near(points, [[2.5, 4], [2.5, 1], [3.5, 1], [3.5, 4]])));
+  assert.ok(polygonsIn(pen, body, "target").some((points) => near(points, [[13, 7.5], [10, 7.5], [10, 6.5], [13, 6.5]])));
+  drawRobot(pen, body, { x: 5, y: 5, heading: 0, bump: false }, { world: body, whole: false });
+  assert.ok(polygonsIn(pen, body, "robot").some((points) => near(points, [[7, 5.5], [4, 5.5], [4, 4.5], [7, 4.5]])));
+});
+
+test("a disc stays a disc, and a goal without a heading has no wedge", () => {
+  const pen = penOf(room);
+  drawStart(pen, room);
+  drawTarget(pen, room);
+  const arcs = pen.context.of("arc").length;
+  assert.equal(arcs, 4);
+  const aimed = penOf(room);
+  drawTarget(aimed, { ...room, aim: 1 });
+  assert.equal(aimed.context.of("closePath").length, 1);
+  assert.equal(pen.context.of("closePath").length, 0);
 });

@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { kindOf } from "#studio/draw/drawn_world.js";
 import "./stand_in.mjs";
 import { Model } from "#studio/draw/model.js";
 import { withSelection } from "#studio/draw/selection.js";
@@ -121,4 +122,15 @@ test("without a selection, nothing happens", () => {
   const kit = kitOf(null);
   assert.equal(withSelection(kit, "clear", false), false);
   assert.equal(kit.model.past.length, 0);
+});
+
+test("body and heading of a goal come from the file's first robot", () => {
+  const text = (more) => `%worldgen-grid 2\ncell_size = 0.5\n\n[[robot]]\nstart = [1.0, 1.0]\n${more}speed = 2.0\n%cells\n`;
+  const kind = (more, source = text(more)) => kindOf({ source, cell_size: 0.5 });
+  assert.deepEqual(kind("footprint = [[1.0, 0.5], [-1.0, 0.5], [-1.0, -0.5]]\ntarget_heading = -1.5\n"), {
+    footprint: [[2, 1], [-2, 1], [-2, -1]],
+    aim: -1.5,
+  });
+  assert.deepEqual(kind(""), {});
+  assert.deepEqual(kind("", null), {});
 });

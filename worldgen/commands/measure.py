@@ -33,6 +33,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     first. Metrics that a world does not have are left empty. For a folder or an archive, its .grid
     files are measured. docs/howto/difficulty.md defines every metric.
     """
+    from worldgen.difficulty import OF_DISCS
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds
     from worldgen.reach.decision import unread_reason
@@ -47,6 +48,11 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
                 _check_its_own(path, world)
                 if world.unread:
                     note(f"warning: {path}: {unread_reason(world.unread)}")
+                if any(not robot.is_disc or robot.drive.is_car for robot in world.robots):
+                    note(
+                        f"note: {path}: {', '.join(sorted(OF_DISCS))} are about discs that turn on "
+                        "the spot, and left out for this robot"
+                    )
                 results.append((path, measured(world).as_dict()))
     # Measurements are printed even if the work ends early.
     finally:

@@ -2,7 +2,7 @@
 
 Contents, each imported when it is first used:
     measure, with_metrics: the metrics of a world; a world with the metrics in its provenance.
-    Metrics, METRICS, Metric: what is measured, in which unit, and which direction is harder.
+    Metrics, METRICS, OF_DISCS, Metric: what is measured, in which unit, and which direction is harder.
     parse, Expression: constraints on metrics.
     search_world, Search: worlds that satisfy a constraint.
 """
@@ -16,7 +16,7 @@ from worldgen.support.lazy import lazy_names
 if TYPE_CHECKING:
     from worldgen.difficulty.expression import Expression, parse
     from worldgen.difficulty.measuring import measure, with_metrics
-    from worldgen.difficulty.metrics import METRICS, Metric, Metrics
+    from worldgen.difficulty.metrics import METRICS, OF_DISCS, Metric, Metrics
     from worldgen.difficulty.search import Search, search_world
 
 __getattr__, __dir__ = lazy_names(
@@ -24,13 +24,14 @@ __getattr__, __dir__ = lazy_names(
     {
         "expression": ("Expression", "parse"),
         "measuring": ("measure", "with_metrics"),
-        "metrics": ("METRICS", "Metric", "Metrics"),
+        "metrics": ("METRICS", "OF_DISCS", "Metric", "Metrics"),
         "search": ("Search", "search_world"),
     },
 )
 
 __all__ = [
     "METRICS",
+    "OF_DISCS",
     "Expression",
     "Metric",
     "Metrics",

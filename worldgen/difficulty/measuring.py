@@ -10,7 +10,7 @@ import numpy as np
 
 from worldgen import reach
 from worldgen.difficulty.bottleneck import bottleneck
-from worldgen.difficulty.metrics import METRICS, Metrics, rounded
+from worldgen.difficulty.metrics import METRICS, OF_DISCS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import nodes_of
 from worldgen.difficulty.path import WitnessPath, distance, witness_path_of
@@ -45,6 +45,10 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     )
     if world.is_fleet:
         return _hardest(world, certificate, only)
+    # What a disc could do says little about a body or a car.
+    robot = world.robots[0]
+    if not robot.is_disc or robot.drive.is_car:
+        wanted -= OF_DISCS
     solid = world.cells_at(0.0) != CellState.FREE
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
     if wanted & _BOTTLENECK:
@@ -57,6 +61,8 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     if isinstance(certificate, Witness) and len(certificate.times):
         way = witness_path_of(world, certificate)
         found |= _along(world, certificate, way)
+        if not robot.is_disc:
+            found["slack"] = certificate.clearance
         # Building the graph is the most expensive part, so skip it unless a metric needs it.
         if wanted & _POCKETS:
             depths = pockets(nodes_of(world, solid), way, target_disc(world))

@@ -38,6 +38,7 @@ METRICS: Final = {
     "turning": Metric("rad/m", 1, "turning over the straight line from start to target"),
     "bottleneck": Metric("m", -1, "radius of the largest disc that could pass at all"),
     "bottleneck_radii": Metric("", -1, "the same, in robot radii"),
+    "slack": Metric("m", -1, "how far a footprint could be padded all around, along the witness"),
     "concavity": Metric(
         "m", 1, "depth of the deepest pocket that a robot heading for the target enters"
     ),
@@ -58,13 +59,19 @@ METRICS: Final = {
 }
 """Every metric by name, in table order."""
 
+OF_DISCS: Final = frozenset(
+    {"difficulty", "bottleneck", "bottleneck_radii", "concavity", "retreat"}
+)
+"""Metrics that only say something about a disc that turns on the spot."""
+
 
 @dataclass(frozen=True)
 class Metrics:
     """The difficulty of a world, described in :data:`METRICS` and rounded to :data:`DIGITS` digits.
 
     A metric that is undefined for the world is None: those along a path if none is known, those
-    over the straight line if start and target coincide.
+    over the straight line if start and target coincide. For a robot that is not a disc turning on
+    the spot, those of :data:`OF_DISCS` are; a footprint has a slack instead.
     """
 
     difficulty: float | None = None
@@ -74,6 +81,7 @@ class Metrics:
     turning: float | None = None
     bottleneck: float | None = None
     bottleneck_radii: float | None = None
+    slack: float | None = None
     concavity: float | None = None
     retreat: float | None = None
     tortuosity: float | None = None

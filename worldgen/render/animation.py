@@ -14,6 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
+from worldgen.render.body_parts import BodyPose, body_shapes, front_mark
 from worldgen.render.caption import printable, text_width
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.fleet_parts import COLOURS, colour_of
@@ -195,6 +196,14 @@ class _Stage:
         # Drives of one robot show several controllers in the same world.
         robots = self.world.robots
         robot = robots[number] if len(robots) > 1 else robots[0]
+        if not robot.is_disc:
+            edge = Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit)
+            pose = BodyPose(x, y, heading)
+            paints = (Paint(fill=mix(FLOOR, colour, 0.35)), edge)
+            return [
+                *body_shapes(robot, pose, self.frame, paints),
+                *front_mark(robot, pose, self.frame, INK),
+            ]
         radius = max(robot.radius * self.frame.scale, 3.5 * unit)
         nose = np.array(
             ((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading)))

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from worldgen.render.body_parts import spare_words
 from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import decoy_mark, push_arrow
 from worldgen.render.fleet_parts import COLOURS, colour_of
@@ -44,7 +45,7 @@ from worldgen.render.trail_parts import (
     robot_disc,
     stays_put,
 )
-from worldgen.robot_overrides import describe_goal
+from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -69,10 +70,11 @@ def facts(world: World) -> str:
     """Return the scale, the world's origin, and its failure, in one line."""
     width = world.width * world.cell_size
     height = world.height * world.cell_size
-    parts = [
-        f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius "
-        f"{world.robot_radius:.6g} m"
-    ]
+    robot = world.robots[0]
+    body = f"robot radius {robot.radius:.6g} m"
+    if not robot.is_disc or robot.drive.is_car:
+        body = describe_body(robot)
+    parts = [f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, {body}"]
     if goal := describe_goal(world.target):
         parts.append(f"its goal asks for {goal}")
     if world.provenance is not None:
@@ -213,16 +215,23 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     if world.is_fleet:
         return _robot_keys(content)
     # Start, target, signal and proof.
-    keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
+    robot = world.robots[0]
+    start = _start_sample if robot.is_disc else _body_sample(START, 0.45)
+    keys: list[tuple[str, Sample]] = [("start", start), ("target", _target_sample)]
     if content.signal:
         keys.append(("signal, halves per ring", _signal_sample))
     if content.witness and isinstance(world.certificate, Witness):
         keys.append(("a path that fits", _line(START, 1.8, dash=(7.0, 5.0))))
-    if content.witness and isinstance(world.certificate, Cut):
+        spare = spare_words(world, world.certificate)
+        if spare is not None:
+            keys.append((spare, _ghost_sample))
+    if content.witness and isinstance(world.certificate, Cut) and len(world.certificate.cells):
         keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
     # Add the run, and the changes.
     if trail is not None:
-        keys += _trail_keys(trail, on_the_spot=stays_put(trail, content.frame, world.robot_radius))
+        still = stays_put(trail, content.frame, world.robot_radius)
+        end = _end_sample if robot.is_disc or trail.headings is None else _body_sample(LOOP, 0.3)
+        keys += _trail_keys(trail, on_the_spot=still, end=end)
     if changes.burns.any():
         keys.append(("burns", _swatch(mix(PAPER, FIRE, 0.65))))
     if changes.closes.any():
@@ -249,18 +258,18 @@ def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
     return keys
 
 
-def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
+def _trail_keys(trail: Trail, *, on_the_spot: bool, end: Sample) -> list[tuple[str, Sample]]:
     # The path and its loop.
     if trail.loop_from is None:
         keys: list[tuple[str, Sample]] = [("robot's path", _line(LOOP, 2.2, arrow=True))]
     else:
         keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
-        spot = ("loop, forever on this spot", _end_sample)
+        spot = ("loop, forever on this spot", end)
         keys.append(spot if on_the_spot else ("loop, forever", _line(LOOP, 3.2, arrow=True)))
     # The obstacle that the robot hit.
     kinds = {mark.kind for mark in trail.marks}
     if "end" in kinds or trail.loop_from is None:
-        keys.append(("end", _end_sample))
+        keys.append(("end", end))
     if "bump" in kinds:
         keys.append(("bump", _dot(INK, 2.4)))
     if trail.pierced:
@@ -348,6 +357,29 @@ def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _named_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return named_mark(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
+
+
+def _body_sample(colour: str, tint: float) -> Sample:
+    """Return the sample of a body with its front."""
+
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        wedge = np.array(((20.0, 0.0), (13.0, -4.0), (13.0, 4.0))) * unit
+        return [
+            _square(x, y, unit, Paint(fill=mix(PAPER, colour, tint))),
+            _square(x, y, unit, Paint(stroke=colour, width=2.0 * unit)),
+            DrawnLine(
+                np.array((x, y)) + wedge, Paint(fill=mix(colour, "#000000", 0.3)), closed=True
+            ),
+        ]
+
+    return sample
+
+
+def _ghost_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return [
+        _square(x, y, unit, Paint(fill=mix(PAPER, TUNNEL, 0.3))),
+        _square(x, y, unit, Paint(stroke=TUNNEL, width=1.8 * unit)),
+    ]
 
 
 def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from worldgen.render.body_parts import BodyPose, goal_wedge, solid_body
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import INK, PAPER, mix
@@ -80,8 +81,11 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
 
 
 def _start(robot: Robot, colour: str, frame: Frame) -> list[Primitive]:
-    """Return a robot's disc at its start, and a tick for its heading."""
+    """Return a robot's body at its start, and a tick for its heading."""
     unit = frame.unit
+    if not robot.is_disc:
+        pose = BodyPose(robot.start.x, robot.start.y, robot.start.heading)
+        return solid_body(robot, pose, frame, colour=colour, tint=0.25, width=1.6)
     x, y = frame.to_pixels(robot.start.x, robot.start.y)
     shown = max(robot.radius * frame.scale, _HIDDEN * unit)
     paint = Paint(stroke=mix(colour, "#000000", 0.3), width=3.0 * unit)
@@ -122,6 +126,7 @@ def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]
     strokes = (Paint(stroke=PAPER, width=4.4 * unit), Paint(stroke=colour, width=2.0 * unit))
     parts += ring_and_cross(x, y, radius, reach, strokes)
+    parts += goal_wedge(robot.target, frame, reach, colour)
     parts += _label(np.array((x + reach + 4.0 * unit, y - reach)), number, frame)
     return parts
 

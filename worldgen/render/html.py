@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import html
 
+from worldgen.render.body_parts import spare_words
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.overlay import Trails
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
+from worldgen.robot_overrides import describe_body
 from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World
 
@@ -71,22 +73,26 @@ def draw_html(
 def _known(world: World) -> list[tuple[str, str]]:
     start = world.start
     target = world.target
+    robot = world.robots[0]
+    body = f"radius {robot.radius:.6g} m"
+    if not robot.is_disc or robot.drive.is_car:
+        body = describe_body(robot)
     # Describe the world.
     rows = [
         ("world", facts(world)),
         ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
         ("start", f"({start.x:.6g}, {start.y:.6g}) m, heading {start.heading:.6g} rad"),
         ("target", f"({target.x:.6g}, {target.y:.6g}) m, radius {target.radius:.6g} m"),
-        ("robot", f"radius {world.robot_radius:.6g} m, speed {world.robot_speed:.6g} m/s"),
+        ("robot", f"{body}, speed {world.robot_speed:.6g} m/s"),
     ]
     if world.is_dynamic:
         rows.append(("changes", f"{len(world.timeline)} until {world.timeline.last_time:.6g} s"))
     # Describe its proof.
     proof = world.certificate
     if isinstance(proof, Witness):
-        rows.append(
-            ("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through")
-        )
+        spare = spare_words(world, proof)
+        spare = f"lets {proof.clearance:.6g} m through" if spare is None else f"fits: {spare}"
+        rows.append(("proof", f"a path of {proof.length:.6g} m that {spare}"))
     elif isinstance(proof, JointWitness):
         rows.append(
             (

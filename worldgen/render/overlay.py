@@ -23,7 +23,8 @@ class EventMark:
         x: x, m.
         y: y, m.
         kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre passed through one),
-            ``overlap`` (its disc cut one) or ``end`` (the run stopped here).
+            ``overlap`` (its body cut one) or ``end`` (the run stopped here).
+        heading: Heading of the robot there, rad, if its outline is to be drawn.
 
     Raises:
         InvalidParameter: If the place isn't finite or the kind is unknown.
@@ -32,6 +33,7 @@ class EventMark:
     x: float
     y: float
     kind: MarkKind
+    heading: float | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(MarkKind):
@@ -145,6 +147,8 @@ class Trail:
         memory: The robot's memory at the end; ``None`` if it does not show it.
         blocked_by: The robots, numbered from 1, that this one drives into forever.
         named: Cells (ix, iy) that the text next to the picture names.
+        headings: (n,) float64, rad, at the points; ``None`` if unknown. Only bodies that are not
+            discs are drawn with them.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -161,15 +165,19 @@ class Trail:
     memory: Remembered | None = None
     blocked_by: tuple[int, ...] = ()
     named: tuple[tuple[int, int], ...] = ()
+    headings: Floats | None = None
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.
-        for name in ("x", "y"):
+        for name in ("x", "y") if self.headings is None else ("x", "y", "headings"):
             array = np.array(getattr(self, name), np.float64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "marks", tuple(self.marks))
-        if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
+        shapes = {self.x.shape, self.y.shape} | (
+            set() if self.headings is None else {self.headings.shape}
+        )
+        if self.x.ndim != 1 or len(shapes) > 1 or not len(self.x):
             raise InvalidParameter(
                 "wrong-shape",
                 "trail: x has shape {x_shape}, y has {y_shape}",

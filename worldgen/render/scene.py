@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from worldgen.render.body_parts import BodyPose, body_shapes, goal_wedge, solid_body, witness_parts
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
 from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
@@ -33,7 +34,6 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.trail_parts import (
-    arrow,
     breach_crosses,
     heading_tick,
     pierced_parts,
@@ -129,7 +129,7 @@ def moment_parts(
     return [
         *parts,
         *_start_disc(world, frame),
-        _start_heading(world, frame),
+        *_start_heading(world, frame),
         *_target(world, frame),
     ]
 
@@ -148,11 +148,11 @@ def _map(content: Content) -> list[Primitive]:
     if world.is_fleet:
         return [*parts, *robot_parts(world, content.trails, frame)]
     trail = content.trail
-    radius = world.robot_radius
+    robot = world.robots[0]
     # The start's disc is drawn under the lines, because a cycle often leads through it; its heading
     # is drawn above.
-    parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
-    parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
+    parts += [*(swept_parts(trail, frame, robot) if trail else ()), *_start_disc(world, frame)]
+    parts += [*(trail_parts(trail, frame, robot) if trail else ()), *_start_heading(world, frame)]
     if trail:
         parts += above_the_trail(trail.disturbances, frame, world.cell_size)
         parts += lines_of_memory(trail.memory, frame)
@@ -227,7 +227,8 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
     if isinstance(proof, Witness) and len(proof.x) > 1:
         points = frame.points(np.column_stack((proof.x, proof.y)))
         return [
-            DrawnLine(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))
+            DrawnLine(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit))),
+            *witness_parts(world, proof, frame),
         ]
     if isinstance(proof, JointWitness):
         return joint_witness_parts(proof, frame)
@@ -256,16 +257,29 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
     strokes = (Paint(stroke=PAPER, width=5.0 * unit), Paint(stroke=TARGET, width=2.4 * unit))
     parts += ring_and_cross(x, y, radius, reach, strokes)
-    if world.target.heading is not None:
-        ahead = np.array((math.cos(world.target.heading), -math.sin(world.target.heading)))
-        begin, end = np.array((x, y)) + np.outer((radius, radius + 20.0 * unit), ahead)
-        parts += arrow(tuple(begin), tuple(end), unit, TARGET, TARGET)
-    return parts
+    return [*parts, *_goal(world, frame, reach)]
+
+
+def _goal(world: World, frame: Frame, reach: float) -> list[Primitive]:
+    """Return the goal's heading, and the outline of a body that stands there."""
+    robot = world.robots[0]
+    target = world.target
+    if target.heading is None:
+        return []
+    parts: list[Primitive] = []
+    if not robot.is_disc:
+        dashed = Paint(stroke=TARGET, width=1.4 * frame.unit, dash=(4.0 * frame.unit,) * 2)
+        parts += body_shapes(robot, BodyPose(target.x, target.y, target.heading), frame, (dashed,))
+    return [*parts, *goal_wedge(target, frame, reach)]
 
 
 def _start_disc(world: World, frame: Frame) -> list[Primitive]:
-    """Return the robot's disc, true to scale; if it is too small to see, a ring marks it."""
+    """Return the robot's body, true to scale; if it is too small to see, a ring marks it."""
     unit = frame.unit
+    robot = world.robots[0]
+    if not robot.is_disc:
+        pose = BodyPose(world.start.x, world.start.y, world.start.heading)
+        return solid_body(robot, pose, frame, colour=START, tint=0.45, width=2.0)
     x, y = frame.to_pixels(world.start.x, world.start.y)
     radius = world.robot_radius * frame.scale
     shown = max(radius, 3.0 * unit)
@@ -276,11 +290,13 @@ def _start_disc(world: World, frame: Frame) -> list[Primitive]:
     return parts
 
 
-def _start_heading(world: World, frame: Frame) -> Primitive:
-    """Return a tick on the rim of the start's disc, or of its ring."""
+def _start_heading(world: World, frame: Frame) -> list[Primitive]:
+    """Return a tick on the rim of the start's disc, or of its ring; a body has its own mark."""
+    if not world.robots[0].is_disc:
+        return []
     x, y = frame.to_pixels(world.start.x, world.start.y)
     rim = world.robot_radius * frame.scale
     if rim < HIDDEN * frame.unit:
         rim = FINDER * frame.unit
     paint = Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit)
-    return heading_tick(x, y, rim, world.start.heading, paint)
+    return [heading_tick(x, y, rim, world.start.heading, paint)]

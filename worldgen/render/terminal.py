@@ -11,6 +11,7 @@ from typing import TextIO
 
 import numpy as np
 
+from worldgen.render.body_parts import BodyPose, outline
 from worldgen.render.caption import facts
 from worldgen.render.content import Changes
 from worldgen.render.overlay import Trail, Trails, each_trail
@@ -33,7 +34,7 @@ from worldgen.render.polyline import along, arc_length
 from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.plain_text import Styled, shown
 from worldgen.support.rows import flip_rows
-from worldgen.world import JointWitness, Witness, World
+from worldgen.world import JointWitness, Robot, Witness, World
 
 # Limit on the rows of dots or letters; a taller world is scaled down.
 MOST_ROWS = 100
@@ -253,7 +254,10 @@ class _Grid:
             target = robot.target
             self._disc(dots, target.x, target.y, target.radius, TARGET_DOT)
         for robot in world.robots:
-            self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)
+            if robot.is_disc:
+                self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)
+            else:
+                self._body(dots, robot, START_DOT)
         for trail in trails:
             for x, y in trail.places("tunnel"):
                 dots[self.place(dots, x, y)] = TUNNELS
@@ -286,6 +290,20 @@ class _Grid:
         spots = np.floor(samples / self.dot_size).astype(np.int64)
         rows, columns = dots.shape
         dots[np.clip(spots[:, 1], 0, rows - 1), np.clip(spots[:, 0], 0, columns - 1)] = sign
+
+    def _body(self, dots: Bytes, robot: Robot, sign: int) -> None:
+        """Fill the polygon of a robot at its start; its axle is always shown."""
+        rows, columns = dots.shape
+        start = robot.start
+        if self.dots_per_cell > 1:
+            x = ((np.arange(columns) + 0.5) * self.dot_size)[None, :]
+            y = ((np.arange(rows) + 0.5) * self.dot_size)[:, None]
+            corners = outline(robot, BodyPose(start.x, start.y, start.heading))
+            inside = np.ones(dots.shape, np.bool_)
+            for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+                inside &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
+            dots[inside] = sign
+        dots[self.place(dots, start.x, start.y)] = sign
 
     def _disc(self, dots: Bytes, x: float, y: float, radius: float, sign: int) -> None:
         rows, columns = dots.shape

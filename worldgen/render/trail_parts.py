@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from worldgen.render.body_parts import BodyPose, body_shapes, front_mark, spread_poses
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail, WallPenetration
 from worldgen.render.palette import (
@@ -27,6 +28,7 @@ from worldgen.render.palette import (
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.support.arrays import Floats
+from worldgen.world import Robot
 
 # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
 # used.
@@ -34,36 +36,98 @@ THIN = (0.15, 0.5, 1.5)
 # Limit on the points of a drawn trail; more make an SVG of megabytes.
 MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
+# Outlines that together are the floor which a body covers.
+MOST_SWEPT = 90
 # More bumps than this would hide the map, and overlapping ones merge anyway.
 MOST_DOTS = 400
 
 
-def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
-    """Return the floor that the robot's disc covers in its cycle.
+def swept_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
+    """Return the floor that the robot's body covers in its cycle.
 
-    It shows which gaps the disc does not fit through.
+    It shows which gaps the body does not fit through.
 
     Args:
         trail: The run.
         frame: The map's place in the picture.
-        robot_radius: Radius of the robot, m.
+        robot: The robot.
     """
+    robot_radius = robot.radius
     if trail.loop_from is None or stays_put(trail, frame, robot_radius):
         return []
+    if not robot.is_disc and trail.headings is not None:
+        rows = np.unique(np.linspace(trail.loop_from, len(trail.x) - 1, MOST_SWEPT).astype(int))
+        paint = Paint(fill=SWEPT, opacity=0.3)
+        return [
+            part for row in rows for part in body_shapes(robot, _pose(trail, row), frame, (paint,))
+        ]
     width = 2.0 * robot_radius * frame.scale
     return [
         DrawnLine(_thinned(frame.points(trail.loop)), Paint(stroke=SWEPT, width=width, opacity=0.6))
     ]
 
 
-def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
+def _pose(trail: Trail, row: int) -> BodyPose:
+    assert trail.headings is not None
+    return BodyPose(float(trail.x[row]), float(trail.y[row]), float(trail.headings[row]))
+
+
+def body_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
+    """Return a few outlines of a body along its trail, and the body at the end, lowest first.
+
+    Args:
+        trail: The run, with headings.
+        frame: The map's place in the picture.
+        robot: The robot, which has a footprint.
+    """
+    assert trail.headings is not None
+    unit = frame.unit
+    begin = trail.loop_from or 0
+    parts: list[Primitive] = []
+    thin = (Paint(fill=LOOP, opacity=0.08), Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6))
+    for pose in spread_poses(
+        trail.x[begin:], trail.y[begin:], trail.headings[begin:], robot.radius, MOST_FOOTPRINTS
+    ):
+        parts += body_shapes(robot, pose, frame, thin)
+    end = _pose(trail, len(trail.x) - 1)
+    strong = (
+        Paint(stroke=PAPER, width=4.4 * unit, opacity=0.8),
+        Paint(fill=LOOP, opacity=0.3),
+        Paint(stroke=LOOP, width=2.0 * unit),
+    )
+    return [*parts, *body_shapes(robot, end, frame, strong), *front_mark(robot, end, frame, LOOP)]
+
+
+def _overlap_outlines(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
+    """Return the outlines of a body at the first places where it cut a wall, if it is known how."""
+    unit = frame.unit
+    paints = (
+        Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8),
+        Paint(stroke=TUNNEL, width=2.6 * unit),
+    )
+    poses = [
+        BodyPose(mark.x, mark.y, mark.heading)
+        for mark in trail.marks
+        if mark.kind == "overlap" and mark.heading is not None
+    ]
+    first = poses[:MOST_FOOTPRINTS]
+    return [part for pose in first for part in body_shapes(robot, pose, frame, paints)]
+
+
+def trail_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
     """Return the lines, footprints and marks of a trail, lowest first.
 
     Args:
         trail: The run.
         frame: The map's place in the picture.
-        robot_radius: Radius of the robot, m.
+        robot: The robot.
     """
+    robot_radius = robot.radius
+    # Bodies are drawn by their outlines; their discs would be far too large.
+    is_body = not robot.is_disc and trail.headings is not None
+    if is_body:
+        robot_radius = robot.inner_radius
+    outlines = body_parts(trail, frame, robot) if is_body else []
     radius = robot_radius * frame.scale
     unit = frame.unit
     approach = _thinned(frame.points(trail.approach))
@@ -71,7 +135,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     # Without a loop, there is only the path and its end.
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
-        if not len(trail.places("end")):
+        if not len(trail.places("end")) and not is_body:
             x, y = frame.points(trail.points[-1:])[0].tolist()
             parts += robot_at(x, y, radius, unit)
     else:
@@ -79,8 +143,13 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
             parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
         loop = _thinned(frame.points(trail.loop))
         still = stays_put(trail, frame, robot_radius)
-        parts += _spot(loop[0], radius, unit) if still else _cycle(loop, radius, unit)
-    return parts + _marks(trail, frame, radius)
+        if still:
+            parts += [] if is_body else _spot(loop[0], radius, unit)
+        else:
+            parts += _way(loop, 3.2 * unit, unit) if is_body else _cycle(loop, radius, unit)
+    if is_body:
+        outlines += _overlap_outlines(trail, frame, robot)
+    return outlines + parts + _marks(trail, frame, radius, is_body=is_body)
 
 
 def _thinned(points: Floats) -> Floats:
@@ -206,10 +275,11 @@ def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primi
     return parts
 
 
-def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
+def _marks(trail: Trail, frame: Frame, radius: float, *, is_body: bool) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
-    for place in trail.places("end"):
+    # A body is drawn at its end with its outline.
+    for place in () if is_body else trail.places("end"):
         x, y = frame.points(place[None])[0].tolist()
         parts += robot_at(x, y, radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
@@ -217,7 +287,8 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
         parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
     for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
         # Only the first places are drawn in true size, so that many of them don't cover the map.
-        reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
+        is_large = index < MOST_FOOTPRINTS and not is_body
+        reach = max(radius, 7.0 * unit) if is_large else 3.0 * unit
         parts.append(DrawnCircle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
         parts.append(
             DrawnCircle(

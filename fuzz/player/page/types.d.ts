@@ -47,6 +47,10 @@ interface DrawnWorld {
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
   witness?: PackedWitness | null;
   cut?: CellPlace[] | null;
+  /** Corners of the robot's body in cells, x ahead and y to the left; a disc has none. */
+  footprint?: [number, number][];
+  /** Heading that the robot must have at the target, rad. */
+  aim?: number;
   /** The robots after the first. */
   others?: OtherEnds[];
   /** Unpacked by the page; never sent by the server. */
@@ -67,6 +71,8 @@ interface OtherEnds {
   /** In cells. */
   radius: number;
   witness: PackedWitness | null;
+  footprint?: [number, number][];
+  aim?: number;
 }
 
 interface OpenWorld {

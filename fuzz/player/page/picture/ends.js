@@ -1,19 +1,20 @@
 // The starts and the targets.
 
 import { drawNumber } from "#player/picture/numbers.js";
-import { disc, ring, robotColour, stroke } from "#player/picture/pen.js";
+import { bodyPath, disc, frontOf, ring, robotColour, stroke } from "#player/picture/pen.js";
 
 /**
  * @param {Pen} pen
  * @param {SceneWorld} world
  */
 export function drawTarget(pen, world) {
-  for (const { target, number } of endsOf(world)) {
+  for (const { target, aim, footprint, number } of endsOf(world)) {
     const [x, y, radius] = target;
     const shown = Math.max(radius, 4 / pen.scale),
       strong = pen.colours[number ? robotColour(number) : "target"];
     disc(pen, x, y, shown, strong);
     ring(pen, x, y, shown + 2.5 / pen.scale, strong, 1.5);
+    if (aim !== undefined) drawAim(pen, [x, y, aim], shown, footprint, strong);
     if (number) drawNumber(pen, number, pen.px(x + shown) + 5, pen.py(y + shown));
   }
   if (world.goal_heading !== undefined) drawGoalHeading(pen, world.target, world.goal_heading);
@@ -29,36 +30,67 @@ function drawGoalHeading(pen, [x, y, radius], heading) {
 }
 
 /**
+ * Draws the heading of a goal as a wedge, and a body that stands there, dashed.
+ * @param {Pen} pen
+ * @param {Triple} goal - x, y in cells and heading in rad
+ * @param {number} shown - radius of the target in cells, as drawn
+ * @param {[number, number][] | undefined} footprint
+ * @param {string} colour
+ */
+function drawAim(pen, [x, y, heading], shown, footprint, colour) {
+  const { context, px, py } = pen;
+  if (footprint) {
+    context.setLineDash([4, 4]);
+    bodyPath(pen, footprint, { x, y, heading }, 0);
+    stroke(pen, colour, 1.25);
+    context.setLineDash([]);
+  }
+  const base = shown * pen.scale + 5,
+    ahead = [Math.cos(heading), -Math.sin(heading)];
+  context.beginPath();
+  for (const [far, aside] of [[base + 11, 0], [base, 5], [base, -5]])
+    context.lineTo(px(x) + far * ahead[0] - aside * ahead[1], py(y) + far * ahead[1] + aside * ahead[0]);
+  context.closePath();
+  context.fillStyle = colour;
+  context.fill();
+}
+
+/**
  * Returns start and target of each robot, with its number if there are several.
  * @param {SceneWorld} world
  */
 function endsOf(world) {
-  const { start, target, radius, others } = world;
-  if (!others?.length) return [{ start, target, radius, number: null }];
-  return [{ start, target, radius }, ...others].map((ends, k) => ({ ...ends, number: k + 1 }));
+  const { start, target, radius, footprint, aim, others } = world;
+  const first = { start, target, radius, footprint, aim };
+  if (!others?.length) return [{ ...first, number: null }];
+  return [first, ...others].map((ends, k) => ({ ...ends, number: k + 1 }));
 }
 
 /**
- * Draws each robot's disc at its start, true to scale unless that is too small to see.
+ * Draws each robot's body at its start, true to scale unless that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world
  * @param {boolean} [isNumbered] - Whether to draw the number of each of several robots at its start
  */
 export function drawStart(pen, world, isNumbered = false) {
   const { context, px, py, colours } = pen;
-  for (const { start, radius, number } of endsOf(world)) {
+  for (const { start, radius, footprint, number } of endsOf(world)) {
     const [x, y, heading] = start;
+    const front = frontOf(footprint, Math.max(radius, 4 / pen.scale));
     const shown = Math.max(radius, 4 / pen.scale),
       strong = colours[number ? robotColour(number) : "start"];
     // Paths that cross the disc stay visible.
     context.globalAlpha = 0.2;
-    disc(pen, x, y, shown, strong);
+    bodyPath(pen, footprint, { x, y, heading }, shown);
+    context.fillStyle = strong;
+    context.fill();
     context.globalAlpha = 1;
-    ring(pen, x, y, shown, strong, 2);
+    bodyPath(pen, footprint, { x, y, heading }, shown);
+    stroke(pen, strong, 2);
     // A tick on its rim is its heading.
     context.beginPath();
     for (const share of [0.45, 1])
-      context.lineTo(px(x + Math.cos(heading) * shown * share), py(y + Math.sin(heading) * shown * share));
+      context.lineTo(px(x + Math.cos(heading) * front * share), py(y + Math.sin(heading) * front * share));
     stroke(pen, strong, 3);
     if (number && isNumbered) drawNumber(pen, number, px(x - shown) - 11, py(y + shown));
   }

@@ -178,6 +178,36 @@ export function ring(pen, x, y, radius, colour, width) {
 }
 
 /**
+ * Makes a path around a robot's body at a pose: its polygon, or its disc.
+ * @param {Pen} pen
+ * @param {[number, number][] | undefined} footprint - corners in cells; a disc has none
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {number} radius - of the disc, in cells
+ */
+export function bodyPath(pen, footprint, { x, y, heading }, radius) {
+  const { context, px, py } = pen;
+  context.beginPath();
+  if (!footprint) {
+    context.arc(px(x), py(y), radius * pen.scale, 0, 2 * Math.PI);
+    return;
+  }
+  const cos = Math.cos(heading),
+    sin = Math.sin(heading);
+  for (const [ahead, left] of footprint) context.lineTo(px(x + ahead * cos - left * sin), py(y + ahead * sin + left * cos));
+  context.closePath();
+}
+
+/**
+ * Returns how far a robot's body reaches ahead of its axle, in cells.
+ * @param {[number, number][] | undefined} footprint
+ * @param {number} radius
+ * @returns {number}
+ */
+export function frontOf(footprint, radius) {
+  return footprint ? Math.max(...footprint.map(([ahead]) => ahead)) : radius;
+}
+
+/**
  * Returns the palette colour for a robot's number; after the last colour, the palette starts over.
  * @param {number} number
  * @returns {string}

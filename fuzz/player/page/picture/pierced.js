@@ -35,8 +35,9 @@ function piercedCells(world, run) {
 
 // Returns the walls that the disc cuts into by more than the tolerance, in cells.
 function cutAt(cells, world, tolerance, x, y) {
-  const reach = world.radius > FURTHEST ? 0 : Math.ceil(world.radius),
-    most = Math.max(0, world.radius - tolerance),
+  const radius = innerRadius(world),
+    reach = radius > FURTHEST ? 0 : Math.ceil(radius),
+    most = Math.max(0, radius - tolerance),
     found = [];
   for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
     for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
@@ -47,6 +48,17 @@ function cutAt(cells, world, tolerance, x, y) {
     }
   }
   return found;
+}
+
+// Returns the radius of the largest disc about the axle in the robot's body, which is sure to be in
+// what the body covers.
+function innerRadius({ radius, footprint }) {
+  if (!footprint) return radius;
+  const distances = footprint.map(([x, y], k) => {
+    const [u, v] = footprint[(k + 1) % footprint.length];
+    return (x * (v - y) - y * (u - x)) / Math.hypot(u - x, v - y);
+  });
+  return Math.max(0, Math.min(...distances));
 }
 
 // Returns the walls that the centre passes between a row and the previous one.

@@ -2,8 +2,8 @@
 
 import { openWitness } from "#player/decode.js";
 import { drawScene } from "#player/picture/map.js";
-import { line, penFor, ring, robotColour, stroke } from "#player/picture/pen.js";
-import { drawnOf, othersOf } from "#studio/draw/drawn_world.js";
+import { bodyPath, frontOf, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
+import { drawnOf, kindOf, othersOf } from "#studio/draw/drawn_world.js";
 import { pictureOf } from "#studio/draw/pattern_picture.js";
 
 const NEAREST = 200; // pixels per cell at the highest zoom
@@ -126,6 +126,7 @@ function sceneWorld(model, proof) {
     radius: world.robot_radius / side,
     start: [startX / side, startY / side, heading],
     target: [targetX / side, targetY / side, radius / side],
+    ...kindOf(world),
     others: othersOf(world),
     witness: proof && proof.witness,
     cut: proof && proof.cut,
@@ -147,7 +148,8 @@ function drawBoard(board) {
   if (pen.width === 0) return;
   if (show.signal && board.signal) drawSignal(pen, board);
   drawFootprint(pen, world);
-  if (show.proof && board.proof && board.proof.result === "reachable") drawTube(pen, board);
+  // The floor that a body covers depends on its headings.
+  if (show.proof && board.proof?.result === "reachable" && !world.footprint) drawTube(pen, board);
   drawMarks(pen, board);
   if (board.ghost) drawGhost(pen, board.ghost);
   if (board.selection) drawSelection(pen, board.selection);
@@ -156,15 +158,17 @@ function drawBoard(board) {
   if (show.ruler) drawRulers(pen, board);
 }
 
-// Draws the robot's disc at the start, with its heading.
+// Draws the robot's body at the start, with its heading.
 function drawFootprint(pen, world) {
   const [x, y, heading] = world.start;
   const colour = pen.colours[world.others.length > 0 ? robotColour(1) : "start"];
-  ring(pen, x, y, world.radius, colour, 1.5);
+  bodyPath(pen, world.footprint, { x, y, heading }, world.radius);
+  stroke(pen, colour, 1.5);
   const { context, px, py } = pen;
+  const front = frontOf(world.footprint, world.radius) + 0.6;
   context.beginPath();
   context.moveTo(px(x), py(y));
-  context.lineTo(px(x + Math.cos(heading) * (world.radius + 0.6)), py(y + Math.sin(heading) * (world.radius + 0.6)));
+  context.lineTo(px(x + Math.cos(heading) * front), py(y + Math.sin(heading) * front));
   stroke(pen, colour, 2.5);
 }
 

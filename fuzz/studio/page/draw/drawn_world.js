@@ -15,6 +15,23 @@ export function othersOf({ others, cell_size: side }) {
 }
 
 /**
+ * Returns the first robot's footprint, in cells, and its goal's heading, from the text of its file,
+ * which the server writes; the page cannot change either.
+ * @param {{source: string | null, cell_size: number}} world
+ * @returns {{footprint?: [number, number][], aim?: number}}
+ */
+export function kindOf({ source, cell_size: side }) {
+  if (!source?.startsWith("%worldgen-grid 2")) return {};
+  const table = source.slice(0, source.indexOf("%cells")).split("[[robot]]")[1] ?? "";
+  const corners = /^footprint = (\[\[[-+.,\deE[\] ]*\]\])$/m.exec(table);
+  const heading = /^target_heading = ([-+.\deE]+)$/m.exec(table);
+  return {
+    ...(corners && { footprint: JSON.parse(corners[1]).map(([x, y]) => [x / side, y / side]) }),
+    ...(heading && { aim: Number(heading[1]) }),
+  };
+}
+
+/**
  * Returns a world for the player, without copying its cells.
  * @param {EditedWorld} world
  * @returns {DrawnWorld}
@@ -31,6 +48,7 @@ export function drawnOf(world) {
     start: [startX / side, startY / side, heading],
     target: /** @type {Triple} */ (world.target.map((value) => value / side)),
     events: null,
+    ...kindOf(world),
     others: othersOf(world),
     open: {
       cells,
