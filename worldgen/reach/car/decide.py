@@ -10,7 +10,9 @@ from worldgen.timeline import Timeline
 from worldgen.world import World
 
 
-def decide_car(world: World, *, margin: float = 0.0, certificate: bool = True) -> Decision:
+def decide_car(
+    world: World, body: Decision, *, margin: float = 0.0, certificate: bool = True
+) -> Decision:
     """Return a witness for the world's car, or ``UNDECIDED``: nothing here proves ``BLOCKED``.
 
     In a world that changes, the path avoids everything that is ever blocked, so it holds whenever
@@ -18,6 +20,7 @@ def decide_car(world: World, *, margin: float = 0.0, certificate: bool = True) -
 
     Args:
         world: A world of one robot, a car.
+        body: The decision about its body alone, as if that turned on the spot; not ``BLOCKED``.
         margin: s; see :func:`worldgen.reach.decide`.
         certificate: True to return the witness.
     """
@@ -37,9 +40,12 @@ def decide_car(world: World, *, margin: float = 0.0, certificate: bool = True) -
                 room = f"leaves the footprint {witness.clearance:.4g} m to spare"
             reason = f"a car's path of {witness.length:.4g} m {room}"
             return Decision(REACHABLE, witness if certificate else None, reason)
+    alone = "its body alone can pass"
+    if body.result != REACHABLE:
+        alone = f"of its body alone: {body.reason}"
     ways = "forward and backward" if drive.reverse else "forward only"
     reason = (
         f"a car of turning radius {drive.turning_radius:g} m, {ways}: no path was found among "
-        f"{path.searched} poses, and the body alone is not stopped"
+        f"{path.searched} poses, and {alone}"
     )
     return Decision(UNDECIDED, None, reason)

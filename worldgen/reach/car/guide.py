@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from worldgen._core import lib
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -17,10 +17,11 @@ from worldgen.lattice import (
     lattice_units,
     metres_to_lattice,
 )
-from worldgen.reach.body.prove import decide_body
+from worldgen.reach.body.core_calls import Body, BodyPose
+from worldgen.reach.body.prove import MOST_BOXES, goal_headings
 from worldgen.reach.single import prove
+from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
-from worldgen.robot import Drive
 from worldgen.support.arrays import Ints
 from worldgen.world import Witness, World
 
@@ -29,6 +30,8 @@ from worldgen.world import Witness, World
 _SHARES = (0.9, 0.6, 0.3, 0.1, 0.0)
 # Shares by which a footprint is made larger at first, for the same reason.
 _LARGER = (0.2, 0.1, 0.05, 0.02, 0.0)
+# Limit on the boxes of poses of a search for such a one: a tenth of a second.
+_MOST_BOXES = 15_000
 
 
 def guides(world: World) -> Iterator[Ints]:
@@ -54,22 +57,26 @@ def guides(world: World) -> Iterator[Ints]:
 
 
 def _for_footprint(world: World) -> Iterator[Ints]:
-    """Yield paths of a footprint, first of one that is larger."""
+    """Yield paths of a footprint, first of one that is larger, if one is found quickly."""
     robot = world.robots[0]
     size = world.cell_size
+    headings = goal_headings(robot.target)
+    if headings is None:
+        return
+    start = BodyPose(
+        metres_to_lattice(robot.start.x, size),
+        metres_to_lattice(robot.start.y, size),
+        heading_to_lattice(robot.start.heading),
+    )
     for share in _LARGER:
         larger = tuple((x * (1.0 + share), y * (1.0 + share)) for x, y in robot.footprint)
-        wide = replace(robot, footprint=larger, drive=Drive())
-        witness = decide_body(replace(world, robots=(wide,)), cut=False).certificate
-        if isinstance(witness, Witness) and witness.headings is not None:
-            columns = (witness.x.tolist(), witness.y.tolist(), witness.headings.tolist())
-            yield np.array(
-                [
-                    (metres_to_lattice(x, size), metres_to_lattice(y, size), heading_to_lattice(h))
-                    for x, y, h in zip(*columns, strict=True)
-                ],
-                np.int64,
-            )
+        body = Body(world.walls, larger, size)
+        if not body.is_clear(start):
+            continue
+        most = _MOST_BOXES if share else MOST_BOXES
+        answer = body.search(start, target_disc(world), headings, most_boxes=most, proof=True)
+        if answer.outcome == lib.WG_BODY_REACHED:
+            yield np.ascontiguousarray(answer.rows)
 
 
 def _with_headings(world: World, witness: Witness) -> Ints:
