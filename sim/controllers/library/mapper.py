@@ -8,7 +8,8 @@ plan that fails blocks another edge, so the robot arrives if there is a path alo
 grid and the map holds everything that it has seen. If walls are on a grid too, a ``pitch`` of half
 a cell guarantees this. With less memory, the map is a window that moves with the robot and forgets
 everything outside it; the robot may then drive in circles larger than its map. ``mapping`` makes a
-controller with a map of any size.
+controller with a map of any size. ``team-mapper`` is for fleets: its robots tell each other where
+they have touched walls.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
     Automation 8 (1992). For the proof of arrival and the time bound: S. Koenig, C. Tovey and Y.
@@ -220,10 +221,7 @@ def team_mapping(driven: CompiledController, name: str) -> CompiledController:
         about="Like mapper, but tell the robots around where walls are, and learn from them.",
         memory_fields=tuple(one._replace(place=one.place + before) for one in driven.memory_fields),
         memory_map=shown,
-        memory_map_on=(
-            *range(TEAM.count, before),
-            *(at + before for at in driven.memory_map_on),
-        ),
+        memory_map_on=(*range(TEAM.count, before), *(at + before for at in driven.memory_map_on)),
     )
 
 

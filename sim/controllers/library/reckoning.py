@@ -9,6 +9,10 @@ corrects itself: the strength of the signal reveals the distance to the target, 
 estimated position by a fifth of the error in that distance. This pulls its map back into place,
 whichever side it approaches from.
 
+``scan-mapper`` is the mapper without a compass. It keeps a map of points on walls, from its range
+beams, and finds its pose by matching each scan with it; ``sim/core/controllers/shared/scan_map.h``
+describes how. What it sees blocks edges on the mapper's map, too.
+
 ``signal-three-layer`` knows its own position, but senses only the target's signal. Two signal
 strengths measured 0.25 m apart leave two possible places for the source; the direction of the
 strongest signal decides between them. Without a signal it searches. It assumes that the signal
@@ -17,7 +21,8 @@ accepts another length.
 
 Sources: Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I? Sensors and methods for
     mobile robot positioning", University of Michigan (1996), chapters 1 and 6. They drive like
-    ``bug2``, ``mapper`` and ``three-layer``.
+    ``bug2``, ``mapper`` and ``three-layer``. For ``scan-mapper``, Andrea Censi, "An ICP variant
+    using a point-to-line metric", IEEE International Conference on Robotics and Automation (2008).
 """
 
 from __future__ import annotations
@@ -78,7 +83,8 @@ def scanned_points(scans: Floats) -> Floats:
     low = scans[[SCAN.window_x, SCAN.window_y]]
     cell = low + (np.column_stack((column, row)) - low) % side
     inside = (np.column_stack((part_x, part_y)) + 0.5) / _PARTS
-    return (cell + inside) * scans[SCAN.pitch]
+    places: Floats = (cell + inside) * scans[SCAN.pitch]
+    return places
 
 
 def _reckoning(
