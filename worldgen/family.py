@@ -165,6 +165,11 @@ class Family:
                         world, decision = self._with_robots(world, stream, robots, margin, work)
                 except InvalidParameter as full:
                     # Another layout may have room for more of a crowd.
+                    if overrides.footprint is not None:
+                        radius = own.get("robot_radius")
+                        words = " (a footprint of {body} takes the passages of a disc of {disc} m)"
+                        message = full.message.before(words, body=overrides.footprint, disc=radius)
+                        raise InvalidParameter.of(message) from full
                     if fleet <= FEW_ROBOTS or not _is_of_crowd(full):
                         raise
                     # Report the most robots that had paths, or else the most

@@ -80,6 +80,13 @@ def boundary(
         note(f"note: --axis {name} is the robot's or the run's; rename the field {name} to vary it")
     axis = AXES.get(name) or axis_of_field(subject.scenario, name.replace("-", "_"))
     start = axis.index(subject)
+    if start is None and axis.name == "radius":
+        raise InvalidParameter(
+            "no-radius",
+            "the robot of {path} has a footprint, so there is no radius to vary",
+            "vary another number, such as speed",
+            path=path,
+        )
     if start is None:
         raise InvalidParameter(
             "not-a-trap",

@@ -56,7 +56,12 @@ def search(task: SearchTask) -> None:
 
     # What the user fixed is not varied, or the failure would be another robot's.
     constraint = task.config.constraint
-    free = [name for name, axis in AXES.items() if not constraint.fixes(axis.quantity)]
+    fixed = {"robot_radius"} if constraint.fixes("robot_footprint") else set()
+    free = [
+        name
+        for name, axis in AXES.items()
+        if not (constraint.fixes(axis.quantity) or axis.quantity in fixed)
+    ]
     # A boundary takes many runs, so only a fraction of the examples is spent here.
     for _ in range(max(task.config.examples // (_DEARER * task.config.pace.slower), 1)):
         axis = AXES[stream.choice(free)]
