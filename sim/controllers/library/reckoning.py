@@ -83,7 +83,9 @@ def scanned_points(scans: Floats) -> Floats:
     low = scans[[SCAN.window_x, SCAN.window_y]]
     cell = low + (np.column_stack((column, row)) - low) % side
     inside = (np.column_stack((part_x, part_y)) + 0.5) / _PARTS
-    return (cell + inside) * scans[SCAN.pitch]
+    pitch = float(scans[SCAN.pitch])
+    points: Floats = (cell + inside) * pitch
+    return points
 
 
 def _reckoning(
