@@ -186,7 +186,7 @@ def referee_bodies(moves: int, seed: int) -> Report:
     chain = np.zeros((MOST_CORNERS, 3), np.int64)
     while report.moves < moves:
         cells = _room(stream)
-        corners = _body(stream)
+        corners = random_body(stream)
         footprint = footprint_of(corners)
         for _ in range(40):
             pose = (
@@ -201,7 +201,7 @@ def referee_bodies(moves: int, seed: int) -> Report:
     return report
 
 
-def _body(stream: RandomStream) -> list[tuple[int, int]]:
+def random_body(stream: RandomStream) -> list[tuple[int, int]]:
     """Return the corners of a rectangle, or of the hull of random points, lattice units."""
     size = (200, 700, 1500, 4000)[stream.below(4)]
     while True:

@@ -19,7 +19,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.parameters import Parameter, Written, parameters_of_fields
 from worldgen.parameters.bounds import Bounds
 from worldgen.parameters.known_names import unknown_name
-from worldgen.robot import ARRIVALS, Corner, Drive, Robot, convex_footprint
+from worldgen.robot import ARRIVALS, Corner, Drive, Robot, Target, convex_footprint
 
 if TYPE_CHECKING:
     from worldgen.world import World
@@ -368,3 +368,18 @@ def _not_negative(option: str, text: str, number: str) -> float:
             number=number,
         )
     return value
+
+
+def describe_goal(goal: Target) -> str:
+    """Return what a goal asks for besides a touch: ``a stop at heading 1.57 rad (+- 0.25)``.
+
+    Empty if that is all.
+    """
+    words = {"touch": "", "step": "the end of a step", "stop": "a stop"}[goal.arrival]
+    if goal.heading is not None:
+        heading = f"heading {goal.heading:.6g} rad (+- {goal.heading_tolerance:.6g})"
+        words = f"{words} at {heading}" if words else heading
+    contact = {"stop": "no slide along walls", "fail": "no contact with walls"}.get(
+        goal.contact or "", ""
+    )
+    return ", ".join(filter(None, (words, contact)))

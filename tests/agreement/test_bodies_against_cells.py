@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from benchmarks.referee import _body
+from benchmarks.referee import random_body
 from sim.runners.core_calls import headings
 from tests.helpers.core_parts import (
     body_first_not_clear,
@@ -30,7 +30,7 @@ def rooms(draw):
     """Cells, a body, and a pose; many poses touch a wall exactly."""
     cells = np.frombuffer(draw(st.binary(min_size=SIDE * SIDE, max_size=SIDE * SIDE)), np.uint8)
     cells = (cells.reshape(SIDE, SIDE) < draw(st.sampled_from([4, 12, 40]))).astype(np.uint8)
-    body = _body(RandomStream(draw(st.integers(0, 2**32))))
+    body = random_body(RandomStream(draw(st.integers(0, 2**32))))
     heading = draw(st.integers(0, TURN - 1) | st.sampled_from([0, 8192, 16384, 32768, 49152]))
     corner = draw(st.sampled_from(polygon.turned(TABLE, body, heading)))
     x, y = draw(st.integers(-UNIT, (SIDE + 1) * UNIT)), draw(st.integers(-UNIT, (SIDE + 1) * UNIT))
@@ -53,7 +53,9 @@ def test_a_pose_and_a_move_are_clear_as_in_whole_numbers(room, dx, dy):
 
 @settings(max_examples=150)
 @given(rooms(), st.integers(-400, 400))
-@example((np.zeros((SIDE, SIDE), np.uint8), ((-UNIT, -1), (UNIT, -1), (UNIT, 1)), (UNIT, UNIT, 0)), 9)
+@example(
+    (np.zeros((SIDE, SIDE), np.uint8), ((-UNIT, -1), (UNIT, -1), (UNIT, 1)), (UNIT, UNIT, 0)), 9
+)
 def test_a_turn_passes_every_heading_and_stops_at_the_last_clear_one(room, turn):
     cells, body, pose = room
     if body_is_clear(cells, footprint_of(body), *pose):
@@ -119,6 +121,6 @@ def test_a_bar_turns_until_its_corner_is_at_the_wall():
     bar = ((-2 * UNIT, -10), (2 * UNIT, -10), (2 * UNIT, 10), (-2 * UNIT, 10))
     turned = clear_turn(cells, footprint_of(bar), (9 * UNIT, 5 * UNIT // 2, 0), 32_767)
     # sin(a) * 2 cells + cos(a) * 10 units = 1.5 cells
-    assert 2.0 * np.sin(turned * 2 * np.pi / TURN) + 10 / 1024 * np.cos(turned * 2 * np.pi / TURN) == (
-        pytest.approx(1.5, abs=2e-4)
-    )
+    assert 2.0 * np.sin(turned * 2 * np.pi / TURN) + 10 / 1024 * np.cos(
+        turned * 2 * np.pi / TURN
+    ) == (pytest.approx(1.5, abs=2e-4))

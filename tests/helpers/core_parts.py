@@ -127,7 +127,7 @@ def body_first_not_clear(
 def clear_turn(cells: Cells, footprint: Any, pose: tuple[int, int, int], turn: int) -> int:
     """Return how far a body turns before a solid cell stops it, heading units."""
     stopped = ffi.new("WgStopped *")
-    return int(lib.wg_clear_turn(grid_of(cells), _table(), footprint, *pose, turn, stopped))
+    return int(lib.wg_clear_turn(grid_of(cells), 1, _table(), footprint, *pose, turn, stopped))
 
 
 def swept_body_move(

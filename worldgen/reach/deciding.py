@@ -49,6 +49,9 @@ def decide(
     if radius is not None:
         check_radius(radius, world.cell_size)
     check_margin(margin)
+    if radius is None and any(not robot.is_disc or robot.drive.is_car for robot in world.robots):
+        reason = "fleets with footprints or cars are not decided; ask about one robot at a time"
+        return Decision(UNDECIDED, None, reason)
     from worldgen.reach.joint.decide import decide_joint
 
     return decide_joint(world, radius=radius, margin=margin, certificate=certificate, cut=cut)

@@ -14,6 +14,7 @@ const PHRASES = {
   questionable: "It breaks a rule that you set",
 };
 const OWN_PHRASES = {
+  "touches-a-wall": "It touches walls",
   crashes: "Its controller crashes",
   "gives-no-answer": "Its controller does not answer",
   "invalid-command": "Its controller sends invalid commands",

@@ -1,10 +1,10 @@
 """Pure pursuit: steer along the arc that leads to a point farther along a path.
 
 At the start, the controller plans the shortest path of its body on the map that it knows, as if it
-could turn on the spot, with some room to walls if there is any. In each step it drives along the arc from its pose to the point of the path
-that is a fixed distance away. A bend that is narrower than its turning circle is none of the path's
-concern, so it hits walls there; if it may reverse, it then backs away from the wall, turning the
-other way, and tries again.
+could turn on the spot, with some room to walls if there is any. In each step it drives along the arc
+from its pose to the point of the path that is a fixed distance away. It does not know whether its
+turning circle fits a bend of the path, so it hits walls there; if it may reverse, it then backs away
+from the wall, turning on in the same direction, and tries again.
 
 Source: R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon
     University CMU-RI-TR-92-01 (1992).
@@ -44,7 +44,7 @@ class PurePursuitCar:
         back: Distance that it backs away from a wall, radii of the robot.
     """
 
-    lookahead: float = 3.0
+    lookahead: float = 2.0
     back: float = 4.0
 
     about = "Know the map, plan the shortest path, and pursue a point ahead on it."
@@ -87,6 +87,8 @@ class PurePursuitCar:
         if observation.bump and memory[_REVERSE] and not memory[_BACK]:
             now[_BACK] = float(math.ceil(self.back * observation.radius / reach))
             now[_AWAY] = -math.copysign(most, curvature)
+        elif observation.bump:
+            now[_BACK] = 0.0
         if now[_BACK]:
             now[_BACK] -= 1.0
             # Backwards, a turn to one side is steered to the other.

@@ -83,9 +83,8 @@ def scanned_points(scans: Floats) -> Floats:
     low = scans[[SCAN.window_x, SCAN.window_y]]
     cell = low + (np.column_stack((column, row)) - low) % side
     inside = (np.column_stack((part_x, part_y)) + 0.5) / _PARTS
-    pitch = float(scans[SCAN.pitch])
-    points: Floats = (cell + inside) * pitch
-    return points
+    places: Floats = (cell + inside) * scans[SCAN.pitch]
+    return places
 
 
 def _reckoning(

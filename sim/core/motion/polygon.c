@@ -490,8 +490,8 @@ static int64_t clear_of_cell(const Turn *turn, double left, double low, int64_t 
     }
 }
 
-int64_t wg_clear_turn(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
-                      int64_t heading, int64_t turn, WgStopped *stopped)
+int64_t wg_clear_turn(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint, int64_t x,
+                      int64_t y, int64_t heading, int64_t turn, WgStopped *stopped)
 {
     WgPolygon polygon;
     wg_polygon_turned(headings, footprint, heading, &polygon);
@@ -506,7 +506,7 @@ int64_t wg_clear_turn(WgGrid grid, const int64_t *headings, const WgFootprint *f
     for (int64_t iy = cells.low; iy <= cells.high && most > 0; iy++) {
         for (int64_t ix = next_taken(grid, cells.left, cells.right, iy); ix <= cells.right;
              ix = next_taken(grid, ix + 1, cells.right, iy)) {
-            if (wg_cell_state(grid, ix, iy) != WG_SOLID) {
+            if (wg_cell_state(grid, ix, iy) != state) {
                 continue;
             }
             int64_t clear = clear_of_cell(&by, relative(ix, x), relative(iy, y), most);

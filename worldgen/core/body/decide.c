@@ -170,18 +170,13 @@ static WgStatus split_ways(Rounds *rounds, int64_t cost, int64_t *count)
     return WG_OK;
 }
 
-// Splits all tiles as far as one look at each tells.
+// Looks at each tile once, with the discs.
 static WgStatus begin(WgBoxes *boxes)
 {
-    for (int pass = 0; pass < 2; pass++) {
-        int64_t count = boxes->count;
-        for (int64_t k = 0; k < count; k++) {
-            if (boxes->all[k].kind == WG_MIXED && boxes->all[k].halvings == pass) {
-                WgStatus status = wg_boxes_split(boxes, k);
-                if (status != WG_OK) {
-                    return status;
-                }
-            }
+    for (int64_t tile = 0; tile < boxes->tiles; tile++) {
+        WgStatus status = wg_boxes_split(boxes, tile);
+        if (status != WG_OK) {
+            return status;
         }
     }
     return WG_OK;

@@ -92,7 +92,7 @@ static WgStatus measure(Search *search)
             double dy = (double)j * half - asked->target_y;
             double away = fmax(0.0, sqrt(dx * dx + dy * dy) - asked->target_radius);
             int64_t node = j * stride + i;
-            if (away <= 1.5 * half && clear[node] != 0) {
+            if (node < nodes && away <= 1.5 * half && clear[node] != 0) {
                 search->distances[node] = (int32_t)(2.0 * away);
                 fits = fits && wg_heap_push(&heap, (WgEntry){search->distances[node], node, 0});
             }
@@ -267,7 +267,7 @@ static bool follow_edge(Search *search, int64_t from, const WgCarPart *parts, in
     for (int64_t part = 0; part < count; part++) {
         node.steer[part] = (int8_t)parts[part].steer;
         node.amount[part] = parts[part].amount;
-        int8_t backwards = parts[part].amount < 0.0;
+        int8_t backwards = parts[part].amount < 0.0 ? 1 : 0;
         node.cost += wg_car_length(&search->car, parts[part]) * (backwards ? BACKWARDS : 1.0);
         // Each change of gear costs as much as half a cell.
         node.cost += from > 0 && backwards != node.backwards ? 0.5 * WG_UNIT : 0.0;
@@ -435,7 +435,7 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
     for (int64_t node = search->last; node > 0; node = search->nodes[node].parent) {
         count++;
     }
-    int64_t *order = malloc((size_t)(count + 1) * sizeof *order);
+    int64_t *order = calloc((size_t)(count + 1), sizeof *order);
     WgCarTrail trail = {malloc(3 * sizeof(int64_t)), 1, 1};
     if (order == NULL || trail.values == NULL) {
         free(order);
@@ -443,7 +443,7 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
         return WG_OUT_OF_MEMORY;
     }
     int64_t at = count;
-    for (int64_t node = search->last; node > 0; node = search->nodes[node].parent) {
+    for (int64_t node = search->last; node > 0 && at > 0; node = search->nodes[node].parent) {
         order[--at] = node;
     }
     WgCarPose pose = search->nodes[0].pose;
@@ -470,8 +470,9 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
 
 WgStatus wg_car_search(const WgWalls *walls, WgCarQuery *asked)
 {
-    bool fits = (asked->body == NULL || wg_body_is_valid(walls, asked->body)) && asked->turning_radius > 0.0 && asked->bin >= 2.0 && asked->heading_bins >= 1 &&
-                asked->heading_bins <= 1 << 14 && asked->start_heading >= 0 && asked->start_heading < WG_TURN;
+    bool fits = walls->height > 0 && walls->width > 0 &&
+                (asked->body == NULL || wg_body_is_valid(walls, asked->body)) && asked->turning_radius > 0.0 &&
+                asked->bin >= 2.0 && asked->heading_bins >= 1 && asked->heading_bins <= 1 << 14 && asked->start_heading >= 0 && asked->start_heading < WG_TURN;
     if (!fits) {
         return WG_BAD_VALUE;
     }

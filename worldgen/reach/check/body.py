@@ -40,8 +40,8 @@ _OVERLAP = 1e-9
 _UNIT = 1024
 _TURN = 65536
 _RADIANS = 2.0 * math.pi / _TURN
-# Limit on the ranges of headings into which a box is split.
-_MOST_RANGES = 2 * _TURN
+# Limit on the parts into which boxes are split.
+_MOST_PARTS = 4_000_000
 
 
 class Mistake(Exception):
@@ -110,9 +110,9 @@ def check_ends(world: World, headings: Floats) -> None:
     Raises:
         Mistake: If they aren't the start's and one of the target's, or one is not of the lattice.
     """
-    off = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
-    if (off > 1e-4).any():
-        at = int(np.argmax(off > 1e-4))
+    apart = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
+    if (apart > 1e-4).any():
+        at = int(np.argmax(apart > 1e-4))
         raise Mistake(f"the heading of point {at} is not a multiple of 1/65536 turn")
     away = abs(float(_angle(headings[:1] - world.start.heading)[0]))
     if away > 0.5 * _RADIANS + 1e-9:
@@ -289,12 +289,12 @@ def check_boxes(world: World, rows: Ints) -> str:
     )
     # Every pose in them must overlap a wall.
     rectangles = _largest_rectangles(world.still_walls)
-    for k in range(len(rows)):
-        if not _overlaps(body, boxes, k, rectangles):
-            raise Mistake(
-                f"box {k} of the cut has poses at which no single rectangle of wall is known to "
-                f"overlap the body"
-            )
+    clear = _first_clear(body, boxes, rectangles)
+    if clear is not None:
+        raise Mistake(
+            f"box {clear} of the cut has poses at which no single rectangle of wall is known to "
+            f"overlap the body"
+        )
     # And there must be no way around them.
     start = _lattice_start(world)
     if boxes.hold(start):
@@ -372,91 +372,167 @@ def _largest_rectangles(solid: Bools) -> Floats:
     return bounds
 
 
-def _overlaps(body: Footprint, boxes: _Boxes, k: int, rectangles: Floats) -> bool:
-    """Return True if at each pose of a box a rectangle surely overlaps the body."""
-    # Long boxes are split, which keeps the bound below small.
-    low = boxes.low[k]
-    high = boxes.high[k]
-    parts = np.maximum(1, np.ceil((high - low) / (2.0 * body.outer))).astype(int)
-    edges = [np.linspace(low[axis], high[axis], parts[axis] + 1) for axis in (0, 1)]
-    return all(
-        _part_overlaps(
-            body,
-            np.array([left, bottom]),
-            np.array([right, top]),
-            (int(boxes.first[k]), int(boxes.last[k])),
-            rectangles,
+@dataclass(frozen=True)
+class _Parts:
+    """Parts of boxes, and for each of them a rectangle that may overlap the body there.
+
+    Args:
+        box: (n,) number of the box.
+        first: (n,) its first heading, 1/65536 turn.
+        last: (n,) its last one.
+        low: (n, 2) bounds of x and y, cells.
+        high: (n, 2) the same.
+        rate: (n,) how much an overlap changes at most for 1/65536 turn, cells.
+        owner: (m,) ascending, the part of each pair of part and rectangle.
+        rectangles: (m, 4) the rectangle of each pair, as far as the body reaches.
+    """
+
+    box: Ints
+    first: Ints
+    last: Ints
+    low: Floats
+    high: Floats
+    rate: Floats
+    owner: Ints
+    rectangles: Floats
+
+    def chosen(self, kept: Ints, pairs: Bools, first: Ints, last: Ints) -> _Parts:
+        """Return some of the parts with other headings, and those of their pairs that are left.
+
+        Args:
+            kept: Numbers of the parts, which may repeat.
+            pairs: (m,) True for pairs that still matter.
+            first: Headings of the parts returned.
+            last: The same.
+        """
+        begins = np.searchsorted(self.owner, kept)
+        ends = np.searchsorted(self.owner, kept, side="right")
+        counts = ends - begins
+        owner = np.repeat(np.arange(len(kept)), counts)
+        at = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        at += np.repeat(begins, counts)
+        some = pairs[at]
+        return _Parts(
+            self.box[kept],
+            first,
+            last,
+            self.low[kept],
+            self.high[kept],
+            self.rate[kept],
+            owner[some],
+            self.rectangles[at[some]],
         )
-        for left, right in zip(edges[0][:-1], edges[0][1:], strict=True)
-        for bottom, top in zip(edges[1][:-1], edges[1][1:], strict=True)
-    )
 
 
-def _part_overlaps(
-    body: Footprint, low: Floats, high: Floats, headings: tuple[int, int], rectangles: Floats
-) -> bool:
-    # Only what is near matters, and only as far as the body reaches.
-    reach = body.outer
-    near = np.concatenate(
-        [np.maximum(rectangles[:, :2], low - reach), np.minimum(rectangles[:, 2:], high + reach)],
-        axis=1,
-    )
-    near = near[(near[:, :2] < near[:, 2:]).all(axis=1)]
-    if not len(near):
-        return False
-    places = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
-    # While the body turns by an angle, no overlap changes by more than this times the angle.
-    rate = float(np.hypot(*(reach + high - low))) * _RADIANS
-    first = np.array([headings[0]])
-    last = np.array([headings[1]])
-    tested = 0
-    while len(first):
-        middle = (first + last) // 2
-        tested += len(middle)
-        if tested > _MOST_RANGES:
-            return False
-        overlap = _overlap(body, places, middle * _RADIANS, near).max(axis=1)
-        if (overlap <= _OVERLAP).any():
-            return False
-        left = overlap <= rate * np.maximum(middle - first, last - middle) + _OVERLAP
-        # The middle itself is known to overlap.
-        first, last = (
-            np.concatenate([first[left], middle[left] + 1]),
-            np.concatenate([middle[left] - 1, last[left]]),
-        )
+def _first_clear(body: Footprint, boxes: _Boxes, rectangles: Floats) -> int | None:
+    """Return a box in which no rectangle surely overlaps the body at some pose; None if none is."""
+    parts = _parts_of(body, boxes, rectangles)
+    while len(parts.box):
+        # The overlaps at the middle of each range of headings.
+        middle = (parts.first + parts.last) // 2
+        overlap = _overlap(body, parts, middle)
+        most = np.full(len(parts.box), -np.inf)
+        np.maximum.at(most, parts.owner, overlap)
+        if (most <= _OVERLAP).any():
+            return int(parts.box[np.argmax(most <= _OVERLAP)])
+        # Where it is larger than what can be lost up to the ends, the same rectangle overlaps there.
+        lost = parts.rate * np.maximum(middle - parts.first, parts.last - middle)
+        left = np.flatnonzero(most <= lost + _OVERLAP)
+        possible = overlap > -lost[parts.owner]
+        first = np.concatenate([parts.first[left], middle[left] + 1])
+        last = np.concatenate([middle[left] - 1, parts.last[left]])
         some = first <= last
-        first = first[some]
-        last = last[some]
-    return True
+        kept = np.concatenate([left, left])[some]
+        parts = parts.chosen(kept, possible, first[some], last[some])
+        if len(kept) > _MOST_PARTS:
+            return int(parts.box[0])
+    return None
 
 
-def _overlap(body: Footprint, places: Floats, headings: Floats, rectangles: Floats) -> Floats:
-    """Return (headings, rectangles) by how much a rectangle overlaps the body at all four places.
+def _parts_of(body: Footprint, boxes: _Boxes, rectangles: Floats) -> _Parts:
+    """Split boxes that are long, for which the bound would be poor, and find what is near."""
+    reach = body.outer
+    # Bounds of parts, with a loop for the few boxes that are long.
+    counts = np.maximum(1, np.ceil((boxes.high - boxes.low) / (2.0 * reach))).astype(np.int64)
+    places = []
+    for k in range(len(counts)):
+        edges = [
+            np.linspace(boxes.low[k, axis], boxes.high[k, axis], counts[k, axis] + 1)
+            for axis in (0, 1)
+        ]
+        places += [
+            (k, left, low, right, high)
+            for left, right in zip(edges[0][:-1], edges[0][1:], strict=True)
+            for low, high in zip(edges[1][:-1], edges[1][1:], strict=True)
+        ]
+    table = np.array(places)
+    box = table[:, 0].astype(np.int64)
+    low = table[:, 1:3]
+    high = table[:, 3:5]
+    owners = []
+    near = []
+    # Some thousand parts at a time, so that the table of pairs stays small.
+    for begin in range(0, len(table), 4096):
+        here = np.s_[begin : begin + 4096]
+        clipped = np.concatenate(
+            [
+                np.maximum(rectangles[None, :, :2], low[here, None] - reach),
+                np.minimum(rectangles[None, :, 2:], high[here, None] + reach),
+            ],
+            axis=2,
+        )
+        meets = (clipped[..., :2] < clipped[..., 2:]).all(axis=2)
+        owners.append(np.nonzero(meets)[0] + begin)
+        near.append(clipped[meets])
+    # While the body turns, a point of it, or of the wall as seen from it, moves at most at this rate.
+    rate = np.hypot(*(reach + high - low).T) * _RADIANS
+    return _Parts(
+        box,
+        boxes.first[box],
+        boxes.last[box],
+        low,
+        high,
+        rate,
+        np.concatenate(owners),
+        np.concatenate(near),
+    )
+
+
+def _overlap(body: Footprint, parts: _Parts, headings: Ints) -> Floats:
+    """Return (m,) by how much a pair's rectangle overlaps the body at each place of its part.
 
     It is the least over the directions in which they could be apart: those of the rectangle's sides,
-    and of the body's. Overlap in each of them is concave along a line of places, so the four corners
-    of a box stand for all of it.
+    and of the body's. The overlap in each of them is linear along a line of places, so the four
+    corners of a part stand for all of it.
     """
     zero = np.zeros(len(headings))
-    corners = body.at(zero, zero, headings)
+    turns = (headings * _RADIANS).astype(np.float64)
+    corners = body.at(zero, zero, turns)
     sides = np.roll(corners, -1, axis=1) - corners
     normals = np.stack([sides[..., 1], -sides[..., 0]], axis=2)
     normals /= np.hypot(normals[..., 0], normals[..., 1])[..., None]
     out = (normals * corners).sum(axis=2)
-    least = np.full((len(headings), len(rectangles)), np.inf)
+    owner = parts.owner
+    walls = parts.rectangles
+    low = parts.low[owner]
+    high = parts.high[owner]
+    least = np.full(len(owner), np.inf)
     for axis in (0, 1):
-        ahead = corners[..., axis].max(axis=1)[:, None]
-        behind = corners[..., axis].min(axis=1)[:, None]
-        least = np.minimum(least, places[:, axis].min() + ahead - rectangles[None, :, axis])
-        least = np.minimum(least, rectangles[None, :, axis + 2] - places[:, axis].max() - behind)
-    for x, y in places:
-        for side in range(corners.shape[1]):
-            nx = normals[:, side, 0][:, None]
-            ny = normals[:, side, 1][:, None]
-            # The rectangle's corner that is farthest on the inner side.
-            across = np.where(nx > 0, rectangles[None, :, 0] - x, rectangles[None, :, 2] - x) * nx
-            along = np.where(ny > 0, rectangles[None, :, 1] - y, rectangles[None, :, 3] - y) * ny
-            least = np.minimum(least, out[:, side][:, None] - across - along)
+        ahead = corners[..., axis].max(axis=1)[owner]
+        behind = corners[..., axis].min(axis=1)[owner]
+        least = np.minimum(least, low[:, axis] + ahead - walls[:, axis])
+        least = np.minimum(least, walls[:, axis + 2] - high[:, axis] - behind)
+    for side in range(corners.shape[1]):
+        # The rectangle's corner that is farthest on the inner side, seen from the part's corner that
+        # is farthest on the outer side of it.
+        gap = np.zeros(len(owner))
+        for axis in (0, 1):
+            normal = normals[:, side, axis][owner]
+            toward = np.where(
+                normal > 0, walls[:, axis] - low[:, axis], walls[:, axis + 2] - high[:, axis]
+            )
+            gap += normal * toward
+        least = np.minimum(least, out[:, side][owner] - gap)
     return least
 
 
