@@ -15,7 +15,7 @@ from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
-from sim.kernels.layout import OBS_SIZE
+from sim.kernels.layout import OBS_SIZE, OBS_TAIL
 from sim.runners.controller_host import ControllerHost, Faults
 from worldgen.support.arrays import Floats
 from worldgen.support.ccall import writable
@@ -39,7 +39,7 @@ class _Seats:
     """
 
     def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
-        self.observation = np.full((count, OBS_SIZE + batch.beams + 1), np.nan)
+        self.observation = np.full((count, OBS_SIZE + batch.beams + OBS_TAIL), np.nan)
         self.memory = np.zeros((count, memory.size))
         self.after = np.zeros((count, memory.size))
         # Speed, turn rate, whether the random number was used.

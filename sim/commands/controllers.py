@@ -28,6 +28,7 @@ _WORDS = {
     "clock": ("time",),
     "chance": ("random",),
     "goal heading": ("goal_heading",),
+    "slope": ("tilt", "tilt_heading"),
 }
 """Senses in words, with the fields of an observation that belong to each."""
 

@@ -81,6 +81,9 @@ class Observation(NamedTuple):
             ``RobotOptions(beams=36)``, or an option such as ``+beams=36`` sets their number.
         neighbours: Other robots within range, the nearest first.
         goal_heading: Heading that the robot must have when it arrives, rad; nan if any will do.
+        tilt: Speed at which the tilted floor carries the robot (the option ``drift``, in whole
+            lattice units a step), m/s; 0 on a level floor.
+        tilt_heading: World heading in which it does, rad; 0 on a level floor.
     """
 
     bump: bool
@@ -103,12 +106,15 @@ class Observation(NamedTuple):
     beams: tuple[float, ...]
     neighbours: tuple[Neighbour, ...] = ()
     goal_heading: float = math.nan
+    tilt: float = 0.0
+    tilt_heading: float = 0.0
 
     @classmethod
-    def of(cls, array: Floats) -> Observation:
+    def of(cls, array: Floats, tilt: float = 0.0, tilt_heading: float = 0.0) -> Observation:
         """Read the flat array, (OBS_SIZE + beams,), that the core fills for a robot of a fleet."""
         values: list[Any] = array.tolist()
-        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]), (), math.nan)
+        beams = tuple(values[layout.OBS_SIZE :])
+        values[layout.OBS_SIZE :] = (beams, (), math.nan, tilt, tilt_heading)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
         # The same as _make in half the time, which counts because it runs in every step.
         return tuple.__new__(cls, values)
@@ -118,7 +124,7 @@ NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
 """Neighbours of robots that do not sense other robots."""
 
 NO_HEADING: Floats = np.zeros(0)
-"""Goal headings of no robots."""
+"""Goal headings, and tilts, of no robots."""
 
 
 class Observations(NamedTuple):
@@ -146,14 +152,17 @@ class Observations(NamedTuple):
     neighbours: Floats = NO_NEIGHBOURS
     """(n, most, 5 + message) the fields of each :class:`Neighbour`; nan if there is none."""
     goal_heading: Floats = NO_HEADING
+    tilt: Floats = NO_HEADING
+    tilt_heading: Floats = NO_HEADING
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
-        """Read the rows that the core fills, (n, OBS_SIZE + beams + 1)."""
+        """Read the rows that the core fills, (n, OBS_SIZE + beams + OBS_TAIL)."""
         columns: list[Any] = [array[:, k] for k in range(layout.OBS_SIZE)]
         columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
-        beams = array[:, layout.OBS_SIZE : layout.OBS_GOAL_HEADING]
-        return cls._make([*columns, beams, NO_NEIGHBOURS, array[:, layout.OBS_GOAL_HEADING]])
+        beams = array[:, layout.OBS_SIZE : -layout.OBS_TAIL]
+        last = (layout.OBS_GOAL_HEADING, layout.OBS_TILT, layout.OBS_TILT_HEADING)
+        return cls._make([*columns, beams, NO_NEIGHBOURS, *(array[:, at] for at in last)])
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
@@ -162,7 +171,9 @@ DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
 The clock is excluded: a controller that reads it never repeats a state, so no loop can be proved.
 """
 
-_COMPILED_SENSES = tuple(name for name in DEFAULT_SENSES if name != "goal_heading")
+_COMPILED_SENSES = tuple(
+    name for name in DEFAULT_SENSES if name not in ("goal_heading", "tilt", "tilt_heading")
+)
 """The same for a function of flat arrays, whose size would otherwise change."""
 
 
@@ -212,7 +223,7 @@ class CompiledController:
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: True if it uses random numbers.
         senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
-            default it gets all but ``time`` and ``goal_heading``, and a step takes up to twice as
+            default it gets all but ``time``, ``goal_heading`` and tilt, and a step takes up to twice as
             long. A controller that reads ``time`` never repeats a state, so its loops cannot be
             proved.
         needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. The
@@ -366,6 +377,8 @@ _COSTLY_SENSES: dict[str, int] = {
     "beams": lib.WG_SENSE_BEAMS,
     "neighbours": lib.WG_SENSE_NEIGHBOURS,
     "goal_heading": lib.WG_SENSE_GOAL_HEADING,
+    "tilt": lib.WG_SENSE_TILT,
+    "tilt_heading": lib.WG_SENSE_TILT,
 }
 
 
@@ -393,8 +406,9 @@ def bits_of(sense: str) -> int:
 
 def senses_of(controller: Controller) -> int:
     """Return the ``WG_SENSE_`` bits of everything that a controller reads."""
-    # The rows that a controller outside the core reads always end with the goal's heading.
-    bits = 0 if isinstance(controller, CompiledController) else bits_of("goal_heading")
+    # The rows that a controller outside the core reads always end with the tilt and the goal's
+    # heading.
+    bits = 0 if isinstance(controller, CompiledController) else bits_of("tilt")
     for name in getattr(controller, "senses", DEFAULT_SENSES):
         bits |= bits_of(name)
     return bits

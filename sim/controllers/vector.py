@@ -27,7 +27,7 @@ class Asker:
 
     Args:
         controller: The controller.
-        seen: (n, OBS_SIZE + beams + 1) the robots' observations; the goal's heading is last.
+        seen: (n, OBS_SIZE + beams + OBS_TAIL) the robots' observations.
         memory: (n, m) the robots' memories.
         command: (n, CMD_SIZE) filled in each step.
     """
@@ -120,7 +120,8 @@ class OneOfMany:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command and the memory of the only robot."""
-        numbers = (*observation[: layout.OBS_SIZE], *observation.beams, observation.goal_heading)
+        last = (observation.tilt, observation.tilt_heading, observation.goal_heading)
+        numbers = (*observation[: layout.OBS_SIZE], *observation.beams, *last)
         seen = np.array([numbers])
         before = np.array([memory])
         command = np.zeros((1, layout.CMD_SIZE))

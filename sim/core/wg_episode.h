@@ -110,7 +110,7 @@ typedef struct WgWorkspace {
     WgCommand command;
     double *beams;   // what observation.beams points to
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
-    int64_t ends_with_goal;  // 1: the goal's heading follows everything else in `flat`
+    int64_t tail;  // numbers that follow everything else in `flat`: wg_tail
     double *answer;  // (4 + memory,)
     WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
     // rows of neighbours that follow the beams in `flat`; 0 for a single robot

@@ -175,7 +175,8 @@ class _One:
     def ask(self, _waiting: list[int]) -> None:
         """Let it act for its robot, and pass its answer to the core."""
         workspace = self._workspace
-        seen = Observation.of(workspace.observation)
+        sensed = self._member.c.workspace.observation
+        seen = Observation.of(workspace.observation, sensed.tilt, sensed.tilt_heading)
         if self._member.c.workspace.neighbour_room:
             seen = seen._replace(neighbours=self._member.neighbours())
         answer = self._act(seen, self._memory)
@@ -225,7 +226,7 @@ class _Many:
         self._workspaces = {number: Workspace(fleet.members[number]) for number in numbers}
         first = self._workspaces[numbers[0]]
         # The goal of a robot in a fleet has no heading.
-        self._seen = np.full((len(numbers), first.observation.size + 1), np.nan)
+        self._seen = np.full((len(numbers), first.observation.size + layout.OBS_TAIL), np.nan)
         self._kept = np.zeros((len(numbers), first.memory.size))
         self._command = np.zeros((len(numbers), first.command.size))
         self._asker = Asker(host.controller, self._seen, self._kept, self._command)
@@ -233,7 +234,10 @@ class _Many:
     def ask(self, waiting: list[int]) -> None:
         """Let it act for some of its robots, and pass its answers to the core."""
         for row, number in enumerate(waiting):
-            self._seen[row, : layout.OBS_GOAL_HEADING] = self._workspaces[number].observation
+            sensed = self._members[number].c.workspace.observation
+            self._seen[row, : -layout.OBS_TAIL] = self._workspaces[number].observation
+            self._seen[row, layout.OBS_TILT] = sensed.tilt
+            self._seen[row, layout.OBS_TILT_HEADING] = sensed.tilt_heading
             self._kept[row] = self._workspaces[number].memory
         self._command[:] = 0.0
         after = np.empty((len(waiting), self._kept.shape[1]))

@@ -40,6 +40,7 @@ enum {
     WG_SENSE_NOTHING_ELSE = 512,  // only the fields that are always available
     WG_SENSE_NEIGHBOURS = 1024,   // and the messages that they sent
     WG_SENSE_GOAL_HEADING = 2048, // always available here; a flat array ends with it if declared
+    WG_SENSE_TILT = 4096,         // the same: a flat array ends with tilt, its heading and the goal's
 };
 
 // Another robot within the range that a run gives this sense, relative to the robot that senses it.
@@ -83,6 +84,8 @@ typedef struct WgObservation {
     int64_t neighbour_count;        // length of `neighbours`
     int64_t message_size;           // numbers that a message has; 0 without a channel
     double goal_heading;      // rad: world heading that the robot must have on arrival; NaN if any
+    double tilt;              // m/s: speed at which the tilted floor carries the robot; 0 if level
+    double tilt_heading;      // rad: world heading in which it does; 0 if level
 } WgObservation;
 
 // What a controller commands. All fields are zero (NULL) when the controller is called.

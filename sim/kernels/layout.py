@@ -4,7 +4,8 @@ Such a controller is a function ``act(observation, memory, command)``. The names
 ``worldgen_controller.h``, which gives the meaning and unit of each number: ``OBS_BUMP`` is
 ``WgObservation.bump``. The range beams, in metres, follow from index ``OBS_SIZE`` on; the number
 of them is a setting of the run. A controller that declares the sense ``goal_heading`` finds it
-behind everything else, at ``OBS_GOAL_HEADING``.
+behind everything else, at ``OBS_GOAL_HEADING``. For one that declares ``tilt`` or ``tilt_heading``,
+all three are there, the goal's heading last.
 """
 
 from __future__ import annotations
@@ -37,7 +38,11 @@ OBS_ODOMETRY_X = place("WgObservation", "odometry_x")
 OBS_ODOMETRY_Y = place("WgObservation", "odometry_y")
 OBS_ODOMETRY_HEADING = place("WgObservation", "odometry_heading")
 OBS_SIZE = place("WgObservation", "beams")
+OBS_TILT = -3
+OBS_TILT_HEADING = -2
 OBS_GOAL_HEADING = -1
+OBS_TAIL = 3
+"""How many numbers follow the beams in the rows of vector controllers and programs: these three."""
 
 CMD_SPEED = place("WgCommand", "speed")
 CMD_TURN_RATE = place("WgCommand", "turn_rate")

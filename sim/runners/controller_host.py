@@ -288,7 +288,7 @@ class ManyHost(ControllerHost):
 
     def drive(self, stops: Stops, memory: Memory) -> Memory:
         """Let it act for the only robot, whose memory the core keeps."""
-        workspace = Workspace(stops.episode, with_goal=True)
+        workspace = Workspace(stops.episode, with_tail=True)
         seen = workspace.observation[np.newaxis]
         kept = workspace.memory[np.newaxis]
         after = kept.copy()

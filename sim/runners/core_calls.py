@@ -271,20 +271,20 @@ class Workspace:
     Args:
         episode: The episode, a :class:`CoreEpisode` or a robot of a fleet; its ``c`` is a
             WgEpisode.
-        with_goal: Whether the goal's heading is the last number of the observation, if the
-            controller declares it; only for a single robot.
+        with_tail: Whether the observation ends with the goal's heading, and before it the tilt
+            and its heading, if the controller declares them; only for a single robot.
 
     Attributes:
-        observation: (17 + beams,), or one more, what the controller observes.
+        observation: (17 + beams,), or up to three more, what the controller observes.
         memory: (m,) its memory.
         command: (3,) speed, turn rate, and whether the random number was used.
     """
 
-    def __init__(self, episode: Any, *, with_goal: bool = False) -> None:
+    def __init__(self, episode: Any, *, with_tail: bool = False) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
         numbers = OBS_SIZE + int(c.workspace.observation.beam_count)
-        numbers += int(c.workspace.ends_with_goal) if with_goal else 0
+        numbers += int(c.workspace.tail) if with_tail else 0
         self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
         self.memory = (
             np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)

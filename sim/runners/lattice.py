@@ -475,7 +475,7 @@ class LatticeRun:
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
-        workspace = Workspace(episode, with_goal=True)
+        workspace = Workspace(episode, with_tail=True)
         act = compiled_act(self.controller.act)
         command = np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE)
         try:

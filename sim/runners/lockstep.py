@@ -14,7 +14,7 @@ from sim.controllers.base import Memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.hidden_state import hidden_state
 from sim.controllers.vector import Asker
-from sim.kernels.layout import OBS_SIZE
+from sim.kernels.layout import OBS_SIZE, OBS_TAIL
 from sim.runners.controller_host import ControllerHost, Faults
 from sim.runners.core_calls import REPORT, Driver
 from sim.runners.lattice import LatticeRun
@@ -92,7 +92,7 @@ class _Group:
         self._arenas: Any = ffi.new("WgArena[]", n)
         self._runs: Any = ffi.new("WgRun[]", n)
         self._slots: Any = ffi.new("WgRun *[]", [self._runs + k for k in range(n)])
-        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams + 1), np.nan)
+        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams + OBS_TAIL), np.nan)
         self.memory = np.zeros((n, len(memory)))
         self.command = np.zeros((n, 3))
 

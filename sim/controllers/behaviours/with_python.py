@@ -66,6 +66,8 @@ class ComposedController:
         plain: Any = observation[:OBS_SIZE]
         seen = ffi.new("WgObservation *", (*map(float, plain), beams, len(observation.beams)))
         seen.goal_heading = observation.goal_heading
+        seen.tilt = observation.tilt
+        seen.tilt_heading = observation.tilt_heading
         command = ffi.new("WgCommand *")
         into = ffi.from_buffer("double[]", numbers, require_writable=True)
         lib.wg_compose(calls.behaviours, seen, into, command)

@@ -9,7 +9,8 @@ grid and the map holds everything that it has seen. If walls are on a grid too, 
 a cell guarantees this. With less memory, the map is a window that moves with the robot and forgets
 everything outside it; the robot may then drive in circles larger than its map. ``mapping`` makes a
 controller with a map of any size. ``team-mapper`` is for fleets: its robots tell each other where
-they have touched walls.
+they have touched walls. ``tilt-mapper`` senses how the floor is tilted, and drives against the
+drift.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
     Automation 8 (1992). For the proof of arrival and the time bound: S. Koenig, C. Tovey and Y.
@@ -192,6 +193,13 @@ def mapping(
 
 mapper = mapping("mapper", FULL_SIDE)
 mapper_small = mapping("mapper-small", SMALL_SIDE)
+tilt_mapper = replace(
+    mapper,
+    name="tilt-mapper",
+    act=CoreAct("tilt-mapper"),
+    senses=(*mapper.senses, "tilt", "tilt_heading"),
+    about="Like mapper, but sense how the floor is tilted and drive against its drift.",
+)
 
 
 def team_mapping(driven: CompiledController, name: str) -> CompiledController:

@@ -24,8 +24,10 @@ MOST_ROBOTS = 1_024
 
 _COLUMNS: dict[str, int | slice] = {
     **{name: k for k, name in enumerate(Observation._fields[: layout.OBS_SIZE])},
-    "beams": slice(layout.OBS_SIZE, layout.OBS_GOAL_HEADING),
+    "beams": slice(layout.OBS_SIZE, -layout.OBS_TAIL),
     "goal_heading": layout.OBS_GOAL_HEADING,
+    "tilt": layout.OBS_TILT,
+    "tilt_heading": layout.OBS_TILT_HEADING,
 }
 _KEYS = {"speed", "turn_rate", "used_random"}
 _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
@@ -82,13 +84,15 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
         offer: The program's offer.
         robots: (n,) numbers of the robots.
         fresh: Numbers of the robots that begin an episode.
-        seen: (n, OBS_SIZE + beams + 1) the robots' observations; the goal's heading is last.
+        seen: (n, OBS_SIZE + beams + OBS_TAIL) the robots' observations.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:
         column = seen[:, _COLUMNS[name]]
-        # As for a single robot, a goal without a heading is not mentioned.
+        # As for a single robot, a goal without a heading and a level floor are not mentioned.
         if name == "goal_heading" and np.isnan(column).all():
+            continue
+        if name in ("tilt", "tilt_heading") and not seen[:, layout.OBS_TILT].any():
             continue
         message[name] = (column != 0.0).tolist() if name == "bump" else column.tolist()
     return json_line(message)

@@ -297,7 +297,7 @@ class ProcessController:
             offer: The program's offer.
             robots: (n,) numbers of the robots.
             fresh: Numbers of the robots that begin an episode.
-            seen: (n, OBS_SIZE + beams + 1) the robots' observations; the goal's heading is last.
+            seen: (n, OBS_SIZE + beams + OBS_TAIL) the robots' observations.
             command: (n, CMD_SIZE), filled in.
 
         Raises:
@@ -326,13 +326,15 @@ def is_process_name(name: str) -> bool:
 def observation_line(observation: Observation) -> bytes:
     """Return an observation as a line of JSON."""
     values = observation._asdict()
-    # A robot that does not sense others, or whose goal has no heading, gets lines in the original
-    # form.
+    # A robot that does not sense others, whose goal has no heading or whose floor is level gets
+    # lines in the original form.
     neighbours = values.pop("neighbours")
     if neighbours:
         values["neighbours"] = [one._asdict() for one in neighbours]
     if math.isnan(observation.goal_heading):
         del values["goal_heading"]
+    if observation.tilt == 0.0:
+        del values["tilt"], values["tilt_heading"]
     return json_line(values)
 
 

@@ -31,6 +31,7 @@
     ENTRY("team-mapper", wg_team_mapper_act)                     \
     ENTRY("three-layer", wg_three_layer_act)                     \
     ENTRY("three-layer-tuned", wg_three_layer_tuned_act)         \
+    ENTRY("tilt-mapper", wg_tilt_mapper_act)                     \
     ENTRY("topological", wg_topological_act)                     \
     ENTRY("turn-left", wg_turn_left_act)                         \
     ENTRY("turn-random", wg_turn_random_act)                     \

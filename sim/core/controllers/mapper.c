@@ -207,3 +207,14 @@ void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command
     }
     drive_to(seen, own, command, goal_of(seen, own));
 }
+
+// Drives like the mapper, but against the drift of a tilted floor, so that each step ends where the
+// mapper wants it.
+void wg_tilt_mapper_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    wg_mapper_act(seen, memory, command);
+    double heading = seen->heading + command->turn_rate * seen->time_step;
+    double x = command->speed * wg_cos(heading) - seen->tilt * wg_cos(seen->tilt_heading);
+    double y = command->speed * wg_sin(heading) - seen->tilt * wg_sin(seen->tilt_heading);
+    wg_steer(seen, command, wg_wrap(wg_angle_of(x, y) - seen->heading), sqrt(x * x + y * y));
+}

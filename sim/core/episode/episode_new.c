@@ -239,7 +239,8 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
     seen->top_speed = settings->top_speed;
     seen->radius = settings->radius;
     seen->goal_heading = wg_sensed_goal_heading(settings);
-    workspace->ends_with_goal = (settings->senses & WG_SENSE_GOAL_HEADING) != 0;
+    wg_sense_tilt(settings, seen);
+    workspace->tail = wg_tail(settings);
     seen->beams = workspace->beams;
     seen->beam_count = settings->beams;
     for (int64_t k = 0; k < settings->beams; k++) {

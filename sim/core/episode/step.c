@@ -396,7 +396,7 @@ static int64_t flat_size(const WgWorkspace *workspace)
 {
     const WgObservation *seen = &workspace->observation;
     int64_t neighbours = workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
-    return WG_SENSES + seen->beam_count + neighbours + workspace->ends_with_goal;
+    return WG_SENSES + seen->beam_count + neighbours + workspace->tail;
 }
 
 // Copies the neighbours into rows of a flat array; rows without one are NaN.
@@ -425,8 +425,13 @@ void wg_flatten(WgWorkspace *workspace)
     if (workspace->neighbour_room > 0) {
         flatten_neighbours(workspace, workspace->flat + WG_SENSES + beams);
     }
-    if (workspace->ends_with_goal != 0) {
-        workspace->flat[flat_size(workspace) - 1] = workspace->observation.goal_heading;
+    if (workspace->tail > 0) {
+        double *last = workspace->flat + flat_size(workspace) - 1;
+        *last = workspace->observation.goal_heading;
+        if (workspace->tail > 1) {
+            last[-1] = workspace->observation.tilt_heading;
+            last[-2] = workspace->observation.tilt;
+        }
     }
 }
 

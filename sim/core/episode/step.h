@@ -77,7 +77,7 @@ void wg_flatten(WgWorkspace *workspace);
 // of neighbours.
 static inline int64_t wg_flat_size(const WgSettings *settings, int64_t neighbours)
 {
-    return WG_SENSES + settings->beams + neighbours + ((settings->senses & WG_SENSE_GOAL_HEADING) != 0);
+    return WG_SENSES + settings->beams + neighbours + wg_tail(settings);
 }
 
 // Lets a library's function act in its cage, on copies of the observation and the command.

@@ -55,7 +55,7 @@ static PyObject *floats(const double *numbers, int64_t count)
 static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools)
 {
     const double *seen = workspace->flat;
-    PyObject *fields = PyTuple_New(WG_SENSES + 3);
+    PyObject *fields = PyTuple_New(WG_SENSES + 5);
     if (fields == NULL) {
         return NULL;
     }
@@ -69,8 +69,12 @@ static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools
     // A robot that is driven from here is alone: it has no neighbours.
     PyObject *neighbours = made ? PyTuple_New(0) : NULL;
     made = neighbours != NULL && PyTuple_SetItem(fields, WG_SENSES + 1, neighbours) == 0;
-    PyObject *goal = made ? PyFloat_FromDouble(workspace->observation.goal_heading) : NULL;
-    made = goal != NULL && PyTuple_SetItem(fields, WG_SENSES + 2, goal) == 0;
+    const WgObservation *now = &workspace->observation;
+    const double last[] = {now->goal_heading, now->tilt, now->tilt_heading};
+    for (Py_ssize_t k = 0; made && k < 3; k++) {
+        PyObject *number = PyFloat_FromDouble(last[k]);
+        made = number != NULL && PyTuple_SetItem(fields, WG_SENSES + 2 + k, number) == 0;
+    }
     PyObject *observation =
         made ? PyObject_CallFunctionObjArgs(tools->new_tuple, tools->observation, fields, NULL) : NULL;
     Py_DecRef(fields);

@@ -303,3 +303,12 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         wg_sense_beams(arena, settings, state, step, beams);
     }
 }
+
+void wg_sense_tilt(const WgSettings *settings, WgObservation *observation)
+{
+    double x = (double)settings->drift_x;
+    double y = (double)settings->drift_y;
+    observation->tilt = sqrt(x * x + y * y) * settings->metres / settings->time_step;
+    int64_t heading = wg_heading_of(settings->drift_x, settings->drift_y, 0);
+    observation->tilt_heading = (double)wg_turn_towards(0, heading) * settings->radians;
+}

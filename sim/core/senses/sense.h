@@ -99,7 +99,8 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
 // step without them.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
-    return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE | WG_SENSE_GOAL_HEADING)) != 0;
+    const int64_t others = WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE | WG_SENSE_GOAL_HEADING | WG_SENSE_TILT;
+    return (settings->senses & ~others) != 0;
 }
 
 // Heading of an observation, rad.
@@ -113,6 +114,19 @@ static inline double wg_sensed_goal_heading(const WgSettings *settings)
 {
     bool has_one = settings->has_goal_heading != 0;
     return has_one ? (double)wg_turn_towards(0, settings->goal_heading) * settings->radians : (double)NAN;
+}
+
+// Fills in how the floor is tilted, as the speed and the heading of the drift that it causes.
+void wg_sense_tilt(const WgSettings *settings, WgObservation *observation);
+
+// Number of numbers that follow everything else in a flat array: the goal's heading if it is
+// declared; before it, if the tilt is declared, the tilt and its heading.
+static inline int64_t wg_tail(const WgSettings *settings)
+{
+    if ((settings->senses & WG_SENSE_TILT) != 0) {
+        return 3;
+    }
+    return (settings->senses & WG_SENSE_GOAL_HEADING) != 0 ? 1 : 0;
 }
 
 // The controller's next random number.
