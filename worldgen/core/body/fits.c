@@ -85,7 +85,7 @@ static WgStatus add_heading(WgBoxes *boxes, int64_t heading)
     }
     int64_t top = boxes->high[1];
     for (int64_t k = 0; k < lines && status == WG_OK; k++) {
-        if (heights[k] < boxes->low || heights[k] > top || (k > 0 && heights[k] == heights[k - 1])) {
+        if (heights[k] < boxes->low || heights[k] > top || (k + 1 < lines && heights[k] == heights[k + 1])) {
             continue;
         }
         WgRange row = {
@@ -93,7 +93,7 @@ static WgStatus add_heading(WgBoxes *boxes, int64_t heading)
             {(int32_t)boxes->high[0], (int32_t)heights[k], (int32_t)heading},
         };
         status = add_row(boxes, &span, row, room);
-        if (status == WG_OK && k + 1 < lines && heights[k + 1] > heights[k] && heights[k + 1] <= top) {
+        if (status == WG_OK && k + 1 < lines && heights[k + 1] <= top) {
             row.high[1] = (int32_t)heights[k + 1];
             status = add_row(boxes, &span, row, room);
         }
