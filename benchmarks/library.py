@@ -57,7 +57,7 @@ class Row:
     detour: float
 
 
-FOR_FLEETS = {"naive", "orca", "pibt", "right-hand"}
+FOR_FLEETS = {"naive", "orca", "pibt", "right-hand", "team-mapper"}
 """Controllers for several robots."""
 
 

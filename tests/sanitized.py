@@ -8,7 +8,9 @@ runs it with the C under AddressSanitizer, which ends the process at the first f
 from __future__ import annotations
 
 import argparse
+import contextlib
 import gc
+import math
 import sys
 import tempfile
 from dataclasses import replace
@@ -17,18 +19,23 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from benchmarks.referee import random_body, referee_bodies
 from fuzz.campaign.unit import run_unit
 from fuzz.unit.config import CampaignConfig
-from sim import RunOptions, simulate, simulate_many
+from sim import RobotOptions, RunOptions, simulate, simulate_many
 from sim.scenario import Scenario
 from worldgen import check_certificate, decide, generate, read_world, write_world
 from worldgen.errors import InvalidWorld
 from worldgen.family import FAMILIES
+from worldgen.random_streams import RandomStream
 from worldgen.reach.body.core_calls import Body, BodyPose
-from worldgen.robot import Pose, Robot, Target
+from worldgen.robot import Drive, Pose, Robot, Target
 from worldgen.world import World
 
 _CONTROLLERS = ("turn-right", "turn-random", "bug2", "vfh", "gestalt", "mapper", "q-learner")
+_SHOVED = RobotOptions(
+    pushes=(0.3, 0.1, 0.05, 1.0, 0.6, -0.2, 0.1, -2.0), drift=0.05, slip=0.1, odometry_noise=0.1
+)
 _FLEETS = (("rooms", 12), ("fire", 12), ("corridor", 11))
 
 
@@ -39,8 +46,9 @@ def main() -> None:
     thorough = parser.parse_args().thorough
     _generate(range(5) if thorough else range(1))
     _fleets(range(5) if thorough else range(1))
-    _bodies(100_000, 200 if thorough else 40)
+    _prove_bodies(100_000, 200 if thorough else 40)
     _controllers(_CONTROLLERS)
+    _drive_bodies(100_000 if thorough else 10_000)
     _campaigns(_CONTROLLERS if thorough else _CONTROLLERS[:2], 10 if thorough else 2)
     print("no fault found")
 
@@ -75,7 +83,7 @@ def _fleets(seeds: range) -> None:
             simulate(world, "turn-right", steps=2_000)
 
 
-def _bodies(poses: int, worlds: int) -> None:
+def _prove_bodies(poses: int, worlds: int) -> None:
     """Test random bodies at random poses, and decide where some of them get."""
     _say(f"{poses} poses of bodies")
     rng = np.random.default_rng(1)
@@ -114,6 +122,34 @@ def _controllers(names: tuple[str, ...]) -> None:
         simulate(world, name, steps=3_000, record=True)
         simulate_many([world], [name], seeds=range(4), options=RunOptions(steps=1_000))
         gc.collect()
+
+
+def _drive_bodies(moves: int) -> None:
+    """Move and turn random bodies, and run some of them, and cars, with pushes, fire and beams."""
+    _say(f"{moves:,} moves of bodies")
+    referee_bodies(moves, 5)
+    _say("runs of bodies and cars")
+    stream = RandomStream(7)
+    for seed in range(moves // 1_000):
+        world = generate(("fire", "trap", "corridor")[seed % 3], seed)
+        corners = random_body(stream)
+        # About as large as the world's own robot, so that many are clear at the start.
+        scale = 1.2 * world.robot_radius / max(math.hypot(*corner) for corner in corners)
+        footprint = tuple((x * scale, y * scale) for x, y in corners)
+        drive = (
+            Drive(3.0 * world.robot_radius, seed % 2 == 0, 2.0 * (seed % 3))
+            if seed % 4
+            else Drive()
+        )
+        robot = replace(world.robots[0], footprint=footprint, drive=drive)
+        for motion in ("swept", "endpoint"):
+            with contextlib.suppress(InvalidWorld):
+                simulate(
+                    replace(world, robots=(robot,), certificate=None),
+                    "vfh" if seed % 5 == 0 else "turn-random",
+                    RunOptions(motion, 600, robot=_SHOVED),
+                    record=True,
+                )
 
 
 def _campaigns(names: tuple[str, ...], examples: int) -> None:

@@ -7,23 +7,78 @@ passages it can drive along and around corners. Everything is a proposal; the pr
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, heading_from_lattice
-from worldgen.robot import Pose, Robot
+from worldgen.robot import Pose, Robot, Target
+from worldgen.robot_overrides import RobotOverrides
 from worldgen.support.arrays import Bools, Floats
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, World
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, Value, World
 
 # Headings to try at the start, around a full turn.
 _HEADINGS = 16
 # Cells that a robot's radius is long by default, which is what the usual sizes of families suit.
 _USUAL_CELLS = DEFAULT_ROBOT_RADIUS / DEFAULT_CELL_SIZE
+# Digits of the radius of a disc for which a world is laid out.
+_DIGITS = 4
+# Width of passages of a car that cannot reverse, turning radii: a wall is half as thick by default, so
+# that it can drive one bend after another.
+_AFTER_ANOTHER = 4 / 3
 # Cells by which rounding may let a body overlap a wall that it touches.
 _TOUCH = 1e-9
+
+
+@dataclass(frozen=True)
+class FittedRobot:
+    """A robot with a body, a drive or a goal of its own, in the worlds of a family.
+
+    Args:
+        overrides: The body, drive and goal.
+        radius: Radius of the robot if it is a disc, m; for a footprint, that of the disc for which
+            worlds are laid out.
+        any_heading: Whether the body must fit with any heading everywhere, because walls change.
+    """
+
+    overrides: RobotOverrides
+    radius: float = DEFAULT_ROBOT_RADIUS
+    any_heading: bool = False
+
+    @property
+    def layout_radius(self) -> float:
+        """The radius, m, of the disc for which worlds are laid out, unless it is given."""
+        plain = Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 1.0), self.radius)
+        return layout_radius(self.overrides.applied_to_robot(plain), any_heading=self.any_heading)
+
+    def suited_sizes(self) -> dict[str, float]:
+        """Return the parameters of a family that suit the body."""
+        if not self.overrides.changes_body:
+            return {}
+        radius = self.layout_radius
+        sizes = {"cell_size": usual_cell(radius)}
+        return sizes if self.overrides.footprint is None else {**sizes, "robot_radius": radius}
+
+    def laid_out_for(self, params: Mapping[str, Value]) -> dict[str, Value]:
+        """Return a family's parameters with the radius for which it lays out its worlds."""
+        is_round = self.overrides.footprint is None
+        if not (self.overrides.changes_body and is_round and "robot_radius" in params):
+            return dict(params)
+        return {**params, "robot_radius": self.layout_radius}
+
+    def put_into(self, world: World) -> World:
+        """Return a world with this robot at its start.
+
+        Raises:
+            InvalidParameter: If there is no room for it.
+            InvalidWorld: If no world can have such a robot.
+        """
+        if not self.overrides.given():
+            return world
+        robot = replace(world.robots[0], radius=self.radius)
+        return with_room(world, self.overrides.applied_to_robot(robot))
 
 
 def layout_radius(robot: Robot, *, any_heading: bool = False) -> float:
@@ -33,18 +88,20 @@ def layout_radius(robot: Robot, *, any_heading: bool = False) -> float:
         robot: The robot.
         any_heading: Whether the body must fit with any heading everywhere.
     """
-    return robot.radius if any_heading else max(robot.inner_radius, 0.5 * _passage(robot))
+    radius = max(robot.inner_radius, 0.5 * _passage(robot))
+    return rounded_up(max(radius, robot.radius) if any_heading else radius, _DIGITS)
 
 
 def usual_cell(radius: float) -> float:
-    """Return the side of a cell, m, in which a disc has as many cells as the default one has.
+    """Return the side of a cell, m, in which a disc has as many cells as the default one has."""
+    return rounded_up(radius / _USUAL_CELLS, 2)
 
-    It is rounded up to two digits.
-    """
-    side = radius / _USUAL_CELLS
-    digit = 10.0 ** (math.floor(math.log10(side)) - 1)
-    # Rounded before it is rounded up, as 0.1 / 0.01 is 10.000000000000002.
-    return round(math.ceil(round(side / digit, 6)) * digit, 12)
+
+def rounded_up(value: float, digits: int) -> float:
+    """Return a number above 0 with this many digits that is not below another one."""
+    last = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    # A number that has no more digits, but for rounding errors, stays as it is.
+    return round(math.ceil(round(value / last, 6)) * last, 12)
 
 
 def _passage(robot: Robot) -> float:
@@ -52,7 +109,7 @@ def _passage(robot: Robot) -> float:
 
     A rectangle of length L and width W that turns while it moves needs (L / 2 + W) / sqrt(2) at a
     right angle: it is tightest half way. A car that drives an arc needs the outer radius of what it
-    sweeps less the inner one divided by sqrt(2).
+    sweeps less the inner one divided by sqrt(2); if it cannot reverse, it needs room between bends.
     """
     if robot.is_disc:
         width = length = 2.0 * robot.radius
@@ -70,6 +127,8 @@ def _passage(robot: Robot) -> float:
         if not robot.is_disc:
             outer = max(math.hypot(x, turning + abs(y)) for x, y in robot.footprint)
         needed = max(needed, outer - max(turning - half, 0.0) / math.sqrt(2))
+        if not robot.drive.reverse:
+            needed = max(needed, _AFTER_ANOTHER * turning)
     return needed
 
 

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from worldgen.body_room import layout_radius, usual_cell, with_room
+from worldgen.body_room import FittedRobot
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.lattice import in_cells
@@ -30,7 +30,7 @@ from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
 from worldgen.robot_overrides import RobotOverrides, option_flag
 from worldgen.support.progress import Work, working
-from worldgen.world import JointWitness, Pose, Provenance, Robot, Target, Value, Witness, World
+from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
 __all__ = [
     "FAMILIES",
@@ -52,6 +52,8 @@ __all__ = [
 Build = Callable[..., World]
 
 MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
+# Same, for a car: a search for its path that fails takes a second.
+MAX_CAR_ATTEMPTS = 16
 MAX_PLACEMENTS = 4  # placements of the robots to try in each layout
 # Layouts tried for several robots. In the first ones passages are as narrow as for one robot, so
 # that robots have to make way for each other; in those after that, two robots can pass.
@@ -131,7 +133,7 @@ class Family:
 
         Raises:
             InvalidParameter: If a parameter is unknown, or a value is out of range.
-            GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
+            GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the robot.
         """
         # Check the parameters.
         complete = self.complete(params)
@@ -139,13 +141,16 @@ class Family:
         margin = float(cast("float", complete.get(MARGIN, 0.0)))
         overrides = self.overrides(complete)
         own = {name: value for name, value in complete.items() if name not in overrides.given()}
+        fitted = self._fitted(overrides, own)
+        own = fitted.laid_out_for(own)
         robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
         fleet = int(cast("int", complete.get(ROBOTS, 1)))
         is_fleet = fleet != 1
         # Try layouts until one is proved to be solvable.
         crowded: InvalidParameter | None = None
         first = 0
-        for attempt in range(_attempts(fleet)):
+        most = MAX_CAR_ATTEMPTS if overrides.drive == "car" else _attempts(fleet)
+        for attempt in range(most):
             if attempt < first:
                 continue
             rng = stream_for(number, self.name, attempt)
@@ -153,9 +158,7 @@ class Family:
                 own |= self._wide_passages(own)
             with _placing(fleet, attempt) as work:
                 try:
-                    world = self.build(rng, **own)
-                    if overrides.given():
-                        world = with_room(world, overrides.applied_to_robot(world.robots[0]))
+                    world = fitted.put_into(self.build(rng, **own))
                     decision = _decided(world, margin)
                     if decision.result == REACHABLE and robots > 1:
                         stream = rng.child(ROBOTS)
@@ -405,22 +408,16 @@ class Family:
                 option=option_flag(next(iter(overrides.given()))),
                 robots=robots,
             )
-        if not overrides.changes_body:
-            return params
-        # Passages that the body can drive along, in cells of which the usual sizes suit it. Where
-        # walls change, the body may have to turn anywhere.
-        plain = Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 1.0))
-        given = params.get("robot_radius")
-        if isinstance(given, int | float):
-            plain = replace(plain, radius=float(given))
-        body = overrides.applied_to_robot(plain)
-        radius = layout_radius(body, any_heading=self.changes)
-        suited: dict[str, Value | None] = {"robot_radius": radius}
-        suited["cell_size"] = usual_cell(radius)
+        given = {name: value for name, value in params.items() if value is not None}
         known = {one.name for one in self.parameters}
-        return {name: value for name, value in suited.items() if name in known} | {
-            name: value for name, value in params.items() if value is not None
-        }
+        suited = self._fitted(overrides, given).suited_sizes()
+        return {**{name: size for name, size in suited.items() if name in known}, **given}
+
+    def _fitted(self, overrides: RobotOverrides, params: Mapping[str, Value | None]) -> FittedRobot:
+        """Return the robot of a world with these parameters."""
+        radius = params.get("robot_radius")
+        fitted = FittedRobot(overrides, any_heading=self.changes)
+        return replace(fitted, radius=float(radius)) if isinstance(radius, int | float) else fitted
 
     def _check_planner(self, value: Value, here: Value) -> None:
         if value != here:

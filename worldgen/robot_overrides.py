@@ -19,7 +19,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.parameters import Parameter, Written, parameters_of_fields
 from worldgen.parameters.bounds import Bounds
 from worldgen.parameters.known_names import unknown_name
-from worldgen.robot import ARRIVALS, Corner, Drive, Robot, convex_footprint
+from worldgen.robot import ARRIVALS, Corner, Drive, Robot, Target, convex_footprint
 
 if TYPE_CHECKING:
     from worldgen.world import World
@@ -179,16 +179,16 @@ class RobotOverrides:
             raise InvalidParameter(
                 "option-missing",
                 "{option} is for a car, and the robot turns on the spot",
-                "add --drive car, or omit it",
+                "make it a car with {needs!l}, or omit it",
                 option=option_flag(next(iter(changes))),
-                needs=["drive", "turning_radius"] if lacks_radius else ["drive"],
+                needs=["--drive", *(["--turning-radius"] if lacks_radius else [])],
             )
         if is_car and lacks_radius:
             raise InvalidParameter(
                 "option-missing",
-                "--drive car needs a turning radius",
-                "add --turning-radius, the smallest radius in m that its axle can drive",
-                needs=["turning_radius"],
+                "a car needs a turning radius, in m",
+                "give it with {needs!l}",
+                needs=["--turning-radius"],
             )
         return replace(drive, **changes)
 
@@ -330,7 +330,7 @@ def _arrival(text: str) -> dict[str, Any]:
         raise InvalidParameter(
             "wrong-form",
             "arrival {name!q} has a limit that it does not take",
-            "write stop:SPEED:TURN_RATE, in m/s and rad/s; touch and step take no limits",
+            "write {near}; only stop takes limits, stop:SPEED:TURN_RATE, in m/s and rad/s",
             name=text,
             near=word,
         )
@@ -368,3 +368,18 @@ def _not_negative(option: str, text: str, number: str) -> float:
             number=number,
         )
     return value
+
+
+def describe_goal(goal: Target) -> str:
+    """Return what a goal asks for besides a touch: ``a stop at heading 1.57 rad (+- 0.25)``.
+
+    Empty if that is all.
+    """
+    words = {"touch": "", "step": "the end of a step", "stop": "a stop"}[goal.arrival]
+    if goal.heading is not None:
+        heading = f"heading {goal.heading:.6g} rad (+- {goal.heading_tolerance:.6g})"
+        words = f"{words} at {heading}" if words else heading
+    contact = {"stop": "no slide along walls", "fail": "no contact with walls"}.get(
+        goal.contact or "", ""
+    )
+    return ", ".join(filter(None, (words, contact)))

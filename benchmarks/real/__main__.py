@@ -25,7 +25,7 @@ import click
 
 from benchmarks.real.campaign import campaign
 from benchmarks.real.peers import hypothesis_test, plain_loop
-from benchmarks.real.planting import ROBOTS, Robot, write
+from benchmarks.real.planting import DEEP, ROBOTS, Robot, write
 
 # Least CPU seconds in which a campaign is expected to find what the loop finds sooner, and how many
 # times as long as the loop it may take.
@@ -47,7 +47,7 @@ def measure(robot: Robot, folder: Path, options: argparse.Namespace) -> dict[str
     limit = max(_LEAST, _TIMES * loop.first) if loop.first is not None else None
     in_time = None if limit is None else found.first is not None and found.first <= limit
     return {
-        "robot": robot.file,
+        "robot": robot.name or robot.file,
         "faulty": faulty,
         "fault": robot.fault if faulty else "",
         "loop": asdict(loop),
@@ -109,7 +109,7 @@ def main() -> None:
     parser.add_argument("--write", type=Path, help="only write the controllers into this folder")
     parser.add_argument("--keep", type=Path, help="keep controllers and campaigns in this folder")
     options = parser.parse_args()
-    robots = [ROBOTS[name] for name in options.only.split(",")]
+    robots = [(ROBOTS | DEEP)[name] for name in options.only.split(",")]
     if options.write is not None:
         for robot in robots:
             click.echo(write(robot, options.write, faulty=not options.correct, pace=options.pace))
@@ -118,10 +118,12 @@ def main() -> None:
     rows = []
     with tempfile.TemporaryDirectory() as temporary:
         for robot in robots:
-            folder = (options.keep or Path(temporary)) / robot.file
+            folder = (options.keep or Path(temporary)) / (robot.name or robot.file)
             folder.mkdir(parents=True)
             rows.append(measure(robot, folder, options))
-            click.echo(f"{robot.file}: {_seconds(rows[-1]['campaign']['first'])} s", err=True)
+            click.echo(
+                f"{robot.name or robot.file}: {_seconds(rows[-1]['campaign']['first'])} s", err=True
+            )
     if not options.json:
         click.echo(_table(rows, within))
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import resource
@@ -17,7 +18,7 @@ from benchmarks.real.planting import PURPOSES, Robot, write
 from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure
 from sim import simulate
-from sim.verdict import Verdict
+from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.files.grid import read_world
 
 # Seconds between two looks at the folder.
@@ -115,8 +116,10 @@ def campaign(
     # A fire that the robot cannot sense says nothing about it, and fuzz does not count it either.
     files = [file for file, failure in failures.items() if not is_hazard(failure)]
     row.stored = stored[files[0]] if files else None
-    for file in files[:_MOST_REPLAYED]:
-        if _is_confirmed(file) and (not faulty or _arrives(failures[file], base)):
+    # Failures that the correct controller has, too, say nothing about the fault.
+    own = (file for file in files if not faulty or _arrives(failures[file], base))
+    for file in itertools.islice(own, _MOST_REPLAYED):
+        if _is_confirmed(file):
             row.first = stored[file]
             break
     return row
@@ -174,4 +177,7 @@ def _is_confirmed(file: Path) -> bool:
 
 
 def _arrives(failure: Failure, controller: str) -> bool:
-    return simulate(failure.world, controller, failure.options).verdict == Verdict.REACHED
+    """Return True if the correct controller arrives, or at least makes no error there."""
+    verdict = simulate(failure.world, controller, failure.options).verdict
+    is_error = failure.verdict in BY_THE_CONTROLLER and verdict not in BY_THE_CONTROLLER
+    return verdict == Verdict.REACHED or is_error

@@ -31,6 +31,7 @@ class Robot:
         words: A screen that has one of these, or the planted line, names the cause.
         arrives: Share of small worlds in which it arrives without the fault, within 8 times the
             witness's time. A bug algorithm may turn the wrong way at first.
+        name: Its name, if several faults share a file.
     """
 
     file: str
@@ -40,6 +41,7 @@ class Robot:
     fault: str
     words: tuple[str, ...]
     arrives: float = 1.0
+    name: str = ""
 
     def text(self, faulty: bool) -> str:
         """Return the source.
@@ -205,6 +207,46 @@ ROBOTS = {
     )
 }
 """The robots by the names of their files."""
+
+
+def _needs_a_history(name: str, line: str, planted: str, fault: str, *words: str) -> Robot:
+    return Robot("histories", "Histories", line, planted, fault, words, arrives=0.85, name=name)
+
+
+DEEP = {
+    robot.name: robot
+    for robot in (
+        _needs_a_history(
+            "long_wall",
+            "effort = 1.0",
+            "effort = 1.0 if steps < 2_000 else 0.0",
+            "It stops after 2,000 steps along one wall.",
+            *("stands still", "stops", "turns on the spot"),
+        ),
+        _needs_a_history(
+            "windings",
+            "speed = seen.top_speed",
+            "speed = seen.top_speed if abs(turned) < 3 * math.tau else 0.0",
+            "It stops once it has turned three times around on one wall.",
+            *("stands still", "stops", "turns on the spot"),
+        ),
+        _needs_a_history(
+            "counter",
+            "return gained and walls > 0",
+            "return gained and walls < 25",
+            "It never leaves the 25th wall that it meets, and goes around it.",
+            *("around", "circles", "same wall"),
+        ),
+        _needs_a_history(
+            "recovery",
+            "room = seen.beams[0] / seen.radius",
+            "room = seen.beam[0] / seen.radius",
+            "A branch for a robot that gets no closer for 1,500 steps has a wrong name in it.",
+            *("attributeerror", "beam"),
+        ),
+    )
+}
+"""Faults that show only after a long history, by their own names."""
 
 PURPOSES = {
     "n": "natural worlds",

@@ -6,6 +6,7 @@ from msgspec import UNSET, structs
 
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Archive, Status, Summary
+from fuzz.facts.unrun import unrun_lines
 from fuzz.search.archive import archive_table
 from fuzz.unit.answer import AnswerNumbers, answer_of
 from fuzz.unit.config import CampaignConfig
@@ -14,6 +15,8 @@ from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.files.json_file import converted
 from worldgen.support.plain_text import aligned, counted, lasting
 
+# Places of lines that never ran that are named.
+_MOST_UNRUN = 8
 # Seconds of a world from which its cost is shown.
 _WORTH_SAYING = 0.01
 
@@ -59,6 +62,8 @@ def summary_of(
         controller_share=UNSET if share is None else round(share, 3),
         survives_reset=sorted(state.effort.survivors) or UNSET,
         differs_by=sorted(state.effort.differences) or UNSET,
+        unrun_lines=unrun_lines(config.scenario.controller, state.memory.lines | state.effort.lines)
+        or UNSET,
     )
 
 
@@ -131,6 +136,17 @@ def describe_speed(live: LiveState) -> str:
     if live.left:
         parts.append(f"about {lasting(live.left)} left")
     return f"; {', '.join(parts)}"
+
+
+def describe_unrun(summary: Summary) -> str:
+    """Describe the lines that never ran.
+
+    For example ``lines of your controller that never ran in any world: 41-44 (recover), 60 (act)``.
+    """
+    lines = [] if summary.unrun_lines is UNSET else summary.unrun_lines
+    more = f", and {len(lines) - _MOST_UNRUN} more" if len(lines) > _MOST_UNRUN else ""
+    places = ", ".join(lines[:_MOST_UNRUN])
+    return f"lines of your controller that never ran in any world: {places}{more}"
 
 
 def describe_share(summary: Summary, controller: str) -> str | None:

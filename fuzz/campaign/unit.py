@@ -15,6 +15,7 @@ from fuzz.unit.result import SearchState, UnitResult
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
+from sim.controllers.lines_run import report_lines, watch_lines
 
 
 def run_unit(
@@ -39,7 +40,7 @@ def run_unit(
     result = UnitResult(strategy=name)
     triage = Triage(config, result, deadline)
     # State that the controller has kept from other units must not matter here.
-    as_loaded(config.scenario.controller)
+    watch_lines(as_loaded(config.scenario.controller))
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
@@ -49,5 +50,7 @@ def run_unit(
     except KeyboardInterrupt:
         result.cut = result.interrupted = True
     triage.end()
+    report_lines()
     result.effort = began.since()
+    result.lines = result.effort.lines
     return result

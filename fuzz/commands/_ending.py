@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 from msgspec import UNSET, structs
 
 from fuzz.campaign.store import SUMMARY, Summary
-from fuzz.campaign.summary import describe_share, describe_strategies, describe_time, describe_units
+from fuzz.campaign.summary import (
+    describe_share,
+    describe_strategies,
+    describe_time,
+    describe_units,
+    describe_unrun,
+)
 from fuzz.facts.hazards import hazard_words
 from fuzz.failure import Failure
 from fuzz.layouts.map_windows import describe_tried
@@ -101,6 +107,8 @@ class Ending:
             note(str(state_survives_reset(controller, summary.survives_reset)))
         if summary.differs_by is not UNSET:
             note(str(runs_differ(controller, summary.differs_by)))
+        if summary.unrun_lines is not UNSET:
+            note(describe_unrun(summary))
         if self.interrupted_steps:
             note(
                 f"{counted(self.interrupted_steps, 'step')} of {controller} were still running when "

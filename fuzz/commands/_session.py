@@ -21,6 +21,7 @@ from fuzz.commands._ending import Ending
 from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
+from fuzz.overview.limits import seconds_to_conclude
 from fuzz.overview.result import CampaignResult, write_overview
 from fuzz.shrink.queue import SHRINKING_SECONDS
 from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
@@ -37,9 +38,7 @@ from worldgen.support.progress import is_verbose, working
 _SUMMARY_EVERY = 1.0
 # Seconds for the runs of all pictures together.
 _TO_DRAW = 2.0
-# Share of the time in which natural worlds are run and failures explained, once the search is over.
-_TO_CONCLUDE = 0.15
-# Seconds for that after Ctrl-C.
+# Seconds for natural worlds and explanations after Ctrl-C.
 _TO_CONCLUDE_AT_ONCE = 1.0
 
 
@@ -94,10 +93,17 @@ class CampaignSession:
         self._lasts = lasts
         budget = campaign_run.budget
         self._budget = budget
+        self._to_conclude = (
+            None
+            if budget.seconds is None
+            else seconds_to_conclude(campaign_run.config, budget.seconds)
+        )
         self._campaign = Campaign(
             campaign_run.config,
             units=budget.units,
-            seconds=None if budget.seconds is None else budget.seconds * (1.0 - _TO_CONCLUDE),
+            seconds=None
+            if budget.seconds is None or self._to_conclude is None
+            else budget.seconds - self._to_conclude,
             executor=executor,
             store=campaign_run.store,
             is_known=self._conclusion.known.has,
@@ -106,7 +112,6 @@ class CampaignSession:
         self._limit = (
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
         )
-        self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
         self._overview = Overview(CampaignResult(causes=[]), {}, {})
         # Ids of the failures in the folder's files, by stem.
         self._saved: dict[str, str] = {}
@@ -279,8 +284,12 @@ class CampaignSession:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
         # Natural worlds may show what the search did not.
         state = self._campaign.state
-        more = began.since().differences
-        state.effort = replace(state.effort, differences=state.effort.differences | more)
+        more = began.since()
+        state.effort = replace(
+            state.effort,
+            differences=state.effort.differences | more.differences,
+            lines=state.effort.lines | more.lines,
+        )
         # Earlier results are not all processed, so the folder's files know more.
         if self._goes_on:
             return stopped

@@ -90,8 +90,8 @@ def find(
 ) -> None:
     r"""Search for a world with the outcomes that you name.
 
-    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
-    invalid-command), stuck (loop or stalled; for random controllers also timeout), or fails
+    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, contact, burned,
+    crash, hang, invalid-command), stuck (loop or stalled; for random controllers also timeout), or fails
     (anything but reached). Add steps to reached, or the period to loop: reached@330,
     reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, at least 19 of
     20 seeds must have that outcome; for a time, the median counts.

@@ -42,11 +42,14 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
         heading += bytes[WG_LAYOUT_BYTES + 2] % WG_FINER_HEADINGS;
     }
     settings->start_heading = heading * (WG_TURN / (WG_LAYOUT_HEADINGS * WG_FINER_HEADINGS));
-    settings->clear_sq = looks->discs[radius].clear_sq;
-    settings->reach = looks->discs[radius].reach;
+    // All scenes of a body are about that body.
+    if (settings->footprint.count == 0) {
+        settings->clear_sq = looks->discs[radius].clear_sq;
+        settings->reach = looks->discs[radius].reach;
+        settings->radius = looks->radii[radius];
+    }
     settings->target_radius_sq = looks->targets[target];
     settings->seed = looks->seeds[run];
-    settings->radius = looks->radii[radius];
 }
 
 // Returns the reach of the disc for which the path of a run must be wide enough.
@@ -101,6 +104,12 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     arena->width = places.width;
     arena->height = places.height;
     look->solid = wg_layout_fill(solid, arena);
+    if (settings->footprint.count > 0
+        && !wg_robot_is_clear(wg_grid(arena), WG_SOLID, arena->headings, settings, settings->start_x,
+                              settings->start_y, settings->start_heading)) {
+        look->distance = -1;
+        return false;
+    }
     arena->visited[places.start_y * places.width + places.start_x] = 1;
 
     // If the masks reach as far as a step, a run needs no table of distances.
@@ -145,11 +154,11 @@ static int64_t solid_beside(WgGrid grid, int64_t ix, int64_t iy)
            (wg_cell_state(grid, ix, iy + 1) == WG_SOLID) + (wg_cell_state(grid, ix, iy - 1) == WG_SOLID);
 }
 
-// Notes the kind of wall that the robot went through or into.
+// Notes the kind of wall that the robot went through or into, or touched although it may not.
 static void note_wall(const WgArena *arena, WgLook *look)
 {
     const WgReport *report = &look->report;
-    if (report->ending == WG_TUNNEL) {
+    if (report->ending == WG_TUNNEL || report->ending == WG_CONTACT) {
         look->around = solid_beside(wg_grid(arena), report->hit_ix, report->hit_iy);
     } else if (report->overlap_step >= 0) {
         look->around = solid_beside(wg_grid(arena), report->overlap_ix, report->overlap_iy);
@@ -164,9 +173,13 @@ void wg_look_close(WgSeat *seat)
     note_wall(seat->arena, look);
 }
 
-// Returns the kind of wall that a robot touches, judging by the solid cells next to its disc.
-static int64_t contact_of(WgGrid grid, int64_t reach, int64_t x, int64_t y)
+// Returns the kind of wall that a robot touches, judging by the solid cells next to it.
+static int64_t contact_of(const WgArena *arena, const WgSettings *settings, const WgState *state)
 {
+    WgGrid grid = wg_grid(arena);
+    int64_t reach = settings->reach;
+    int64_t x = state->x;
+    int64_t y = state->y;
     int64_t farthest = (reach + SLACK) * (reach + SLACK);
     int across = 0; // bits: right, left
     int along = 0;  // bits: above, below
@@ -175,7 +188,9 @@ static int64_t contact_of(WgGrid grid, int64_t reach, int64_t x, int64_t y)
     for (int64_t iy = wg_cell_of(y - reach - SLACK); iy <= wg_cell_of(y + reach + SLACK); iy++) {
         for (int64_t ix = wg_cell_of(x - reach - SLACK); ix <= wg_cell_of(x + reach + SLACK); ix++) {
             bool touches = wg_cell_state(grid, ix, iy) == WG_SOLID &&
-                           wg_point_box_distance_sq(x, y, ix, iy) <= farthest;
+                           wg_point_box_distance_sq(x, y, ix, iy) <= farthest &&
+                           (settings->footprint.count == 0 ||
+                            wg_body_gap(arena->headings, &settings->footprint, x, y, state->heading, ix, iy) <= SLACK);
             if (!touches) {
                 continue;
             }
@@ -234,7 +249,7 @@ void wg_look_note_step(WgSeat *seat)
     bool touches = seat->episode->workspace.observation.bump != 0.0;
     if (touches && seat->touched == 0) {
         look->bumps++;
-        int64_t contact = contact_of(wg_grid(seat->arena), settings->reach, state->x, state->y);
+        int64_t contact = contact_of(seat->arena, settings, state);
         look->contact = wg_least(look->contact, contact);
     }
     seat->touched = touches;

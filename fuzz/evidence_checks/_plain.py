@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -13,6 +14,8 @@ from sim.trace import Trace
 from worldgen.support.arrays import Floats
 from worldgen.timeline import CellState
 from worldgen.world import Witness, World
+
+_HEADING = 2.0 * math.pi / 65_536  # rad between two headings of the simulator
 
 
 def cell_box(world: World, ix: int, iy: int) -> shapely.Polygon:
@@ -48,6 +51,81 @@ def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString
     first += int(np.searchsorted(trace.path_share[first:last], since + 1e-9, side="right"))
     points = np.stack([trace.path_x[first - 1 : last], trace.path_y[first - 1 : last]], axis=1)
     return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
+
+
+def step_gap(
+    world: World, trace: Trace, step: int, cell: tuple[int, int], since: float = 0.0
+) -> float:
+    """Return how near the robot comes to a cell in a step, m; negative if it cuts the cell.
+
+    Of a disc, only the path counts; a body counts with its turn after the path, too.
+
+    Args:
+        world: World of the run.
+        trace: The recording.
+        step: The step.
+        cell: ix and iy.
+        since: Fraction of the step to skip, as for :func:`step_path`.
+    """
+    box = cell_box(world, *cell)
+    path = step_path(trace, step, since)
+    if not world.robots[0].footprint:
+        return float(path.distance(box)) - world.robot_radius
+
+    # The heading on the way to each point of the path.
+    last = int(np.searchsorted(trace.path_step, step, side="right"))
+    places = np.array(path.coords)
+    headings = trace.path_heading[last - len(places) + 1 : last]
+    if len(places) == 2 and last - 2 < 0:
+        headings = trace.path_heading[:1]
+    gaps = []
+    for before, after, heading in zip(places[:-1], places[1:], headings, strict=True):
+        corners = [corners_at(world, *place, heading) for place in (before, after)]
+        gaps.append(convex_gap(np.concatenate(corners), box))
+    gaps.append(turn_gap(world, trace, step, box))
+    return min(gaps)
+
+
+def turn_gap(world: World, trace: Trace, step: int, box: shapely.Polygon) -> float:
+    """Return how near a body comes to a box while it turns at the end of a step, m."""
+    here = (float(trace.x[step]), float(trace.y[step]))
+    last = int(np.searchsorted(trace.path_step, step, side="right"))
+    heading = float(trace.path_heading[last - 1])
+    turn = math.remainder(float(trace.heading[step]) - heading, 2.0 * math.pi)
+    # One pose for each heading of the simulator, and none of them far from the box.
+    count = math.ceil(abs(turn) / _HEADING) + 1
+    if box.distance(shapely.Point(here)) > 1.1 * world.robot_radius:
+        count = 1
+    headings = heading + np.linspace(0.0, turn, count)
+    return min(convex_gap(corners_at(world, *here, one), box) for one in headings.tolist())
+
+
+def corners_at(world: World, x: float, y: float, heading: float) -> Floats:
+    """Return (k, 2) corners of the robot's body at a pose, m."""
+    corners = np.array(world.robots[0].footprint)
+    cos, sin = math.cos(heading), math.sin(heading)
+    turned: Floats = corners @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
+    return turned
+
+
+def convex_gap(points: Floats, box: shapely.Polygon) -> float:
+    """Return the distance of a box from the convex hull of points, m.
+
+    If they overlap, it is negative: the shortest way by which the hull could be moved out.
+    """
+    hull = shapely.MultiPoint(points).convex_hull
+    apart = float(hull.distance(box))
+    if apart > 0.0:
+        return apart
+    corners = np.array(hull.exterior.coords)
+    sides = np.array(box.exterior.coords)
+    edges = np.concatenate([np.diff(corners, axis=0), np.diff(sides, axis=0)])
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1)[:, np.newaxis]
+    own = corners @ normals.T
+    others = sides @ normals.T
+    depths = np.minimum(own.max(axis=0) - others.min(axis=0), others.max(axis=0) - own.min(axis=0))
+    return -float(depths.min())
 
 
 def first_new_cell_of_second_half(

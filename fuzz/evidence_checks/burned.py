@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzz.evidence_checks._plain import cell_box, step_path
+from fuzz.evidence_checks._plain import step_gap
 from sim.evidence import BurnedEvidence
 from sim.motion import Motion
 from sim.trace import Trace
@@ -22,6 +22,8 @@ def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: M
         return f"cell {cell} is not {state} in step {step}"
     # Some motion models move the robot exactly to the event; only the path after it counts.
     since = known[-1].time / trace.time_step - (step - 1) if motion.exact_events else 0.0
-    gap = float(step_path(trace, step, max(since, 0.0)).distance(cell_box(world, *cell)))
-    far = gap > world.robot_radius * (1 + 1e-9)
-    return f"the robot stays {gap:g} m away from cell {cell} in step {step}" if far else ""
+    gap = step_gap(world, trace, step, cell, max(since, 0.0))
+    # The corners of a body are rounded to 1/1024 of a cell.
+    is_disc = world.robots[0].is_disc
+    slack = world.robot_radius * 1e-9 if is_disc else world.cell_size / 1024
+    return f"the robot stays {gap:g} m away from cell {cell} in step {step}" if gap > slack else ""

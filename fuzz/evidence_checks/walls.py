@@ -15,7 +15,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_path
+from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_gap, step_path
 from sim.evidence import WallEvidence
 from sim.motion import Motion
 from sim.trace import Trace
@@ -51,13 +51,12 @@ def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Mo
     if wrong:
         return wrong
     # The deepest cut along the path, measured with shapely.
-    gap = float(step_path(trace, evidence.step).distance(cell_box(world, *evidence.cell)))
-    depth = world.robot_radius - gap
+    depth = -step_gap(world, trace, evidence.step, evidence.cell)
     allowed = motion.overlap_tolerance * world.cell_size
-    if depth <= allowed - 1e-9:
-        return (
-            f"the disc cuts cell {evidence.cell} by {depth:g} m, but up to {allowed:g} m is allowed"
-        )
+    # The corners of a body are rounded to 1/1024 of a cell.
+    slack = 1e-9 if world.robots[0].is_disc else world.cell_size / 1024
+    if depth <= allowed - slack:
+        return f"the robot cuts cell {evidence.cell} by {depth:g} m, but up to {allowed:g} m is allowed"
     return check_cause(world, trace, evidence)
 
 

@@ -110,7 +110,7 @@ def small_world(
         if place % 2:
             world = maker.of_family(_FAMILIES[place // 2], steps)
         else:
-            scene = _SCENES[(place // 2 + turn * len(_FAMILIES)) % len(_SCENES)]
+            scene = SCENES[(place // 2 + turn * len(_FAMILIES)) % len(SCENES)]
             world = maker.of_scene(scene, steps)
         if world is None:
             continue
@@ -159,36 +159,49 @@ class _Maker:
             return None
 
     def of_scene(self, build: Build, steps: int) -> World | None:
-        """Return a scene's world, turned and mirrored at random; ``None`` if it has no path."""
+        """Return the world of a scene of about the size that the robot crosses in these steps."""
         side = self.radius / _USUAL_RADIUS
         length = steps * self.step / side
         scene = build(self.stream, min(max(round(length), _SHORTEST), _LONGEST))
-        if scene.tight:
-            side = scene.tight * self.radius
-        side = round(side, 4)
-        # Mark start and target, so that they turn with the walls.
-        cells = np.pad(scene.walls.astype(np.int8), 1, constant_values=_WALL)
-        cells[scene.start[0] + 1, scene.start[1] + 1] = _START
-        cells[scene.target[0] + 1, scene.target[1] + 1] = _TARGET
-        cells = np.rot90(cells, self.stream.below(4))[:, :: 1 if self.stream.below(2) else -1]
-        heading = self.stream.below(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
-        try:
-            world = World(
-                np.ascontiguousarray(cells == _WALL),
-                start=Pose(*_middle(cells == _START, side), heading),
-                target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
-                cell_size=side,
-                robot_radius=cast("float", self.values.get("robot_radius", DEFAULT_ROBOT_RADIUS)),
-                robot_speed=self.speed,
-            )
-            overrides = overrides_in(self.values)
-            if overrides.given():
-                world = with_room(world, overrides.applied_to_robot(world.robots[0]))
-            decision = decide(world, cut=False)
-        except (InvalidWorld, InvalidParameter):
-            return None
-        is_reachable = decision.result == REACHABLE
-        return replace(world, certificate=decision.certificate) if is_reachable else None
+        return world_of_scene(scene, self.stream, self.values)
+
+
+def world_of_scene(scene: Scene, stream: RandomStream, values: Mapping[str, Value]) -> World | None:
+    """Return a scene's world, turned and mirrored at random; ``None`` if it has no path.
+
+    Args:
+        scene: The scene.
+        stream: Source of randomness; it is advanced.
+        values: As for :func:`small_world`.
+    """
+    radius, _ = layout_disc(values)
+    side = radius / _USUAL_RADIUS
+    if scene.tight:
+        side = scene.tight * radius
+    side = round(side, 4)
+    # Mark start and target, so that they turn with the walls.
+    cells = np.pad(scene.walls.astype(np.int8), 1, constant_values=_WALL)
+    cells[scene.start[0] + 1, scene.start[1] + 1] = _START
+    cells[scene.target[0] + 1, scene.target[1] + 1] = _TARGET
+    cells = np.rot90(cells, stream.below(4))[:, :: 1 if stream.below(2) else -1]
+    heading = stream.below(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
+    try:
+        world = World(
+            np.ascontiguousarray(cells == _WALL),
+            start=Pose(*_middle(cells == _START, side), heading),
+            target=Target(*_middle(cells == _TARGET, side), round(side / 2, 4)),
+            cell_size=side,
+            robot_radius=cast("float", values.get("robot_radius", DEFAULT_ROBOT_RADIUS)),
+            robot_speed=float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED))),
+        )
+        overrides = overrides_in(values)
+        if overrides.given():
+            world = with_room(world, overrides.applied_to_robot(world.robots[0]))
+        decision = decide(world, cut=False)
+    except (InvalidWorld, InvalidParameter):
+        return None
+    is_reachable = decision.result == REACHABLE
+    return replace(world, certificate=decision.certificate) if is_reachable else None
 
 
 def _middle(place: Bools, side: float) -> tuple[float, float]:
@@ -327,4 +340,4 @@ def _posts(stream: RandomStream, cells: int) -> Scene:
     return Scene(walls, start, target)
 
 
-_SCENES: tuple[Build, ...] = (_near, _door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)
+SCENES: tuple[Build, ...] = (_near, _door, _cup, _corner, _gap, _island, _slot, _baffles, _posts)

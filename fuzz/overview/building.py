@@ -22,9 +22,18 @@ from fuzz.overview.causes import causes_of, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
+from fuzz.overview.limits import (
+    EFFORT,
+    GRACE,
+    MOST_CELLS,
+    SECONDS_TO_EXPLAIN,
+    SHRINKING_TIME,
+    has_passed,
+    natural_count,
+    time_for_natural,
+)
 from fuzz.overview.natural import (
     NATURAL,
-    NaturalTime,
     describe_fall,
     natural_families,
     natural_result,
@@ -37,7 +46,7 @@ from fuzz.simplicity import Case
 from fuzz.triage.diagnosis import cause_of, diagnosis_of
 from fuzz.triage.judging import failure_of
 from fuzz.triage.run_facts import RunFacts, run_facts
-from fuzz.unit.answer import FEWEST, AnswerNumbers
+from fuzz.unit.answer import AnswerNumbers
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.constraint import Constraint
 from fuzz.unit.deadline import now
@@ -51,33 +60,8 @@ from sim.evidence import FaultEvidence
 from worldgen.errors import WorldgenError
 from worldgen.plugins.workers import LISTEN
 
-# Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
-# units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
-# needs.
-_NATURAL_SHARE = 10
-_MOST_NATURAL = 900
-_FEWEST_NATURAL = 9
-
 # Causes whose clearest world is explained. The terminal and the first screen show only these.
 _MOST_EXPLAINED = 5
-
-# Fraction of the usual effort that an explanation in a campaign may take.
-_EFFORT = 0.15
-
-# Limit on the cells that the proofs of one explanation examine: about a second. A map of 200,000
-# cells gets ten changes, a shrunk world all of them.
-_MOST_CELLS = 2_000_000
-
-# Seconds of a slow controller's steps for one explanation without a time limit.
-_SECONDS_TO_EXPLAIN = 20.0
-
-# Shares of the time after which no more natural worlds are run, and after which failures that only
-# they show are no longer shrunk; the rest is for explanations.
-_NATURAL_TIME = 0.6
-_SHRINKING_TIME = 0.75
-
-# Seconds after the end in which explanations may still arrive.
-_GRACE = 1.0
 
 # A cause, its clearest failure, the failures that were shrunk, by id, and what that took.
 _Explained: TypeAlias = tuple[CauseResult, Failure | None, dict[str, Failure], Effort]
@@ -153,16 +137,16 @@ def build_overview(
         runs, natural_cases = natural_runs(
             config.scenario,
             families,
-            _natural_count(config, state, seconds),
+            natural_count(config, state, seconds),
             config.seed,
-            _time_for_natural(at, seconds, has_failures=bool(causes)),
+            time_for_natural(at, seconds, has_failures=bool(causes)),
             config.vary,
             executor,
         )
         causes = with_natural(causes, runs.causes)
 
     # Find the clearest world of each cause, and its dependencies.
-    until = None if seconds is None else at + _SHRINKING_TIME * seconds
+    until = None if seconds is None else at + SHRINKING_TIME * seconds
     sources = {
         one.cause: _FailuresOf(
             config,
@@ -174,7 +158,7 @@ def build_overview(
         for one in causes
     }
     end = None if seconds is None else at + seconds
-    most_steps = config.pace.steps_in(_SECONDS_TO_EXPLAIN)
+    most_steps = config.pace.steps_in(SECONDS_TO_EXPLAIN)
     if executor is None:
         causes, examples = with_worlds(
             causes,
@@ -267,7 +251,7 @@ def _shared_out(
         explains = number < _MOST_EXPLAINED
         futures.append(executor.submit(call, cause, sources[cause.cause], until, explains=explains))
     # A worker that is stuck in a step is not waited for.
-    late = math.inf if end is None else end + _GRACE
+    late = math.inf if end is None else end + GRACE
     while wait(futures, LISTEN).not_done and now() < late:
         executor.listen()
     executor.listen()
@@ -349,24 +333,6 @@ def answer_numbers(
     )
 
 
-def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
-    if seconds is not None:
-        return _MOST_NATURAL
-    count = state.units * config.examples // (_NATURAL_SHARE * config.pace.slower)
-    return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
-
-
-def _time_for_natural(at: float, seconds: float | None, *, has_failures: bool) -> NaturalTime:
-    """Return the time for natural worlds.
-
-    Without failures there is nothing else to do, so the first few get all of the time: an answer
-    needs them.
-    """
-    if seconds is None:
-        return NaturalTime()
-    return NaturalTime(at + _NATURAL_TIME * seconds, at + seconds, 0 if has_failures else FEWEST)
-
-
 def with_worlds(
     causes: Iterable[CauseResult],
     failures_of: Callable[[Cause], Sequence[Failure]],
@@ -402,7 +368,7 @@ def with_worlds(
         if end is not None:
             begins = clock()
             until = begins + (end - begins) / max(most - number, 1)
-            is_over = partial(_has_passed, until, clock)
+            is_over = partial(has_passed, until, clock)
         example = _example(cause.cause, own, is_over)
         if example is None:
             results.append(cause)
@@ -422,10 +388,6 @@ def with_worlds(
                 known |= {"why": why.describe(), "changes": list(why.changes)}
         results.append(structs.replace(cause, **known))
     return results, examples
-
-
-def _has_passed(end: float, clock: Callable[[], float]) -> bool:
-    return clock() >= end
 
 
 def _example(
@@ -574,9 +536,9 @@ def explained(
         with stopping_when(is_over):
             found = counterfactuals(
                 failure,
-                effort=1.0 if is_bounded else _EFFORT,
+                effort=1.0 if is_bounded else EFFORT,
                 most_steps=math.inf if is_bounded else most_steps,
-                most_runs=_MOST_CELLS / failure.world.walls.size,
+                most_runs=MOST_CELLS / failure.world.walls.size,
                 in_haste=is_bounded,
             )
     except (WorldgenError, OutOfTime):

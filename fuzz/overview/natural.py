@@ -30,10 +30,11 @@ from fuzz.overview.result import NaturalResult, NaturalTally
 from fuzz.simplicity import Case, simplicity
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.unit.deadline import Deadline
-from sim.clock.controller_time import Effort, count_differences, count_survivors
+from sim.clock.controller_time import Effort, count_differences, count_lines, count_survivors
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.answers import leaving_proofs
 from sim.controllers.catalogue.renewal import as_loaded
+from sim.controllers.lines_run import report_lines, watch_lines
 from sim.episode import Episode, simulate
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
@@ -258,6 +259,7 @@ def _shared_out(
             # What was noticed there counts here.
             count_survivors(effort.survivors)
             count_differences(effort.differences)
+            count_lines(effort.lines)
             # Quick worlds are handed out by the dozen.
             if effort.seconds < _BRIEF:
                 size = min(2 * size, _MOST_AT_ONCE)
@@ -287,7 +289,7 @@ def _run_worlds(
         The finished worlds by number, and what they took.
     """
     began = Effort.so_far()
-    as_loaded(scenario.controller)
+    watch_lines(as_loaded(scenario.controller))
     done: dict[int, _Finished] = {}
     stream = RandomStream(seed).child(NATURAL)
     # Another stream, so that the worlds are the same whatever varies.
@@ -311,6 +313,7 @@ def _run_worlds(
         except WorldgenError:
             # A world that cannot be made reveals nothing about the controller.
             done[number] = _Finished()
+    report_lines()
     return done, began.since()
 
 

@@ -15,6 +15,7 @@ import msgspec
 
 from fuzz.corpus import Corpus, places
 from fuzz.failure import Failure
+from fuzz.layouts.variation import changes_on_map
 from fuzz.overview.counterfactual import named_cells
 from fuzz.overview.result import CauseResult
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
@@ -167,6 +168,7 @@ def _failure(
         "example": example is not None,
         "why": "" if example is None else example.why,
         **plain(_shown(seen, with_code=with_code)),
+        "onMap": changes_on_map(world),
         "shrinking": failure.shrinking.value,
         "changed": campaign.change if campaign is not None and is_same_robot else "",
         "test": snippet(failure),

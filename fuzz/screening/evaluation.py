@@ -182,7 +182,7 @@ class Screening:
 
         It is made of the ending; of touches, kind of contact, turning, extent and progress in one
         period of a loop, or in a few more steps of a run that spent its budget; and of the kind of
-        wall that a robot went through or into. It approximates the failure's class
+        wall that a robot went through or into, or that ended its run. It approximates the failure's class
         (docs/reference/verdicts.md) without a recording. It is 0 if the robot arrived or nothing
         ran.
         """

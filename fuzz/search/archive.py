@@ -18,6 +18,8 @@ import numpy as np
 
 from fuzz.layouts.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.screening import Screening
+from fuzz.search import small
+from fuzz.search.histories import is_extreme
 from fuzz.search.native import look_through, scenes, unit_size_of
 from fuzz.search.task import SearchTask
 from fuzz.unit.result import Elite
@@ -60,16 +62,18 @@ _CLEARANCE = _Axis("clearance", (1.3, 1.6, 2.0, 2.5))
 _MAP = (_DETOUR, _DENSITY)
 """Axes of the map of failures, and of the map that reports show."""
 
+_ARRIVED = len(_MAP) + 2  # indices of a run that arrived
+
 
 def search(task: SearchTask) -> None:
     """Screen children of the archive's elites, and hand the smallest failures to triage."""
-    elites = dict(task.memory.elites)
+    elites = {cell: one for cell, one in task.memory.elites.items() if not is_extreme(cell)}
     brought = task.triage.result.elites
     count = unit_size_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
         # Vary only layouts where the robot arrives: their cells have more axes than failures do.
-        parents = [elite.layout for cell, elite in sorted(elites.items()) if len(cell) > len(_MAP)]
+        parents = [elite.layout for cell, elite in sorted(elites.items()) if len(cell) == _ARRIVED]
         if not parents:
             return scenes(stream, count)
         pool = np.frombuffer(b"".join(parents), np.uint8).reshape(-1, SCENE_BYTES)
@@ -85,6 +89,9 @@ def search(task: SearchTask) -> None:
                 elites[cell] = brought[cell] = elite
 
     look_through(task, draw, seen)
+    # Once a campaign has been through what takes little, it also looks for what takes long.
+    if task.unit >= small.SETTLED:
+        small.grow(task)
 
 
 def _best(looks: Screening) -> dict[Cell, Elite]:
@@ -156,7 +163,9 @@ def archive_table(elites: Mapping[Cell, Elite]) -> dict[str, Any] | None:
         elites.items(), key=lambda one: (len(one[0]), -one[1].quality, one[0])
     ):
         # A store may hold cells that another version had.
-        if all(at <= len(axis.edges) for at, axis in zip(cell, _MAP, strict=False)):
+        if not is_extreme(cell) and all(
+            at <= len(axis.edges) for at, axis in zip(cell, _MAP, strict=False)
+        ):
             cells.setdefault(cell[: len(_MAP)], elite)
     axes = [{"name": axis.name, "edges": list(axis.edges)} for axis in _MAP]
     shown = [[*cell, elite.quality, elite.verdict] for cell, elite in sorted(cells.items())]

@@ -40,6 +40,8 @@ _TICK = 1e-7  # s, the cost of work is counted in these: about a compiled contro
 _SCENE_TICKS = 250  # handling a scene in the core
 _WORK = 20_000  # ticks of a unit, per example: 0.8 s in all
 _DEATH = 40_000  # ticks to start another process
+# Steps of a disc that take as long as one of a robot with a footprint.
+_BODY_STEP = 4
 # Seconds of typical runs that are screened together.
 _AT_ONCE = 2.0
 # Number of runs of each key that are proved. Equal keys need not have the same signature, hence more
@@ -92,7 +94,9 @@ def unit_size_of(config: CampaignConfig) -> UnitSize:
     pace = config.pace
     step = max(1, round(pace.step / _TICK))
     if isinstance(controller, CompiledController):
-        return replace(_COMPILED, one_in=pace.slower, step=step, beam=min(step, pace.slower))
+        has_body = any(one.name == "robot_footprint" for one in config.vary)
+        own = step * _BODY_STEP if has_body else step
+        return replace(_COMPILED, one_in=pace.slower, step=own, beam=min(step, pace.slower))
     size = _PYTHON
     if isinstance(controller, ProcessController):
         size = _PROCESS

@@ -8,23 +8,27 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzz.cause import Cause
 from fuzz.facts.proofs import certified
 from fuzz.failure import MOST_SHOWN
+from fuzz.layouts.grown_worlds import grown_world
 from fuzz.layouts.map_variations import variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.small_worlds import small_world
 from fuzz.layouts.variation import applied
 from fuzz.screening import can_screen
+from fuzz.search.histories import Histories, extremes_of, line_cell
 from fuzz.search.suspects import symptom_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.triage import UNDECIDED, first_look
 from fuzz.unit.config import CampaignConfig
 from sim.clock.stopping import check_time
+from sim.controllers.lines_run import report_lines, watch_lines
 from sim.episode import Episode, episode_of, prepare
 from sim.evidence import LoopEvidence
 from sim.options.run import RunOptions
@@ -41,6 +45,18 @@ _SECONDS = 1.0  # of the controller's time that a unit takes, without proofs
 _OWN = 3e-3  # s of ours for each world
 _USUAL_STEPS = 40  # of a run that arrives; only decides where a unit begins in the sequence
 _MOST_WORLDS = 1_000  # of a unit, however quick the controller is
+SETTLED = 24
+"""Number of units that only look at what takes little. Later ones also grow worlds."""
+
+# One in this many of them does, and stops after this many worlds if no run changes any state.
+_GROWN = 4
+_STATELESS = 4
+# s for proving and deciding each cell of a grown world.
+_PER_CELL = 5e-7
+# Limits on the proof of a run in one: s of the controller's time, and numbers that it records.
+_LONGEST_PROOF = 20.0
+_MOST_RECORDED = 1 << 25
+_USUAL_WIDTH = 32
 # Times the witness's steps after which a run that has not arrived is examined, and the fewest
 # steps; then after twice as many. Robots turn, or swing in, before they drive the shortest ways.
 _FIRST_LOOK = 6
@@ -68,7 +84,21 @@ def search(task: SearchTask) -> None:
     """Run small worlds one after another, and prove the first failure of each cause."""
     unit = _Unit(task)
     try:
-        unit.screen()
+        is_grown = task.unit >= SETTLED and task.unit % _GROWN == 0
+        if is_grown and task.config.fixed_map is None:
+            unit.grow()
+        else:
+            unit.screen()
+        unit.prove_suspects()
+    finally:
+        unit.count_rest()
+
+
+def grow(task: SearchTask) -> None:
+    """Run worlds that are grown for long histories, and prove the failures that these lead to."""
+    unit = _Unit(task)
+    try:
+        unit.grow()
         unit.prove_suspects()
     finally:
         unit.count_rest()
@@ -143,6 +173,13 @@ class _Unit:
         self._known = Counter(group for group, _ in task.memory.failures)
         # A loop that seems to recur is none if the controller hides memory, as its first run shows.
         self._finds_loops = True
+        # Extremes of the runs in grown worlds.
+        self._histories: Histories | None = None
+        # Returns the lines that have run in them for the first time, and those of the first of them.
+        self._lines: Callable[[], frozenset[int]] = frozenset
+        self._usual_lines: frozenset[int] | None = None
+        # Numbers that a run records for each step.
+        self._width = _USUAL_WIDTH
 
     def screen(self) -> None:
         """Run small worlds until the unit's time is spent, or a failure of a new cause is proved."""
@@ -173,8 +210,7 @@ class _Unit:
             if self._task.config.fixed_map is not None:
                 kind = kind_of(world, self._task.config.fixed_map)
                 self._triage.result.tried[kind.value] += 1
-            found = {group for group, _ in self._triage.result.failures}
-            if found - self._known.keys() or self._spent >= _SECONDS:
+            if self._has_found() or self._spent >= _SECONDS:
                 return
 
     def _world(self, rng: RandomStream, number: int, time_step: float) -> World | None:
@@ -187,6 +223,49 @@ class _Unit:
         kind = _KINDS_IN_TURN[number % len(_KINDS_IN_TURN)]
         return variations.draw(kind, rng) or variations.draw(Kind.POSE, rng)
 
+    def grow(self) -> None:
+        """Run worlds that keep some behaviour going, and grow those that led further than others."""
+        self._histories = Histories(self._task.memory.elites)
+        # What other units of this process have seen must not matter, so watch all that is not known.
+        report_lines()
+        watch = watch_lines(self._task.controller, self._task.memory.lines)
+        self._lines = frozenset if watch is None else watch.ran
+        stream = self._stream.child("grown")
+        scenario = self._task.scenario(
+            stream.next64() & 0xFFFFFFFF, stream.choice(self._task.config.time_steps)
+        )
+        for number in range(_MOST_WORLDS):
+            check_time()
+            genome = self._histories.draw(stream)
+            world = grown_world(genome, self._values)
+            if world is not None:
+                self._spent += _PER_CELL * world.walls.size
+                self._grow(genome, world, scenario, number)
+            # A controller without any state has no history.
+            is_stateless = number >= _STATELESS and self._histories.is_empty
+            if is_stateless or self._has_found() or self._spent >= _SECONDS:
+                break
+        self._triage.result.elites |= self._histories.brought
+
+    def _grow(self, genome: bytes, world: World, scenario: Scenario, number: int) -> None:
+        """Run one grown world, unless its proof would take too long."""
+        try:
+            world, scenario = applied(self._values, world, scenario)
+            proved = world if world.certificate else certified(world)
+            if proved is None:
+                return
+            steps = scenario.options(proved).steps
+            is_long = steps * self._pace.step > _LONGEST_PROOF
+            if not is_long and steps * self._width <= _MOST_RECORDED:
+                self._try(proved, scenario, number, genome)
+        except InvalidWorld:
+            # The robot does not fit at the start.
+            return
+
+    def _has_found(self) -> bool:
+        """Return True if the unit has proved a failure of a new cause."""
+        return bool({group for group, _ in self._triage.result.failures} - self._known.keys())
+
     def prove_suspects(self) -> None:
         """Give the best suspect of each new cause its whole budget, and prove its failure.
 
@@ -194,7 +273,7 @@ class _Unit:
         """
         in_order = sorted(self._suspects, key=lambda cause: self._suspects[cause][:-1])
         for cause in in_order:
-            if {group for group, _ in self._triage.result.failures} - self._known.keys():
+            if self._has_found():
                 return
             check_time()
             trial = self._suspects[cause].trial
@@ -209,8 +288,17 @@ class _Unit:
         for kind, count in self._alike.items():
             self._triage.count_alike(*kind, count)
 
-    def _try(self, world: World, scenario: Scenario, number: int) -> None:
-        """Run until the robot arrives or fails, or will hardly arrive."""
+    def _try(
+        self, world: World, scenario: Scenario, number: int, genome: bytes | None = None
+    ) -> None:
+        """Run until the robot arrives or fails, or will hardly arrive.
+
+        Args:
+            world: The world, with its witness.
+            scenario: The scenario.
+            number: The world's number in the unit.
+            genome: The genome of a grown world.
+        """
         options = scenario.options(world)
         trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
         steps = max(_FIRST_LOOK * trial.witness_steps, _FIRST_STEPS)
@@ -218,34 +306,49 @@ class _Unit:
             steps = min(steps, options.steps)
             outcome = self._run(trial, steps)
             if outcome.ending != LIMIT or steps == options.steps:
-                self._take(trial, outcome)
+                self._take(trial, outcome, is_new=self._is_new(trial, outcome, genome))
                 break
             episode = trial.episode(outcome)
             symptom = symptom_of(world, episode)
             if symptom is not None:
                 cause = cause_of_run(world, episode)
-                price = options.steps * (1 + symptom)
-                self._suspect(cause, _Suspect(price, number, steps, trial))
+                # In a grown world, the longest history comes first: the others have been tried.
+                price = options.steps * (1 + symptom) if genome is None else -steps
+                is_new = self._is_new(trial, outcome, genome)
+                self._suspect(cause, _Suspect(price, number, steps, trial), is_new=is_new)
                 break
             steps *= 2
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
+
+    def _is_new(self, trial: _Trial, outcome: Outcome, genome: bytes | None) -> bool:
+        """Return True if a run in a grown world has an extreme; keep its world if it arrives."""
+        if self._histories is None or genome is None or outcome.trace is None:
+            return False
+        self._width = max(self._width, outcome.trace.states.shape[1])
+        host = getattr(trial.run, "host", None)
+        extremes = extremes_of(None if host is None else host.controller, outcome.trace)
+        ran = self._lines()
+        if self._usual_lines is None:
+            self._usual_lines = ran
+        extremes |= {line_cell(line): 1.0 for line in ran - self._usual_lines}
+        return self._histories.take(genome, extremes, first_look(outcome))
 
     def _run(self, trial: _Trial, steps: int) -> Outcome:
         outcome = trial.run.run(steps, find_loop=self._finds_loops, record=True)
         self._finds_loops &= outcome.complete
         return outcome
 
-    def _suspect(self, cause: Cause, found: _Suspect) -> None:
-        """Keep a suspect if it is the best of a new cause."""
+    def _suspect(self, cause: Cause, found: _Suspect, *, is_new: bool = False) -> None:
+        """Keep a suspect if it is the best of a cause that is new, or led to where no run was."""
         best = self._suspects.get(cause, found)
-        if self._known[cause.value] or best[:-1] < found[:-1]:
+        if (self._known[cause.value] and not is_new) or best[:-1] < found[:-1]:
             self._leave(found.steps, cause)
             return
         if best is not found:
             self._leave(best.steps, cause)
         self._suspects[cause] = found
 
-    def _take(self, trial: _Trial, outcome: Outcome) -> None:
+    def _take(self, trial: _Trial, outcome: Outcome, *, is_new: bool = False) -> None:
         """Count a run that is over, and prove its failure if it is one."""
         verdict = first_look(outcome)
         if verdict == Verdict.LOOP and not outcome.complete:
@@ -258,8 +361,9 @@ class _Unit:
         episode = trial.episode(outcome)
         cause = cause_of_run(trial.world, episode)
         # Few failures of a cause are shown, and one in a unit is enough to find another variant.
-        is_enough = self._known[cause.value] >= MOST_SHOWN
-        if is_enough or self._triage.examined(verdict, cause.value):
+        is_enough = self._known[cause.value] >= MOST_SHOWN and not is_new
+        few = MOST_SHOWN if is_new else 1
+        if is_enough or self._triage.examined(verdict, cause.value) >= few:
             self._leave(outcome.steps, cause, verdict)
             return
         known = episode if verdict == UNDECIDED else None

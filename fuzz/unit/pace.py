@@ -17,6 +17,8 @@ _QUICK_RUN = 1e-4
 # Seconds of a typical run, up to which a unit makes an eighth of them: about a second of work.
 _USUAL_RUN = 0.02
 _EIGHTH = 8
+# Seconds of a typical run above which the work on one failure is limited; a program's takes them.
+_LIMITED_RUN = 0.01
 # A busy machine measures a pace up to this many times too slow, plus these seconds for each step
 # and each run. Below that, a measured pace counts as the usual one.
 _NOISE = 4.0
@@ -47,12 +49,14 @@ class Pace:
         return self.reset + _STEPS * self.step
 
     def steps_in(self, seconds: float) -> float:
-        """Return how many steps a piece of work may take; no limit unless the controller is slow.
+        """Return how many steps a piece of work may take; no limit if a run takes little.
 
-        Without a time limit, the work that a slow controller gets depends on its pace instead of
-        the clock, so that the result depends only on the seed.
+        Without a time limit, the work that a slow controller or a program gets depends on its pace
+        instead of the clock, so that the result depends only on the seed.
         """
-        return seconds / self.step if self.is_slow else math.inf
+        if self.is_slow:
+            return seconds / self.step
+        return seconds * _STEPS / self.run if self.run > _LIMITED_RUN else math.inf
 
     @property
     def slower(self) -> int:

@@ -76,6 +76,8 @@ class UnitResult:
             not to be any.
         met: Number of examined failures, by group and verdict.
         elites: Candidates for the archive, by cell.
+        lines: First lines of statements in the controller's file that ran, unless an earlier unit of
+            the same process has reported them.
         cut: Whether time ran out before its work was done; the other fields hold the results until
             then.
         interrupted: Whether the reason was Ctrl-C.
@@ -94,6 +96,7 @@ class UnitResult:
     first_met: dict[FailureKey, FirstMet] = field(default_factory=dict, compare=False)
     met: Counter[tuple[str, str]] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
+    lines: frozenset[int] = field(default=frozenset(), compare=False)
     cut: bool = False
     interrupted: bool = False
     effort: Effort = field(default_factory=Effort, compare=False)
@@ -130,11 +133,13 @@ class SearchState:
         strategies: Yield of each strategy.
         failures: By key, the smallest failure as found, before shrinking.
         elites: The archive.
+        lines: First lines of statements in the controller's file that have run.
     """
 
     strategies: Mapping[str, StrategyYield] = field(default_factory=dict)
     failures: Mapping[FailureKey, Failure] = field(default_factory=dict)
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
+    lines: frozenset[int] = frozenset()
 
     def after(self, result: UnitResult) -> SearchState:
         """Return the search state with one more unit's result."""
@@ -155,6 +160,7 @@ class SearchState:
             {**self.strategies, result.strategy: strategy},
             {**self.failures, **smaller},
             {**self.elites, **better},
+            self.lines | result.lines,
         )
 
     def is_interesting(self, failure: Failure) -> bool:

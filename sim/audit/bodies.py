@@ -7,6 +7,7 @@ direction of travel in its own frame stay the same.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -149,6 +150,7 @@ class Blocks:
         self._until = spans.until[kept]
         self._burning = spans.states[kept] == CellState.BURNING
         self._cell = spans.cells[kept]
+        self.is_changing = bool(len(self._cell))
 
         # Each cell's distance to anything that is ever blocked, to skip legs far from it.
         blocked = np.pad(still | changing, 1, constant_values=True)
@@ -179,7 +181,7 @@ class Blocks:
         first = np.clip(np.floor(low[leg, 0]), 0, self.width).astype(np.int64)
         last = np.clip(np.floor(high[leg, 0]), -1, self.width - 1).astype(np.int64)
         parts = [self._outside(low, high), self._runs(leg, row, first, last)]
-        if len(self._cell):
+        if self.is_changing:
             parts.append(self._changing(legs, leg, row, first, last))
         return Near(
             *(
@@ -368,7 +370,7 @@ def _portions(legs: Legs, around: Blocks, body: Body) -> Iterator[tuple[Legs, Ne
     rows = np.cumsum(np.abs(close.dy) + close.length + 2.0 * body.reach + 2.0)
     part = (rows * 4.0 / _PAIRS_AT_ONCE).astype(np.int64)
     for begin, end in _stretches(part):
-        own = close.take(slice(begin, end))
+        own = close.take(np.arange(begin, end))
         yield own, around.near(own, body, 0.0)
 
 
@@ -376,7 +378,7 @@ def _stretches(values: Ints) -> Iterator[tuple[int, int]]:
     """Yield the first index and the end of each stretch of equal values."""
     ends = np.flatnonzero(np.diff(values)) + 1
     bounds = [0, *ends.tolist(), len(values)]
-    yield from ((a, b) for a, b in zip(bounds, bounds[1:], strict=False) if a < b)
+    yield from ((a, b) for a, b in itertools.pairwise(bounds) if a < b)
 
 
 class _Swept:
@@ -496,8 +498,27 @@ def _covered(
     return np.where(missed, np.inf, enter), np.where(missed, -np.inf, leave)
 
 
+def _first_of_equal(legs: Legs, around: Blocks) -> tuple[Indices, Indices]:
+    """Return the first of each set of equal legs, and each leg's set; a robot may be stuck."""
+    if around.is_changing:
+        every = np.arange(len(legs.x))
+        return every, every
+    motion = np.column_stack((legs.x, legs.y, legs.dx, legs.dy, legs.heading, legs.turn))
+    _, first, kind = np.unique(motion, axis=0, return_index=True, return_inverse=True)
+    return first, kind.reshape(-1)
+
+
 def _overlaps(legs: Legs, around: Blocks, body: Body, tolerance: float) -> Overlaps:
-    """Return the overlaps that are deeper than the tolerance.
+    """Return the overlaps that are deeper than the tolerance."""
+    first, kind = _first_of_equal(legs, around)
+    numbered = replace(legs, move=np.arange(len(legs.x)))
+    found = _overlaps_of(numbered.take(first), around, body, tolerance)
+    again = np.isin(kind, kind[found.move])
+    return _overlaps_of(legs.take(again), around, body, tolerance)
+
+
+def _overlaps_of(legs: Legs, around: Blocks, body: Body, tolerance: float) -> Overlaps:
+    """Return the overlaps that are deeper than the tolerance, of each leg.
 
     A leg that turns is halved until a straight one is near enough to it, or it is surely clear, or
     it surely overlaps and others of its move are deeper.
@@ -583,12 +604,14 @@ def _shaved(
 def _note_clearance(legs: Legs, around: Blocks, body: Body, result: Scan) -> None:
     """Find the smallest distance of the body to anything blocked, of legs that never overlap."""
     # Measure the most promising legs first, with a growing reach that ends at the grid's edge.
+    legs = legs.take(_first_of_equal(legs, around)[0])
+    grain = body.reach * _HEADING_STEP
     bound = around.at_least(legs, body.reach)
     order = np.argsort(bound, kind="stable")
     margin = max(float(bound.min(initial=0.0)), 0.0) + _MARGIN
     begin = 0
     count = 16
-    while begin < len(order) and bound[order[begin]] < result.clearance:
+    while begin < len(order) and max(bound[order[begin]], grain) < result.clearance:
         some = legs.take(order[begin : begin + count])
         while True:
             near = around.near(some, body, min(margin, result.clearance))
@@ -612,18 +635,20 @@ def _measure_clearance(legs: Legs, near: Near, body: Body, result: Scan) -> None
         # The nearest first: they rule out most of the others.
         order = np.argsort(swept.apart - swept.error, kind="stable")
         least = result.clearance
-        for rows in np.array_split(order, max(1, math.ceil(len(order) / 512))):
-            rows = rows[(swept.apart - swept.error)[rows] < least]
+        for part in np.array_split(order, max(1, math.ceil(len(order) / 512))):
+            rows = part[(swept.apart - swept.error)[part] < least]
             if not len(rows):
                 break
             distance[rows] = np.where(
                 swept.apart[rows] > 0.0, swept.distance(rows), np.maximum(swept.apart[rows], 0.0)
             )
             least = min(least, float((distance[rows] + swept.error[rows]).min()))
-        final = (swept.error <= grain) & (distance < np.inf)
+        # A robot that pushes against walls touches them everywhere, which is near enough.
+        touches = least <= 4.0 * grain
+        final = ((swept.error <= grain) | touches) & (distance < np.inf)
         place = own.move + own.low + 0.5 * (low + high) * (own.high - own.low)
         result.note_clearance(distance[final], place[final])
-        doubtful = (distance - swept.error < least) & (swept.error > grain)
+        doubtful = (distance - swept.error < least) & ~final
         middle = 0.5 * (low + high)[doubtful]
         low = np.concatenate((low[doubtful], middle))
         high = np.concatenate((middle, high[doubtful]))

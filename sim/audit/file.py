@@ -16,9 +16,9 @@ from worldgen.errors import FormatError
 from worldgen.files.whole import decoded, read_stream, read_text
 from worldgen.support.arrays import Floats, Ints
 
-COLUMNS = ("t", "x", "y")
+COLUMNS: tuple[str, ...] = ("t", "x", "y")
 # A plan has no times.
-_PLACE = COLUMNS[1:]
+_PLACE: tuple[str, ...] = ("x", "y")
 # Names for the column of headings, rad; the first one of a header counts.
 HEADINGS = ("heading", "yaw", "theta")
 # A header with one of these in a name has times, even if they are not called t.
@@ -110,14 +110,16 @@ def parse_trajectories(
         own = [column[rows] for column in values[:width]]
         if is_plan:
             own.insert(0, np.arange(len(rows), dtype=np.float64))
-        fault = Trajectory.fault(*own)
+        times, x, y = own[:3]
+        turned = own[3] if len(own) > 3 else None
+        fault = Trajectory.fault(times, x, y, turned)
         if fault is not None:
             sample, message = fault
             line = _line_of(body, int(rows[sample]), header_line) if sample >= 0 else None
             if len(names) > width:
                 message = message.behind("robot {robot}: ", robot=robot)
             raise FormatError.of(message, line=line, source=source)
-        found[robot] = Trajectory(*own, is_plan=is_plan)
+        found[robot] = Trajectory(times, x, y, turned, is_plan)
     return found
 
 

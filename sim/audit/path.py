@@ -99,16 +99,18 @@ def along_arcs(samples: Samples, most: float) -> Samples:
     cos = scale * np.cos(angle)
     sin = scale * np.sin(angle)
     dx, dy = chord[row].T
-    columns = (
-        samples.times[row] + share * np.diff(samples.times)[row],
-        samples.x[row] + dx * cos - dy * sin,
-        samples.y[row] + dx * sin + dy * cos,
-        samples.headings[row] + 2.0 * share * half[row],
-        row + share,
+    times = samples.times[row] + share * np.diff(samples.times)[row]
+    x = samples.x[row] + dx * cos - dy * sin
+    y = samples.y[row] + dx * sin + dy * cos
+    headings = samples.headings[row] + 2.0 * share * half[row]
+    return Samples(
+        np.append(times, samples.times[-1]),
+        np.append(x, samples.x[-1]),
+        np.append(y, samples.y[-1]),
+        np.append(headings, samples.headings[-1]),
+        np.append(row + share, len(pieces)),
+        arc,
     )
-    last = (samples.times[-1], samples.x[-1], samples.y[-1], samples.headings[-1], len(pieces))
-    ends = zip(columns, last, strict=True)
-    return Samples(*(np.append(values, end) for values, end in ends), lengths=arc)
 
 
 class AuditPath:

@@ -36,6 +36,9 @@ _survivors: dict[str, float] = {}
 # The same about what makes their equal runs differ.
 _differences: dict[str, float] = {}
 
+# The same about lines of a controller's file that ran for the first time.
+_lines: dict[int, float] = {}
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -48,6 +51,8 @@ class Effort:
         survivors: What was found to survive the controllers' ``reset``, such as ``self.hits``. A
             reading has none; other controllers may have run before it.
         differences: What makes equal runs differ, such as ``time.time() (mine.py:12)``.
+        lines: First lines of statements in the controller's file that ran, and had not before in
+            this process.
     """
 
     seconds: float = 0.0
@@ -55,6 +60,7 @@ class Effort:
     broken: int = 0
     survivors: frozenset[str] = frozenset()
     differences: frozenset[str] = frozenset()
+    lines: frozenset[int] = frozenset()
 
     @classmethod
     def so_far(cls) -> Self:
@@ -64,14 +70,17 @@ class Effort:
     def since(self) -> Effort:
         """Return the effort since a reading."""
         now = Effort.so_far()
+        survivors, differences = (
+            frozenset(name for name, seen in names.items() if seen >= self.seconds)
+            for names in (_survivors, _differences)
+        )
         return Effort(
             now.seconds - self.seconds,
             now.own - self.own,
             now.broken - self.broken,
-            *(
-                frozenset(name for name, seen in names.items() if seen >= self.seconds)
-                for names in (_survivors, _differences)
-            ),
+            survivors,
+            differences,
+            frozenset(line for line, seen in _lines.items() if seen >= self.seconds),
         )
 
     def __add__(self, other: Effort) -> Effort:
@@ -82,6 +91,7 @@ class Effort:
             self.broken + other.broken,
             self.survivors | other.survivors,
             self.differences | other.differences,
+            self.lines | other.lines,
         )
 
     @property
@@ -102,6 +112,11 @@ def count_differences(names: Iterable[str]) -> None:
     if names and UNKNOWN_SOURCE not in names:
         _differences.pop(UNKNOWN_SOURCE, None)
     _differences.update(dict.fromkeys(names, time.perf_counter()))
+
+
+def count_lines(lines: Iterable[int]) -> None:
+    """Note that the statements of a controller's file that begin in these lines ran."""
+    _lines.update(dict.fromkeys(lines, time.perf_counter()))
 
 
 def count_hang(before: float, began: float) -> None:

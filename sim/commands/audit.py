@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,7 @@ from worldgen.cli.output import (
     say,
     write_out,
 )
+from worldgen.cli.robot_options import apply, robot_options
 from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
@@ -27,7 +28,7 @@ EXAMPLES = (
     "\b\n  worldgen audit w.grid recording.csv --picture audit.png\n"
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json\n"
-    "  worldgen audit w.grid plan.csv --interpolate arc"
+    "  worldgen audit w.grid plan.csv --footprint 0.62x0.9 --interpolate arc"
 )
 
 
@@ -76,6 +77,7 @@ EXAMPLES = (
     metavar="OUT.png",
     help="Draw the world, the trajectory and the findings.",
 )
+@robot_options
 @json_option
 @force_option
 def audit(
@@ -90,6 +92,7 @@ def audit(
     picture: Path | None,
     as_json: bool,
     force: bool,
+    **overrides: Any,
 ) -> None:
     """Check whether a trajectory from any simulator was possible, or a plan is.
 
@@ -108,7 +111,7 @@ def audit(
     # Refuse bad output before the work.
     check_out("--picture", picture, ".png", force=force)
     # Read and audit.
-    world = read_world(world_path)
+    world = apply(read_world(world_path), overrides)
     if robot is not None and robot > len(world.robots):
         raise InvalidParameter(
             "out-of-range",

@@ -37,7 +37,7 @@ _READINGS = 16
 _PER_READING = 1e-6  # s
 _PER_LATE_READING = 1e-3  # s
 
-# Steps of a run with frozen time in which each call is seen, to notice a clock that is out of reach.
+# First steps of a run in which each call is seen, to notice a clock that is out of reach.
 # Seeing them takes as long as the calls themselves, and whoever reads a clock does so early.
 _STEPS_SEEN = 2
 
@@ -78,11 +78,12 @@ class FrozenTime:
         seed: Seed of the run.
         time_step: Duration of a step, s.
         only_watches: True to show the real clock and real chance, and only note what is read.
-        proves: True in a run that proves a loop, which must read no clock that is out of reach.
+        proves: Number of steps after which a run that proves a loop must read no clock that is out
+            of reach; ``None`` for another run.
     """
 
     def __init__(
-        self, seed: int, time_step: float, *, only_watches: bool = False, proves: bool = False
+        self, seed: int, time_step: float, *, only_watches: bool = False, proves: int | None = None
     ) -> None:
         self.only_watches = only_watches
         self._proves = proves
@@ -186,6 +187,29 @@ class FrozenTime:
 
         return frozen
 
+    def seen_in_time(self, act: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap a method that acts so that not all of its calls are seen, but those that prove a loop.
+
+        Seeing them takes as long as the calls themselves. Those of the first steps are seen, too,
+        because whoever reads a clock does so early. Call the result in :meth:`watching`.
+        """
+        first = (self._proves or 0) if self.only_watches else 0
+        # Another profiler's place is not taken.
+        if first <= _STEPS_SEEN or sys.getprofile() is not None:
+            return act
+        steps = 0
+
+        def counted(*arguments: Any) -> Any:
+            nonlocal steps
+            if steps == _STEPS_SEEN:
+                sys.setprofile(None)
+            elif steps == first:
+                sys.setprofile(self._note_real)
+            steps += 1
+            return act(*arguments)
+
+        return counted
+
     @contextmanager
     def watching(self) -> Iterator[None]:
         """Note what is read in this block, which has all steps of the run.
@@ -193,7 +217,7 @@ class FrozenTime:
         What is read is real, so the names may stay replaced between the steps.
         """
         # Another profiler's place is not taken.
-        sees_all = self._proves and sys.getprofile() is None
+        sees_all = self._proves is not None and sys.getprofile() is None
         if self.only_watches:
             self._steps = 1
         try:

@@ -44,7 +44,7 @@ class MemoryMap:
         cells: (n, 4) rectangles, x and y of two corners, that it treats as occupied.
         plan: (n, 2) corners of the path that it plans to drive.
         places: Points that it remembers, x and y by name.
-        nodes: (n, 2) places of a graph, such as a topological map.
+        nodes: (n, 2) places of a graph, such as a topological map, or points on walls.
         edges: (n, 4) ways between them, x and y of both ends.
         degrees: (n, 5) rectangles, x and y of two corners, and how good the controller takes them
             to be, from 0 (bad) to 1 (good).

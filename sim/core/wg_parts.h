@@ -102,20 +102,25 @@ WgFound wg_body_first_not_clear(WgGrid grid, int state, const int64_t *headings,
 WgFound wg_body_stopping_cell(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
                               WgSegment way, int64_t heading);
 
+// Returns the widest gap between a body at a pose and a cell along an axis that may separate them, lattice units:
+// at most their distance; negative if they overlap.
+double wg_body_gap(const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y, int64_t heading,
+                   int64_t ix, int64_t iy);
+
 // Returns how deep a body cuts a cell while it moves along a segment at a heading, lattice units: the
 // shortest way in which the hull of the move could be shifted out of the cell. 0 if it does not.
 double wg_body_depth(const int64_t *headings, const WgFootprint *footprint, WgSegment way, int64_t heading, int64_t ix,
                      int64_t iy);
 
-// Turns a body on the spot, through every heading on the way, as far as it is clear of solid cells.
+// Turns a body on the spot, through every heading on the way, as far as it is clear of every cell in `state`.
 //
 // heading:  the body is clear there.
 // turn:     heading units, less than half a turn.
-// stopped:  the solid cell that stops it, and the direction away from it, if one does.
+// stopped:  the cell that stops it, and the direction away from it, if one does.
 //
 // Returns how far it turns.
-int64_t wg_clear_turn(WgGrid grid, const int64_t *headings, const WgFootprint *footprint, int64_t x, int64_t y,
-                      int64_t heading, int64_t turn, WgStopped *stopped);
+int64_t wg_clear_turn(WgGrid grid, int state, const int64_t *headings, const WgFootprint *footprint, int64_t x,
+                      int64_t y, int64_t heading, int64_t turn, WgStopped *stopped);
 
 // Returns true if a robot, a disc or a body, is clear of every cell in `state` at a pose.
 bool wg_robot_is_clear(WgGrid grid, int state, const int64_t *headings, const WgSettings *settings, int64_t x,

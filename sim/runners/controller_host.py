@@ -104,16 +104,17 @@ class ControllerHost:
 
     @contextmanager
     def freezing(
-        self, options: RunOptions, seed: int | None = None, *, watches: bool = False
+        self, options: RunOptions, seed: int | None = None, *, watches: int | None = None
     ) -> Iterator[None]:
         """Let it see simulated time and seeded chance in this block, if the run's options say so.
 
         Args:
             options: Options of the run.
             seed: The run's seed, if it isn't the options'.
-            watches: Whether to note in any case whether a step reads the clock.
+            watches: Number of steps after which to note in any case whether a step reads a clock,
+                wherever it has it from; ``None`` if nobody needs to know.
         """
-        is_watched = watches and self.in_python and not self.acts_for_many
+        is_watched = watches is not None and self.in_python and not self.acts_for_many
         if not (options.frozen_time or is_watched):
             yield
             return
@@ -121,7 +122,7 @@ class ControllerHost:
             options.seed if seed is None else seed,
             options.time_step,
             only_watches=not options.frozen_time,
-            proves=is_watched,
+            proves=watches if is_watched else None,
         )
         try:
             with self._frozen.run(self.controller):
@@ -211,7 +212,8 @@ class ControllerHost:
 
         origin = origin_of(self.controller) if is_reusable else None
         if origin is None or origin.answers.is_off:
-            return drive(self.act, is_measured=self.in_python)
+            act = self.act if frozen is None else frozen.seen_in_time(self.act)
+            return drive(act, is_measured=self.in_python)
         try:
             after, self._unchanged = origin.answers.lend(
                 self.controller,

@@ -236,7 +236,7 @@ class LatticeRun:
         find_loop: bool,
         record: bool,
         digest: bool = True,
-        watches: bool = False,
+        watches: int | None = None,
         options: RunOptions | None = None,
     ) -> tuple[Outcome, CoreEpisode | None]:
         """Run once; there is no episode if the controller failed before it began.
@@ -246,7 +246,7 @@ class LatticeRun:
             find_loop: See there.
             record: See there.
             digest: See there.
-            watches: Whether to note whether a step of a Python class reads the clock.
+            watches: See :meth:`ControllerHost.freezing`.
             options: Other options for the clock that it sees.
         """
         self.settings.steps = steps
@@ -309,7 +309,9 @@ class LatticeRun:
         elif entry + 2 * period > MAX_RECORDED:
             # Too long to record, and no recording was requested, so the budget decides.
             return None
-        whole, _ = self._run(entry + 2 * period, find_loop=False, record=True, watches=True)
+        whole, _ = self._run(
+            entry + 2 * period, find_loop=False, record=True, watches=entry + period
+        )
         # Nothing shows what such a clock does, and the run may already have gone another way.
         if self.host.has_read_real:
             count_differences(self.host.sources)

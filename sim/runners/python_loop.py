@@ -50,7 +50,7 @@ def run_in_python(
     options: RunOptions,
     *,
     record: bool,
-    watches: bool = False,
+    watches: int | None = None,
 ) -> PythonRun:
     """Run an episode; whatever the controller raises ends it as a crash.
 
@@ -63,7 +63,7 @@ def run_in_python(
         world: The world, for a controller that plans first.
         options: Options of the run.
         record: Whether to keep every state.
-        watches: Whether to note whether a step reads the clock.
+        watches: See :meth:`ControllerHost.freezing`.
     """
     while True:
         with contextlib.suppress(AnswersDiffer):
@@ -78,7 +78,7 @@ def _run(
     options: RunOptions,
     *,
     record: bool,
-    watches: bool,
+    watches: int | None,
 ) -> PythonRun:
     episode: CoreEpisode | None = None
     rows = path = np.zeros((0, 1), np.int64)

@@ -11,7 +11,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.referee import referee
+from benchmarks.referee import referee, referee_bodies
 from tests.helpers.core_parts import pose_is_clear, segment_first_not_clear, swept_move
 from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.timeline import CellState
@@ -143,3 +143,14 @@ def test_the_referee_of_the_benchmarks_objects_to_no_move():
     report = referee(4_000, 3)
     assert report.moves >= 4_000 and report.contacts > 1_000 and report.pieces > 3_000
     assert report.cuts == 0 and -1e-6 < report.deepest <= 1e-6
+
+
+def test_the_referee_of_the_benchmarks_objects_to_no_move_or_turn_of_a_body():
+    report = referee_bodies(1_000, 3)
+    assert report.moves >= 1_000 and report.contacts > 500 and report.pieces > 10_000
+    assert report.cuts == 0
+
+
+def test_the_referee_would_object_to_bodies_that_are_a_lattice_unit_larger(monkeypatch):
+    monkeypatch.setattr("benchmarks.referee.BODY_TOLERANCE", -1.0)
+    assert referee_bodies(400, 3).cuts > 0

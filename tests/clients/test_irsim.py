@@ -1,6 +1,7 @@
 """IR-SIM loads exported worlds, and its lidar, collisions and goal match the world."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,3 +104,16 @@ def test_irsim_has_each_of_several_robots_at_its_start_with_its_goal(tmp_path):
         assert there["state"] == pytest.approx([start.x, start.y, start.heading])
         assert there["goal"] == pytest.approx([target.x, target.y])
         assert there["radius"] == pytest.approx(robot.radius)
+
+
+def test_irsim_stops_a_footprint_where_its_front_meets_the_wall(tmp_path):
+    world = drawn(ROOM, radius=0.3, cell_size=1.0)
+    box = ((0.9, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.9, -0.2))
+    target = replace(world.target, heading=1.0)
+    body = replace(world.robots[0], footprint=box, target=target, speed=1.0)
+    world = replace(world, robots=[body], certificate=None)
+    start = [world.start.x, world.start.y, 0.0]
+    drives = [{"pose": start, "command": [1.0, 0.0], "steps": 100}]
+    (driven,) = asked_of_irsim(world, tmp_path, "irsim", (0.0, 0.0), [], drives)["drives"]
+    # The wall begins at 7 m, and IR-SIM looks every 0.1 m.
+    assert driven["collision"] and 7.0 - 0.9 <= driven["x"] + 1e-9 <= 7.0 - 0.9 + 0.1 + 1e-6

@@ -73,6 +73,16 @@ def test_the_robot_drives_at_the_speed_asked_for_and_stops_at_walls(tmp_path):
     assert driven["shown"] == pytest.approx(stopped[:2], abs=1e-9)
 
 
+def test_a_footprint_stops_at_walls_where_its_front_is(tmp_path):
+    world = drawn(HALL)
+    front = 0.09
+    box = ((front, 0.05), (-0.04, 0.05), (-0.04, -0.05), (front, -0.05))
+    body = replace(world.robots[0], start=replace(world.start, heading=0.0), footprint=box)
+    world = replace(world, robots=[body], certificate=None)
+    driven = asked(tmp_path, world, {"drive": [[2.0, 0.0, 2.0]]}, "mjcf+robot")["drive"]
+    assert driven["places"][-1][0] == pytest.approx(ORIGIN[0] + WALL - front, abs=1e-3)
+
+
 def test_start_target_and_numbers_are_where_a_user_of_mujoco_looks(tmp_path):
     world = drawn(HALL)
     world = replace(world, start=Pose(world.start.x, world.start.y, 2.5))

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import sys
 import time
 from dataclasses import replace
 
@@ -12,13 +13,15 @@ from fuzz.campaign.store import Budget, begin, resume, with_stored_pace
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
 from fuzz.failure import ShrinkState
 from fuzz.overview.counterfactual import counterfactuals
+from fuzz.overview.limits import seconds_to_conclude
 from fuzz.search.native import unit_size_of
 from fuzz.search.plan import Prices, prices_of
 from fuzz.shrink.queue import shrunk_or_same
 from fuzz.triage.judging import failure_of
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.options import CampaignOptions
-from fuzz.unit.pace import Pace
+from fuzz.unit.pace import Pace, usual_pace
+from sim.controllers import ProcessController
 from sim.controllers.examples.python import Example
 from sim.episode.try_out import step_times
 from sim.scenario import Scenario
@@ -122,6 +125,22 @@ def test_a_pace_that_is_no_time_is_refused(pace):
 def test_only_a_slow_controller_has_a_limit_on_what_shrinking_and_explaining_may_take():
     assert Pace(1e-6).steps_in(30.0) == math.inf
     assert Pace(0.01).steps_in(30.0) == 3000.0
+
+
+def test_what_shrinking_a_programs_failure_may_take_includes_starting_its_runs():
+    program = usual_pace(ProcessController([sys.executable]))
+    assert not program.is_slow
+    assert 30.0 / program.step > program.steps_in(30.0) > 100_000
+
+
+def test_a_slow_controller_gets_seconds_for_natural_worlds_from_a_short_budget():
+    quick, slow = (
+        CampaignConfig(Scenario("turn-right"), measured=pace) for pace in (None, Pace(1e-3))
+    )
+    seconds = [
+        [seconds_to_conclude(one, budget) for budget in (10, 20, 60)] for one in (quick, slow)
+    ]
+    assert seconds == [[1.5, 3.0, 9.0], [3.0, 6.0, 9.0]]
 
 
 @pytest.mark.gate

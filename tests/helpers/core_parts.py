@@ -3,6 +3,7 @@
 What ``wg_parts.h`` declares.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -93,6 +94,59 @@ def swept_move(
     disc = {"clear_sq": clear_sq, "reach": reach}
     way = (x, y, x + dx, y + dy)
     moved = lib.wg_swept_move(grid_of(cells), disc, way, *during, wall_friction, corners, count)
+    return int(moved.count), float(moved.contact.x), float(moved.contact.y)
+
+
+def footprint_of(corners: Sequence[tuple[int, int]]) -> Any:
+    """Return a WgFootprint with corners in lattice units, counter-clockwise."""
+    footprint = ffi.new("WgFootprint *")
+    footprint.count = len(corners)
+    for k, (x, y) in enumerate(corners):
+        footprint.x[k] = x
+        footprint.y[k] = y
+    return footprint
+
+
+def _table() -> Any:
+    return pointer(ffi, headings(), np.int64)
+
+
+def body_is_clear(cells: Cells, footprint: Any, x: int, y: int, heading: int) -> bool:
+    """Return True if a body at a pose is clear of every solid cell."""
+    return bool(lib.wg_body_is_clear(grid_of(cells), 1, _table(), footprint, x, y, heading))
+
+
+def body_first_not_clear(
+    cells: Cells, footprint: Any, ends: tuple[int, int, int, int], heading: int
+) -> tuple[bool, int, int]:
+    """Return the first solid cell that a body cuts on its way from p to q."""
+    found = lib.wg_body_first_not_clear(grid_of(cells), 1, _table(), footprint, ends, heading)
+    return bool(found.found), int(found.ix), int(found.iy)
+
+
+def clear_turn(cells: Cells, footprint: Any, pose: tuple[int, int, int], turn: int) -> int:
+    """Return how far a body turns before a solid cell stops it, heading units."""
+    stopped = ffi.new("WgStopped *")
+    return int(lib.wg_clear_turn(grid_of(cells), 1, _table(), footprint, *pose, turn, stopped))
+
+
+def swept_body_move(
+    cells: Cells, footprint: Any, heading: int, ends: tuple[int, int, int, int], chain: Chain
+) -> tuple[int, float, float]:
+    """Move a body by a displacement; arguments and result as for :func:`swept_move`."""
+    x, y, dx, dy = ends
+    moved = lib.wg_swept_body_move(
+        grid_of(cells),
+        _table(),
+        footprint,
+        heading,
+        (x, y, x + dx, y + dy),
+        0.0,
+        1.0,
+        0.0,
+        _chain_of(chain),
+        0,
+    )
     return int(moved.count), float(moved.contact.x), float(moved.contact.y)
 
 

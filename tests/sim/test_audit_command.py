@@ -121,7 +121,7 @@ def test_json_has_the_promised_keys(files):
     assert result.code == 1 and found["ok"] is False
     assert set(found) == {
         "ok", "findings", "notes", "samples", "reached", "path_length", "duration", "clearance", "nearest", "shaved",
-        "shaved_depth", "tolerance",
+        "shaved_depth", "is_plan", "tolerance",
     }  # fmt: skip
     tunnel = found["findings"][1]
     assert tunnel == {"kind": "tunnel", "t": 1.0, "x": 5.5, "y": 3.5, "depth": 0.5, "cell": [5, 3], "t_begin": 0.75,

@@ -1,5 +1,6 @@
 """What robots sense of each other, in all kinds of controllers."""
 
+import itertools
 import json
 import math
 import sys
@@ -8,11 +9,12 @@ import numpy as np
 import pytest
 
 from sim import RobotOptions, simulate
-from sim.controllers import Command, CompiledController
+from sim.controllers import CONTROLLERS, Command, CompiledController
 from sim.controllers.base import Commands, Observation
 from sim.controllers.programs.process import observation_line, read_command
 from sim.verdict import Verdict
 from tests.helpers.fleets import EAST, Ahead, fleet_world, hall
+from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Robot, Target
 
@@ -343,3 +345,48 @@ def test_the_neighbours_are_those_that_a_look_at_every_pair_finds(count, reach):
         assert memory[0] == len(order)
         seen = np.reshape(memory[1:], (-1, 2))[: len(order)]
         assert np.hypot(*seen.T) == pytest.approx(away[order], abs=1e-3)
+
+
+def test_mappers_that_share_their_maps_arrive_sooner():
+    worlds = [generate("forest", seed, robots=6) for seed in range(12)]
+    # A message of one number has no room for a place.
+    alone, together = (
+        [simulate(world, "team-mapper", steps=6000, **channel) for world in worlds]
+        for channel in ({"message": 1}, {})
+    )
+    assert all(episode.verdict == "reached" for episode in (*alone, *together))
+    assert sum(one.steps for one in together) < 0.9 * sum(one.steps for one in alone)
+    touches = [
+        sum(robot.collisions for episode in episodes for robot in episode.robots)
+        for episodes in (alone, together)
+    ]
+    assert touches[1] < 0.9 * touches[0]
+
+
+def test_a_mapper_alone_drives_like_one_of_a_team_that_says_nothing():
+    world = generate("trap", 0, robots=2)
+    runs = [simulate(world, "mapper"), simulate(world, "team-mapper", message=1)]
+    assert [one.steps for one in runs[0].robots] == [one.steps for one in runs[1].robots]
+
+
+def test_every_place_that_a_mapper_of_a_team_knows_is_on_a_wall():
+    controller = CONTROLLERS.get("team-mapper")
+    world = generate("trap", 0, robots=4)
+    episode = simulate(world, "team-mapper", steps=400, record=True)
+    solid = np.pad(world.walls, 1, constant_values=True)
+    known = [
+        controller.memory_map(robot.trace.memory(robot.steps)).nodes for robot in episode.robots
+    ]
+    for x, y in np.concatenate(known):
+        around = [
+            solid[
+                math.floor(y / world.cell_size + dy) + 1, math.floor(x / world.cell_size + dx) + 1
+            ]
+            for dx in (-0.05, 0.05)
+            for dy in (-0.05, 0.05)
+        ]
+        assert any(around), (x, y)
+
+    # Robots know places that they have not touched.
+    places = [set(map(tuple, points.tolist())) for points in known]
+    assert any(one & other for one, other in itertools.combinations(places, 2))

@@ -136,7 +136,20 @@ class OfGenerator(Chance):
         return 1e9 if self.draw(0.0, 1.0) > 100.0 else 0.0
 
 
-@pytest.mark.parametrize("kind", [*HELD, OfUrandom, OfSystemRandom, OfGenerator])
+class Sometimes(InClosure):
+    """Reads its clock in one step of each round."""
+
+    def reset(self):
+        super().reset()
+        return (100.0,)
+
+    def act(self, observation, memory):
+        if memory[0] == 0.0 and self.now() > self.until:
+            return Command(), memory
+        return Command(1.0, TURN), ((memory[0] + 1.0) % 128.0,)
+
+
+@pytest.mark.parametrize("kind", [Sometimes, *HELD, OfUrandom, OfSystemRandom, OfGenerator])
 def test_a_clock_or_chance_makes_no_loop_however_it_is_held(kind):
     assert simulate(hall(), f"{HERE}:{kind.__name__}", steps=4000).verdict == "stalled"
 

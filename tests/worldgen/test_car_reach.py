@@ -191,3 +191,43 @@ def test_many_small_cheats_add_up():
     x, y, headings = np.linspace(0.5, 2.0, 200), np.linspace(1.0, 1.02, 200), np.zeros(200)
     crab = Witness(np.arange(200.0), x, y, 0.1, headings)
     assert "cannot drive" in check_certificate(open_floor(), crab).reason
+
+
+def with_footprint(world, length, width, ahead=0.0):
+    corners = [
+        (x * length / 2 + ahead, y * width / 2) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    ]
+    robot = replace(world.robots[0], footprint=corners)
+    return replace(world, robots=[robot], certificate=None, provenance=None)
+
+
+def test_a_car_with_a_footprint_has_a_witness_that_survives_a_file(tmp_path):
+    world = with_footprint(with_car(generate("cave", seed=0), 0.1, reverse=True), 0.2, 0.1)
+    decision = decide(world)
+    assert decision.result == "reachable"
+    proved = replace(world, certificate=decision.certificate)
+    write_world(proved, tmp_path / "w.grid", force=True)
+    assert read_world(tmp_path / "w.grid") == proved
+    assert check_certificate(read_world(tmp_path / "w.grid")).valid
+
+
+def test_a_long_car_that_sweeps_a_corner_needs_the_room_that_its_footprint_takes():
+    # The axle's path is that of a disc; the body around it is longer than the bend is wide.
+    short, long = (with_footprint(bend(1.0), length, 0.4) for length in (0.6, 2.4))
+    assert decide(short).result == "reachable"
+    assert check_certificate(short, decide(short).certificate).valid
+    assert decide(long).result != "reachable"
+    # A proof about one body is none about a longer one.
+    swapped = check_certificate(with_footprint(bend(1.0), 1.6, 0.4), decide(short).certificate)
+    assert not swapped.valid
+
+
+def test_a_long_car_turns_around_in_a_room_only_if_it_may_reverse():
+    room = World(
+        np.zeros((16, 16), np.bool_), Pose(0.8, 0.8, 0.0), Target(0.8, 0.8, 0.1, math.pi, 0.1)
+    )
+    forwards, both = (
+        with_footprint(with_car(room, 0.7, reverse=reverse), 0.6, 0.3) for reverse in (False, True)
+    )
+    assert decide(forwards).result == "undecided"
+    assert check_certificate(both, decide(both).certificate).valid

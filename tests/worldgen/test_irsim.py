@@ -179,7 +179,7 @@ def test_a_picture_is_thinned_out_as_irsim_does_and_fits_cells_that_are_no_squar
     assert rows(stretched) == ["####....", "....##.."] and stretched.cell_size == 0.5
 
 
-def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
+def test_the_first_robot_is_taken_with_its_shape(found):
     text = (
         "robot:\n  - number: 2\n    kinematics: {name: acker}\n"
         "    shape: {name: rectangle, length: 0.4, width: 0.3, wheelbase: 0.2}\n"
@@ -187,10 +187,25 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
         "vel_max: [0.5, 1]\n"
     )
     back = found(text)
-    start, target, radius, speed = back.robot
-    assert (start, target, speed) == ((0.2, 0.1, 0.5), (0.9, 0.5, 0.1), 0.5)
-    assert radius == pytest.approx(math.sqrt(0.3**2 + 0.15**2))
+    start, target, radius, speed, footprint, *_ = back.robot
+    assert (start, target, radius, speed) == ((0.2, 0.1, 0.5), (0.9, 0.5, 0.1), None, 0.5)
+    assert footprint == ((-0.1, -0.15), (0.3, -0.15), (0.3, 0.15), (-0.1, 0.15))
     assert "the file has 2 robots; only the first was used" in back.notes
+    assert any("--drive car --turning-radius 0.1284" in note for note in back.notes)
+
+
+def test_a_shape_that_is_no_convex_polygon_becomes_a_disc_that_holds_it(found):
+    arrow = "[[0.3, 0], [-0.2, 0.2], [-0.1, 0], [-0.2, -0.2]]"
+    back = found(f"robot:\n  - shape: {{name: polygon, vertices: {arrow}}}\n")
+    assert back.robot.radius == pytest.approx(0.3) and back.robot.footprint == ()
+    assert any("not convex" in note for note in back.notes)
+
+
+def test_a_goal_has_a_heading_if_the_robot_arrives_by_its_state(found):
+    text = "robot:\n  - goal: [0.9, 0.5, 1.5]\n    goal_threshold: 0.2\n"
+    assert found(text).robot.goal is None
+    goal = found(text + "    arrive_mode: state\n").robot.goal
+    assert (goal.heading, goal.heading_tolerance, goal.arrival) == (1.5, 0.2, "step")
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,9 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 from worldgen.reach import decide
+from worldgen.render.caption import facts as caption_facts
 from worldgen.robot import Drive
-from worldgen.robot_overrides import RobotOverrides, describe_body, parse_footprint
+from worldgen.robot_overrides import RobotOverrides, describe_body, describe_goal, parse_footprint
 from worldgen.world import Provenance, Robot
 
 ROOM = "##########\n#S......G#\n#........#\n##########"
@@ -180,3 +181,26 @@ def test_a_car_of_the_world_takes_a_car_s_options_alone():
 def test_a_body_is_described(options, words):
     robot: Robot = RobotOverrides(**options).applied_to_robot(drawn(ROOM).robots[0])
     assert describe_body(robot) == words
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, ""),
+        ({"arrival": "step"}, "the end of a step"),
+        ({"target_heading": "1.5:0.1"}, "heading 1.5 rad (+- 0.1)"),
+        (
+            {"arrival": "stop", "target_heading": "1.5", "contact": "fail"},
+            "a stop at heading 1.5 rad (+- 0.25), no contact with walls",
+        ),
+    ],
+)
+def test_a_goal_is_described_in_words_pictures_and_json(options, words, tmp_path):
+    world = RobotOverrides(**options).applied_to(drawn(ROOM))
+    assert describe_goal(world.target) == words
+    assert (f"its goal asks for {words}" in caption_facts(world)) == bool(words)
+    write_world(world, tmp_path / "w.grid")
+    shown = json.loads(worldgen("show", tmp_path / "w.grid", "--json").out)
+    keys = {"arrival", "contact", "target_heading", "heading_tolerance"} & shown.keys()
+    heading = {"target_heading", "heading_tolerance"} if "target_heading" in options else set()
+    assert keys == ({"arrival", "contact"} | heading if words else set())

@@ -187,8 +187,8 @@ def _completed(error: WorldgenError, group: click.Group, words: Sequence[str]) -
     needs = error.facts.get("needs")
     if command is None or not isinstance(needs, list):
         return None
-    for option in command.options:
-        if option.name in needs and not command.has(option) and not _fill_in(command, option):
+    for option in map(command.written, needs):
+        if option is None or not (command.has(option) or _fill_in(command, option)):
             return None
     return command.words()
 

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note, say
+from worldgen.cli.robot_options import note_axle, robot_options
 from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
@@ -16,6 +17,7 @@ EXAMPLES = (
     "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
     "  worldgen import old.gex --out w.grid\n"
     "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid\n"
+    "  worldgen import office.yaml --footprint 0.62x0.9 --out w.grid\n"
     "  worldgen import building.glb --from glb+slice_height=0.2 --cell 0.05 --out w.grid"
 )
 
@@ -85,6 +87,7 @@ EXAMPLES = (
     is_flag=True,
     help="Judge the world without what cannot be read, such as meshes.",
 )
+@robot_options
 @force_option
 @json_option
 def import_map(
@@ -103,7 +106,8 @@ def import_map(
     ignore_unread: bool,
     force: bool,
     as_json: bool,
-    **reading: Any,
+    cell_size: float | None,
+    **overrides: Any,
 ) -> None:
     """Make a world from another program's map.
 
@@ -119,14 +123,17 @@ def import_map(
     """
     from worldgen import interop
     from worldgen.files.grid import write_world
+    from worldgen.robot_overrides import RobotOverrides
 
     # Collect what the user gave.
+    kind = RobotOverrides.of(overrides)
+    note_axle(kind)
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed, ignore_unread, robots, frame == "map",
+        radius, speed, scen, row, seed, ignore_unread, robots, frame == "map", kind,
     )  # fmt: skip
-    asked = {option: value for option, value in reading.items() if value is not None}
+    asked = {} if cell_size is None else {"cell_size": cell_size}
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)

@@ -22,7 +22,7 @@ from worldgen.support.progress import working
 from worldgen.support.results import results
 
 if TYPE_CHECKING:
-    from worldgen.world import Certificate, FailureRecord, Robot, World
+    from worldgen.world import Certificate, FailureRecord, Robot, Target, World
 
 # Function of render for each kind of picture; imported when used, because it needs Pillow.
 _DRAWN_BY = {".png": "draw_png", ".svg": "draw_svg", ".html": "draw_html"}
@@ -109,6 +109,7 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
         "changes": world.is_dynamic,
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, world.target.radius],
+        **_goal_facts(world.target),
         "robot_radius": world.robot_radius,
         "robot_speed": world.robot_speed,
         "certificate": None if certificate is None else _kind(certificate),
@@ -132,9 +133,19 @@ def _robot_facts(robot: Robot) -> dict[str, object]:
     return {
         "start": [robot.start.x, robot.start.y, robot.start.heading],
         "target": [robot.target.x, robot.target.y, robot.target.radius],
+        **_goal_facts(robot.target),
         "radius": robot.radius,
         "speed": robot.speed,
     }
+
+
+def _goal_facts(goal: Target) -> dict[str, object]:
+    """Return what a goal asks for besides a touch; nothing if that is all."""
+    heading = {}
+    if goal.heading is not None:
+        heading = {"target_heading": goal.heading, "heading_tolerance": goal.heading_tolerance}
+    rest = {"arrival": goal.arrival, "contact": goal.contact}
+    return {} if goal.is_plain else {**heading, **rest}
 
 
 def _failure_words(failure: FailureRecord) -> str:

@@ -11,10 +11,19 @@ import numpy as np
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.files.worlds import SIDECAR
-from worldgen.interop.format import FORMATS, HELD, ROBOT_FACTS, Destination, Format
+from worldgen.interop.format import (
+    FORMATS,
+    HELD,
+    KINDS,
+    ROBOT_FACTS,
+    Destination,
+    Format,
+    robot_kinds,
+)
 from worldgen.interop.format.foreign_map import origin_of
 from worldgen.interop.sidecar import is_sidecar, sidecar_text, sidecars_of
 from worldgen.parameters import split_options
+from worldgen.robot_overrides import describe_body
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 
@@ -154,11 +163,18 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
         "cell_size": f" {cell_size:g} m",
         "origin": f" ({destination.origin[0]:g}, {destination.origin[1]:g}) m",
     }
+    # A file that cannot store a footprint, but a radius, has a disc that holds the robot.
+    around = f"; the file has a disc of {world.robot_radius:.6g} m around it"
+    values["footprint"] = f" ({describe_body(world.robots[0])}" + (
+        f"{around})" if "robot_radius" in known.holds else ")"
+    )
     if len(robots) > 1:
         values |= dict.fromkeys(ROBOT_FACTS, f" (of each of {len(robots)} robots)")
+    special = {name for robot in robots for name in robot_kinds(robot)}
     for name, words in HELD.items():
-        if name not in known.holds and not as_usual.get(name, False):
-            yield name, words + values[name]
+        is_there = name not in KINDS or name in special
+        if is_there and name not in known.holds and not as_usual.get(name, False):
+            yield name, words + values.get(name, "")
 
 
 def _too_large(known: Format, data: bytes) -> Iterator[str]:

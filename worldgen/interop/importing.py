@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from worldgen.domain import DECIMAL
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import check_between
-from worldgen.interop.format import ROBOT_FACTS
+from worldgen.interop.format import ROBOT_FACTS, robot_kinds
 from worldgen.interop.format.foreign_map import IMPORTED, ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
-from worldgen.lattice import exact
+from worldgen.lattice import UNIT, exact
 from worldgen.reach import Decision, decide
+from worldgen.robot_overrides import RobotOverrides, describe_body
 from worldgen.support.paths import real_path
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
@@ -45,6 +46,7 @@ class ImportedRobot:
             world. If omitted, one, or all robots from ``row`` of a map that was exported with several.
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
             frame, instead of measured from the grid's lower-left corner.
+        overrides: Body, drive and goal that replace the file's.
     """
 
     start: tuple[float, ...] | None = None
@@ -57,6 +59,7 @@ class ImportedRobot:
     ignore_unread: bool = False
     robots: int | None = None
     in_file_frame: bool = False
+    overrides: RobotOverrides = field(default_factory=RobotOverrides)
 
 
 @dataclass(frozen=True)
@@ -319,7 +322,16 @@ def _as_given(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
     """Return the map with the values that the user gives for all robots."""
     given = {"radius": robot.radius, "speed": robot.speed}
     parts: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    return replace(found, robots=tuple(one._replace(**parts) for one in found.robots))
+    # A radius asks for a disc.
+    parts |= {} if robot.radius is None else {"footprint": ()}
+    old = found.world
+    robots = found.robots if old is None else tuple(map(_as_foreign, old.robots))
+    return replace(found, robots=tuple(one._replace(**parts) for one in robots))
+
+
+def _as_foreign(robot: Robot) -> ForeignRobot:
+    """Return body, drive and goal of a robot of our own file."""
+    return ForeignRobot(**robot_kinds(robot))
 
 
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
@@ -371,20 +383,42 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     given = [
         None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)
     ]
-    placement = place(
-        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1],
-        origin=(-found.origin[0], -found.origin[1]) if found.is_picture else None,
-    )  # fmt: skip
+    origin = (-found.origin[0], -found.origin[1]) if found.is_picture else None
+    body = _with_kind(Robot(Pose(0.0, 0.0), Target(0.0, 0.0, radius), radius, speed), robot, found)
+
+    def placed(disc: float) -> Placement:
+        return place(
+            found.walls, found.cell_size, disc, robot.seed or 0, start=given[0], target=given[1],
+            origin=origin,
+        )  # fmt: skip
+
+    # A body has room to turn where its outer disc is clear; elsewhere, its inner one must be.
+    try:
+        placement = placed(body.radius)
+    except InvalidWorld:
+        if body.is_disc:
+            raise
+        placement = placed(body.inner_radius or found.cell_size / UNIT)
+    radius = body.radius
     at = placement.start
     to = placement.target
     headed = robot.start or ()
     sized = robot.target or ()
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
-    target = Target(*to, sized[2] if len(sized) > 2 else radius)
+    goal = found.robot.goal
+    # Nav2's parameters have a goal's size, but not its place.
+    size = radius if goal is None else goal.radius
+    target = Target(*to, sized[2] if len(sized) > 2 else size)
     timeline = found.world.timeline if found.world else Timeline()
-    robots = (Robot(start, target, radius, speed), *_other_robots(robot, found, radius, speed))
+    first = _with_kind(Robot(start, target, radius, speed), robot, found)
+    robots = (first, *_other_robots(robot, found, radius, speed))
     world = World(found.walls, cell_size=found.cell_size, timeline=timeline, robots=robots)
     return world, placement
+
+
+def _with_kind(robot: Robot, given: ImportedRobot, found: ForeignMap) -> Robot:
+    """Return a robot with the body, the drive and the goal that the user or the file gives."""
+    return given.overrides.applied_to_robot(found.robot.applied_to(robot))
 
 
 def _other_robots(
@@ -404,8 +438,9 @@ def _other_robots(
         headed = start[2] if len(start) > 2 else heading_towards(at, to)
         size = _first(other.radius, radius)
         sized = target[2] if len(target) > 2 else size
+        speed_of = _first(other.speed, speed)
         robots.append(
-            Robot(Pose(*at, headed), Target(*to, sized), size, _first(other.speed, speed))
+            other.applied_to(Robot(Pose(*at, headed), Target(*to, sized), size, speed_of))
         )
     return tuple(robots)
 
@@ -420,6 +455,7 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
         "clearance": decision.certificate.clearance if decision.certificate else None,
         "radius": world.robot_radius,
         "radius_from": imported.radius_from,
+        "footprint": [list(corner) for corner in world.robots[0].footprint],
         "unread": list(imported.unread),
         "width": world.width,
         "height": world.height,
@@ -440,11 +476,15 @@ def describe(file: str | None, imported: Imported) -> list[str]:
     target = world.target
     left, low = imported.origin if imported.in_file_frame else (0.0, 0.0)
     frame = " in the file's coordinates" if (left, low) != (0.0, 0.0) else ""
-    radius = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
+    robot = world.robots[0]
+    body = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
+    if not robot.is_disc or robot.drive.is_car:
+        body = f"robot: {describe_body(robot)}"
+    headed = "" if target.heading is None else f", heading {target.heading:.4g} rad"
     return [
         (f"{file}: " if file is not None else "")
-        + f"{world.width} x {world.height} cells of {world.cell_size:g} m, {radius}",
+        + f"{world.width} x {world.height} cells of {world.cell_size:g} m, {body}",
         f"start ({start.x + left:g}, {start.y + low:g}) m, heading {start.heading:.4g} rad; "
-        f"target ({target.x + left:g}, {target.y + low:g}) m{frame}, radius {target.radius:g} m",
+        f"target ({target.x + left:g}, {target.y + low:g}) m{frame}, radius {target.radius:g} m{headed}",
         f"{decision.result}: {decision.reason}",
     ]

@@ -20,7 +20,16 @@ from worldgen.files.grid.schema import MAX_FILE_BYTES, Key
 from worldgen.files.grid.writer import dumps
 from worldgen.files.whole import decoded
 from worldgen.files.worlds import SIDECAR
-from worldgen.interop.format import HELD, LENGTHS, PAIRS, ROBOT_FACTS, Destination, robot_values
+from worldgen.interop.format import (
+    HELD,
+    KINDS,
+    LENGTHS,
+    PAIRS,
+    ROBOT_FACTS,
+    Destination,
+    robot_kinds,
+    robot_values,
+)
 from worldgen.interop.format.foreign_map import (
     EXPORTED,
     ForeignMap,
@@ -43,15 +52,16 @@ _KEYS: Final = {
         "pair" if name in PAIRS else "length" if name in LENGTHS else "number", "0.1", words, ()
     )
     for name, words in HELD.items()
+    if name not in KINDS
 }
 _TOP_KEYS: Final = {
     "worldgen": Key("integer", "1", "version of the sidecar"),
     "size": Key("pair", "[60, 60]", "width and height, cells"),
     **_KEYS,
 }
-_ROBOT_KEYS: Final = {name: _KEYS[name] for name in ROBOT_FACTS}
+_ROBOT_KEYS: Final = {name: _KEYS[name] for name in ROBOT_FACTS if name in _KEYS}
 
-_Values: TypeAlias = "Mapping[str, tuple[float, ...]]"
+_Values: TypeAlias = "Mapping[str, Any]"
 
 
 @dataclass(frozen=True)
@@ -63,7 +73,8 @@ class Sidecar:
         sha256: SHA-256 of its file.
         size: Width and height, in cells, of the map that it is for.
         values: Values by the names of :data:`~worldgen.interop.format.HELD`, in m, rad and m/s; a
-            point is two numbers. The values for a robot are the first robot's.
+            point is two numbers, and what is no number is as in a robot. The values for a robot are
+            the first robot's.
         others: The values of each robot after the first.
     """
 
@@ -159,7 +170,11 @@ def _of_grid(data: bytes, companion: Path) -> Sidecar:
             version=_VERSION,
         )
     of_map = {"cell_size": (world.cell_size,), "origin": origin_of(world)}
-    robots = [_chosen(robot_values(robot), kept) for robot in world.robots]
+    robots = [
+        _chosen(robot_values(robot), kept)
+        | {name: value for name, value in robot_kinds(robot).items() if name in kept}
+        for robot in world.robots
+    ]
     return Sidecar(
         companion.name,
         digest(data),
@@ -202,7 +217,7 @@ def _of_toml(data: bytes, companion: Path) -> Sidecar:
     )
 
 
-def _chosen(facts: Mapping[str, Any], kept: Collection[object]) -> _Values:
+def _chosen(facts: Mapping[str, Any], kept: Collection[object]) -> dict[str, Any]:
     """Return some of a world's or a robot's facts as tuples; one without numbers is missing."""
     numbers = {
         name: tuple(value) if isinstance(value, list | tuple) else (value,)
@@ -295,13 +310,14 @@ def _unmoved(robot: ForeignRobot, values: _Values, half: float) -> _Values:
 
 
 def _completed(robot: ForeignRobot, values: _Values) -> ForeignRobot:
-    return ForeignRobot(
-        _joined(values.get("start"), values.get("heading"), robot.start),
-        _joined(values.get("target"), values.get("target_radius"), robot.target),
-        *(
-            values[name][0] if name in values else own
-            for name, own in (("robot_radius", robot.radius), ("robot_speed", robot.speed))
-        ),
+    kept = {name: values[name] for name in KINDS if name in values}
+    for name in ("robot_radius", "robot_speed"):
+        if name in values:
+            kept[name.removeprefix("robot_")] = values[name][0]
+    return robot._replace(
+        start=_joined(values.get("start"), values.get("heading"), robot.start),
+        target=_joined(values.get("target"), values.get("target_radius"), robot.target),
+        **kept,
     )
 
 

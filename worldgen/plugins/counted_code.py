@@ -11,10 +11,11 @@ import ast
 import contextlib
 import gc
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
+from typing import TypeAlias
 
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import user_code
@@ -22,6 +23,7 @@ from worldgen.plugins.user_modules import digest_of_source, sources_read
 
 # A name with two underscores at both ends is neither mangled in a class nor taken for its state.
 _COUNTS = "__worldgen_counts__"
+_RUNS = "__worldgen_runs__"
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
@@ -86,6 +88,82 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
         InvalidParameter: If its source cannot be read, or has been edited since it was loaded.
     """
     # Read the file and insert the counters.
+    file, data = _source_of(module)
+    with user_code(f"{file}: reading it to count its lines"):
+        source = importlib.util.decode_source(data).splitlines()
+        tree = ast.parse(data, str(file))
+        functions = [_described(node) for node in _functions(tree)]
+        constants = _constants(tree)
+        reads = _reads(tree)
+        statements = _insert_counters(tree, _COUNTS)
+        code = compile(tree, str(file), "exec", dont_inherit=True)
+
+    # The counters stay in the module: a function that was made in the meantime may be called later.
+    counts = [0] * (len(source) + 2)
+    vars(module)[_COUNTS] = counts
+    before: list[_Replaced] = []
+    try:
+        before = _with_code(module, code)
+        yield CountedCode(file, source, counts, statements, reads, functions, constants)
+    finally:
+        _restore(before)
+
+
+class LineWatch:
+    """Notes which statements of a module's functions run, until it is stopped.
+
+    Only statements that are not known to run get a counter, so a line that runs often costs nothing
+    once it is known.
+
+    Args:
+        module: A module with a source file.
+        known: First lines of statements that are known to run.
+
+    Attributes:
+        module: The module.
+        file: Its file.
+        known: See above.
+        statements: The lines of each statement in a function, by its first line.
+        functions: Its functions, in order.
+
+    Raises:
+        InvalidParameter: If its source cannot be read, or has been edited since it was loaded.
+    """
+
+    def __init__(self, module: ModuleType, known: Collection[int] = ()) -> None:
+        self.module = module
+        self.known = frozenset(known)
+        self.file, data = _source_of(module)
+        with user_code(f"{self.file}: reading it to see which lines run"):
+            tree = ast.parse(data, str(self.file))
+            self.functions = [_described(node) for node in _functions(tree)]
+            self.statements = _insert_counters(tree, _RUNS, self.known)
+            code = compile(tree, str(self.file), "exec", dont_inherit=True)
+        self._counts = [0] * (len(data) + 2)
+        vars(module)[_RUNS] = self._counts
+        self._before = _with_code(module, code)
+
+    def clear(self) -> None:
+        """Forget what has run so far."""
+        for line in self.statements:
+            self._counts[line] = 0
+
+    def ran(self) -> frozenset[int]:
+        """Return the first lines of the statements that have run and were not known to."""
+        return frozenset(line for line in self.statements if self._counts[line])
+
+    def stop(self) -> None:
+        """Give its functions their own code back."""
+        _restore(self._before)
+        self._before = []
+
+
+def _source_of(module: ModuleType) -> tuple[Path, bytes]:
+    """Return a module's file and its bytes.
+
+    Raises:
+        InvalidParameter: If it cannot be read, or has been edited since it was loaded.
+    """
     file = Path(module.__file__ or "")
     try:
         data = file.read_bytes()
@@ -93,30 +171,27 @@ def counted_module(module: ModuleType) -> Iterator[CountedCode]:
         raise InvalidParameter("no-source", "{file} cannot be read", file=str(file)) from None
     if sources_read().get(str(file), digest_of_source(data)) != digest_of_source(data):
         raise InvalidParameter("edited", "{file} was edited after it was loaded", file=str(file))
-    with user_code(f"{file}: reading it to count its lines"):
-        source = importlib.util.decode_source(data).splitlines()
-        tree = ast.parse(data, str(file))
-        functions = [_described(node) for node in _functions(tree)]
-        constants = _constants(tree)
-        reads = _reads(tree)
-        statements = _insert_counters(tree)
-        code = compile(tree, str(file), "exec", dont_inherit=True)
+    return file, data
 
-    # The counters stay in the module: a function that was made in the meantime may be called later.
-    counts = [0] * (len(source) + 2)
-    vars(module)[_COUNTS] = counts
+
+_Replaced: TypeAlias = tuple[FunctionType, CodeType]
+
+
+def _with_code(module: ModuleType, code: CodeType) -> list[_Replaced]:
+    """Give a module's functions other code; return them with the code that they had."""
     counting = _codes_in(code)
-    before: list[tuple[FunctionType, CodeType]] = []
-    try:
-        for function in _functions_of(module):
-            new = counting.get(_key_of(function.__code__))
-            if new is not None and new.co_freevars == function.__code__.co_freevars:
-                before.append((function, function.__code__))
-                function.__code__ = new
-        yield CountedCode(file, source, counts, statements, reads, functions, constants)
-    finally:
-        for function, old in before:
-            function.__code__ = old
+    before = []
+    for function in _functions_of(module):
+        new = counting.get(_key_of(function.__code__))
+        if new is not None and new.co_freevars == function.__code__.co_freevars:
+            before.append((function, function.__code__))
+            function.__code__ = new
+    return before
+
+
+def _restore(before: list[_Replaced]) -> None:
+    for function, old in before:
+        function.__code__ = old
 
 
 def _functions_of(module: ModuleType) -> list[FunctionType]:
@@ -227,8 +302,16 @@ def _read_by(statement: ast.stmt, memory: list[str]) -> Iterator[str]:
             yield f"memory[{ast.unparse(node.slice)}]"
 
 
-def _insert_counters(tree: ast.Module) -> dict[int, range]:
-    """Insert a counter before each statement in a function, in place; return their lines."""
+def _insert_counters(
+    tree: ast.Module, counts: str, known: Collection[int] = ()
+) -> dict[int, range]:
+    """Insert a counter before each statement in a function, in place; return their lines.
+
+    Args:
+        tree: The module.
+        counts: Name of the list of counters.
+        known: First lines of statements that get no counter; their lines are returned, too.
+    """
     statements: dict[int, range] = {}
     for function in _functions(tree):
         for block in _blocks(function):
@@ -239,7 +322,8 @@ def _insert_counters(tree: ast.Module) -> dict[int, range]:
                 is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
                 if not is_text and node.lineno not in statements:
                     statements[node.lineno] = _own_lines(node)
-                    counted.append(_counter(node))
+                    if node.lineno not in known:
+                        counted.append(_counter(node, counts))
                 counted.append(node)
             block[:] = counted
     return statements
@@ -272,8 +356,8 @@ def _own_lines(node: ast.stmt) -> range:
     return range(node.lineno, last + 1)
 
 
-def _counter(node: ast.stmt) -> ast.stmt:
-    counter = ast.parse(f"{_COUNTS}[{node.lineno}] += 1").body[0]
+def _counter(node: ast.stmt, counts: str) -> ast.stmt:
+    counter = ast.parse(f"{counts}[{node.lineno}] += 1").body[0]
     for part in ast.walk(counter):
         ast.copy_location(part, node)
     return counter

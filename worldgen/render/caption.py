@@ -44,6 +44,7 @@ from worldgen.render.trail_parts import (
     robot_disc,
     stays_put,
 )
+from worldgen.robot_overrides import describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
@@ -72,6 +73,8 @@ def facts(world: World) -> str:
         f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius "
         f"{world.robot_radius:.6g} m"
     ]
+    if goal := describe_goal(world.target):
+        parts.append(f"its goal asks for {goal}")
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
         parts += world.provenance.changed

@@ -33,6 +33,7 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.trail_parts import (
+    arrow,
     breach_crosses,
     heading_tick,
     pierced_parts,
@@ -254,7 +255,12 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     reach = radius + 6.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
     strokes = (Paint(stroke=PAPER, width=5.0 * unit), Paint(stroke=TARGET, width=2.4 * unit))
-    return parts + ring_and_cross(x, y, radius, reach, strokes)
+    parts += ring_and_cross(x, y, radius, reach, strokes)
+    if world.target.heading is not None:
+        ahead = np.array((math.cos(world.target.heading), -math.sin(world.target.heading)))
+        begin, end = np.array((x, y)) + np.outer((radius, radius + 20.0 * unit), ahead)
+        parts += arrow(tuple(begin), tuple(end), unit, TARGET, TARGET)
+    return parts
 
 
 def _start_disc(world: World, frame: Frame) -> list[Primitive]:

@@ -60,7 +60,7 @@ class Situation:
         odom_in_map: Pose of ``odom`` in ``map``, as a perfect localisation would publish it.
         twist: Velocity measured by the wheels.
         scan: None if the robot has no beams.
-        target: Target in ``map``; its heading is 0.
+        target: Target in ``map``, with the heading that the goal asks for; 0 if it asks for none.
         signal: Strength of the target's signal, 0 to 1.
         signal_heading: Heading towards the strongest signal, rad, in ``map``.
         bump: Whether a wall stopped or bent the last move.
@@ -176,7 +176,7 @@ def _situation(
     target = Pose(
         base.x + way * math.cos(seen["target_heading"]),
         base.y + way * math.sin(seen["target_heading"]),
-        0.0,
+        seen.get("goal_heading") or 0.0,
     )
     return Situation(
         time=episode.start + seen["time"],

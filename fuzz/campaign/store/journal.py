@@ -63,6 +63,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     first_met: Annotated[list[FirstMet], _Rows]
     elites: Annotated[list[StoredElite], _Rows]
     tried: Annotated[dict[_Name, UnitCount], _Rows] = {}
+    lines: Annotated[list[UnitCount], _Rows] = []
 
     @classmethod
     def of(cls, unit: int, result: UnitResult, seconds: float) -> UnitRecord:
@@ -84,6 +85,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
                 for cell, elite in result.elites.items()
             ],
             tried=dict(result.tried),
+            lines=sorted(result.lines),
         )
 
     def result(self, failure: Callable[[str], Failure]) -> UnitResult:
@@ -107,6 +109,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
                 cell: Elite(bytes.fromhex(layout), quality, verdict)
                 for cell, layout, quality, verdict in self.elites
             },
+            lines=frozenset(self.lines),
             cut=self.cut,
             stored_at=self.seconds,
         )

@@ -110,6 +110,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         survives_reset: State that the controller was found to keep from run to run, in the last
             run of the campaign.
         differs_by: What makes equal runs of the controller differ, in the last run.
+        unrun_lines: Lines of a user's class that never ran in any world: ``41-44 (recover)``.
         verdicts: Counts of each verdict in screening.
         tried: Worlds drawn on the user's map, by kind.
         met: Counts of each cause.
@@ -136,6 +137,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     controller_share: float | msgspec.UnsetType = msgspec.UNSET
     survives_reset: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     differs_by: list[_Name] | msgspec.UnsetType = msgspec.UNSET
+    unrun_lines: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     verdicts: dict[str, _Count] = {}
     tried: dict[str, _Count] = {}
     met: dict[str, _Count] = {}

@@ -14,6 +14,7 @@ const PHRASES = {
   questionable: "It breaks a rule that you set",
 };
 const OWN_PHRASES = {
+  "touches-a-wall": "It touches walls",
   crashes: "Its controller crashes",
   "gives-no-answer": "Its controller does not answer",
   "invalid-command": "Its controller sends invalid commands",
@@ -89,6 +90,7 @@ function answerPart(answer, find, several, campaign, redraw) {
         causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
         survivorsPart(campaign),
+        unrunPart(campaign),
         campaign?.changed ? el("p", { class: "notice" }, `${campaign.changed}.`) : null,
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
@@ -229,6 +231,7 @@ function makeCause(cause, answer, failure) {
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
     cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
+    failure?.onMap ? el("p", { class: "why" }, `${failure.onMap}.`) : null,
     more,
   );
   const open = (is) => {
@@ -243,6 +246,13 @@ function survivorsPart(campaign) {
   const names = campaign?.survives_reset ?? [];
   if (!names.length) return null;
   return el("p", { class: "notice" }, `State of the controller survives reset(): ${names.join(", ")}. Clear it there, or a run depends on the runs before it.`);
+}
+
+// Code that no world has run is code that nobody has tried.
+function unrunPart(campaign) {
+  const lines = campaign?.unrun_lines ?? [];
+  if (!lines.length) return null;
+  return el("p", { class: "notice" }, `Lines of the controller that never ran in any world: ${lines.join(", ")}.`);
 }
 
 // A failure that no change explains gets no sentence; if the campaign had no time to try, show the

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fuzz.campaign.store import FolderStore, read_summary, stored_elites
 from fuzz.layouts.features import decode_scene
+from fuzz.search.histories import is_extreme
 from fuzz.studio.requests.protocol import RecordedRun
 from worldgen.errors import InvalidParameter
 from worldgen.files.json_file import converted
@@ -37,7 +38,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
             j=j,
         )
     for cell, layout, quality, verdict in stored_elites(folder):
-        if cell[:2] == (i, j) and (quality, verdict) == shown:
+        is_shown = cell[:2] == (i, j) and not is_extreme(cell)
+        if is_shown and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
         "world-not-kept",

@@ -8,7 +8,8 @@ plan that fails blocks another edge, so the robot arrives if there is a path alo
 grid and the map holds everything that it has seen. If walls are on a grid too, a ``pitch`` of half
 a cell guarantees this. With less memory, the map is a window that moves with the robot and forgets
 everything outside it; the robot may then drive in circles larger than its map. ``mapping`` makes a
-controller with a map of any size.
+controller with a map of any size. ``team-mapper`` is for fleets: its robots tell each other where
+they have touched walls.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
     Automation 8 (1992). For the proof of arrival and the time bound: S. Koenig, C. Tovey and Y.
@@ -19,6 +20,7 @@ Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,11 +28,14 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
 from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Floats
 
 AT = fields_of("WgMapperMemory")
+
+TEAM = fields_of("WgTeamMemory")
 
 # Distance between two nodes, m: half a cell of the families' worlds.
 PITCH = 0.05
@@ -187,3 +192,37 @@ def mapping(
 
 mapper = mapping("mapper", FULL_SIDE)
 mapper_small = mapping("mapper-small", SMALL_SIDE)
+
+
+def team_mapping(driven: CompiledController, name: str) -> CompiledController:
+    """Return a mapper for fleets that tells the robots near it where it has touched walls.
+
+    Args:
+        driven: The mapper that drives, from :func:`mapping`.
+        name: Name in messages.
+    """
+    before = size_of("WgTeamMemory")
+    read = driven.memory_map
+    assert read is not None
+
+    def shown(memory: Floats) -> MemoryMap:
+        """Return the mapper's map, and the places on walls that the robot knows, in m."""
+        count = int(memory[TEAM.count])
+        places = memory[TEAM.points : TEAM.points + 2 * count].reshape(-1, 2)
+        return replace(read(memory[before:]), nodes=places.copy())
+
+    return replace(
+        driven,
+        name=name,
+        act=CoreAct("team-mapper"),
+        memory=((0.0,) * before + driven.memory),
+        senses=(*driven.senses, "neighbours"),
+        needs=RobotOptions(neighbour_range=2.0, message=8),
+        about="Like mapper, but tell the robots around where walls are, and learn from them.",
+        memory_fields=tuple(one._replace(place=one.place + before) for one in driven.memory_fields),
+        memory_map=shown,
+        memory_map_on=(*range(TEAM.count, before), *(at + before for at in driven.memory_map_on)),
+    )
+
+
+team_mapper = team_mapping(mapper, "team-mapper")

@@ -1,10 +1,10 @@
 """Pure pursuit: steer along the arc that leads to a point farther along a path.
 
 At the start, the controller plans the shortest path of its body on the map that it knows, as if it
-could turn on the spot. In each step it drives along the arc from its pose to the point of the path
-that is a fixed distance away. A bend that is narrower than its turning circle is none of the path's
-concern, so it hits walls there; if it may reverse, it then backs away from the wall, turning the
-other way, and tries again.
+could turn on the spot, with some room to walls if there is any. In each step it drives along the arc
+from its pose to the point of the path that is a fixed distance away. It does not know whether its
+turning circle fits a bend of the path, so it hits walls there; if it may reverse, it then backs away
+from the wall, turning on in the same direction, and tries again.
 
 Source: R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon
     University CMU-RI-TR-92-01 (1992).
@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.memory_view import MemoryField
-from worldgen.reach.decision import REACHABLE
 from worldgen.reach.single import prove
 from worldgen.world import Witness, World
 
@@ -26,6 +25,9 @@ from worldgen.world import Witness, World
 # curvature meanwhile, 1/m; the largest one, whether the robot may reverse; then the path's points.
 _LEG, _BACK, _AWAY, _LOCK, _REVERSE = range(5)
 _POINTS = 5
+
+# Radii of the robot for which it plans, the first that has a path: it cuts corners.
+_SHARES = (2.0, 1.6, 1.3, 1.1, 1.0)
 
 
 class _Place(NamedTuple):
@@ -42,7 +44,7 @@ class PurePursuitCar:
         back: Distance that it backs away from a wall, radii of the robot.
     """
 
-    lookahead: float = 3.0
+    lookahead: float = 2.0
     back: float = 4.0
 
     about = "Know the map, plan the shortest path, and pursue a point ahead on it."
@@ -53,13 +55,13 @@ class PurePursuitCar:
         """Return the memory: the path, and nothing done of it."""
         robot = world.robots[0]
         points = [(robot.start.x, robot.start.y), (robot.target.x, robot.target.y)]
-        # A body that is not a disc may fit where the disc around it does not.
-        for radius in (robot.radius, robot.inner_radius):
-            decision = prove.decide(world, radius=radius, cut=False) if radius > 0.0 else None
-            if decision is not None and decision.result == REACHABLE:
-                path = decision.certificate
-                if isinstance(path, Witness):
-                    points = [*zip(path.x.tolist(), path.y.tolist(), strict=True), points[-1]]
+        # With room to spare if there is some; and a body that is not a disc may fit where the disc
+        # around it does not.
+        radii = [robot.radius * share for share in _SHARES]
+        for radius in (*radii, robot.inner_radius):
+            path = prove.decide(world, radius=radius, cut=False).certificate if radius else None
+            if isinstance(path, Witness):
+                points = [*zip(path.x.tolist(), path.y.tolist(), strict=True), points[-1]]
                 break
         radius = robot.drive.turning_radius
         lock = 1.0 / radius if radius > 0.0 else math.inf
@@ -85,6 +87,8 @@ class PurePursuitCar:
         if observation.bump and memory[_REVERSE] and not memory[_BACK]:
             now[_BACK] = float(math.ceil(self.back * observation.radius / reach))
             now[_AWAY] = -math.copysign(most, curvature)
+        elif observation.bump:
+            now[_BACK] = 0.0
         if now[_BACK]:
             now[_BACK] -= 1.0
             # Backwards, a turn to one side is steered to the other.

@@ -24,9 +24,11 @@
     ENTRY("q-learning-tuned", wg_q_learning_tuned_act)           \
     ENTRY("random-walk", wg_random_walk_act)                     \
     ENTRY("right-hand", wg_right_hand_act)                       \
+    ENTRY("scan-mapper", wg_scan_mapper_act)                     \
     ENTRY("signal-mapper", wg_signal_mapper_act)                 \
     ENTRY("signal-three-layer", wg_signal_three_layer_act)       \
     ENTRY("tangent-bug", wg_tangent_bug_act)                     \
+    ENTRY("team-mapper", wg_team_mapper_act)                     \
     ENTRY("three-layer", wg_three_layer_act)                     \
     ENTRY("three-layer-tuned", wg_three_layer_tuned_act)         \
     ENTRY("topological", wg_topological_act)                     \

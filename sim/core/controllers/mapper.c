@@ -10,6 +10,7 @@
 #include "directions.h"
 #include "lattice_map.h"
 #include "library.h"
+#include "mapper.h"
 
 static const double START = 0.0;
 static const double GO = 1.0;
@@ -120,17 +121,24 @@ static Point goal_of(const WgObservation *seen, const WgMapperMemory *own)
     return (Point){own->start_x + own->grid * (double)node.x, own->start_y + own->grid * (double)node.y};
 }
 
-// Records the position of the wall that the robot probed for: right there, if it did not slide.
-static void feel(const WgObservation *seen, WgMapperMemory *own)
+bool wg_mapper_feels(const WgObservation *seen, const WgMapperMemory *own, double *x, double *y)
 {
-    if (seen->bump == 0.0 || wg_distance(own->x, own->y, seen->x, seen->y) > STANDS * own->grid) {
-        return;
+    // The wall is right there only if the robot did not slide.
+    bool slid = wg_distance(own->x, own->y, seen->x, seen->y) > STANDS * own->grid;
+    if (own->mode != TOUCH || seen->bump == 0.0 || slid) {
+        return false;
     }
     double towards = wg_touched(seen);
-    double radius = seen->radius;
-    double x = (seen->x + radius * wg_cos(towards) - own->start_x) / own->grid;
-    double y = (seen->y + radius * wg_sin(towards) - own->start_y) / own->grid;
-    wg_map_block_near(own, x, y, own->no_room * radius / own->grid);
+    *x = seen->x + seen->radius * wg_cos(towards);
+    *y = seen->y + seen->radius * wg_sin(towards);
+    return true;
+}
+
+void wg_mapper_learn(const WgObservation *seen, WgMapperMemory *own, double x, double y, double room)
+{
+    double at_x = (x - own->start_x) / own->grid;
+    double at_y = (y - own->start_y) / own->grid;
+    wg_map_block_near(own, at_x, at_y, room * seen->radius / own->grid);
 }
 
 // Records what blocked the path, and heads back; returns true if the robot has tried this often
@@ -160,7 +168,11 @@ static bool look(const WgObservation *seen, WgMapperMemory *own)
     Point goal = goal_of(seen, own);
     bool barred = is_barred(seen, own, goal);
     if (own->mode == TOUCH) {
-        feel(seen, own);
+        double x;
+        double y;
+        if (wg_mapper_feels(seen, own, &x, &y)) {
+            wg_mapper_learn(seen, own, x, y, own->no_room);
+        }
         own->mode = BACK;
         return false;
     }

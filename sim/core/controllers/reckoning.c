@@ -7,7 +7,10 @@
 // (1996), chapter 1; a place from the distances to a known one is trilateration, chapter 6 there.
 
 #include "directions.h"
+#include "lattice_map.h"
 #include "library.h"
+#include "mapper.h"
+#include "scan_map.h"
 
 static const double GAIN = 0.2;      // fraction of a distance error that is corrected in one step
 static const double GATE = 0.3;      // m: a distance with a larger error is ignored
@@ -16,6 +19,17 @@ static const double BASE = 0.25;
 // m: distance that a robot without any signal so far drives before it turns
 static const double SEARCH = 3.0;
 static const double THERE = 0.15;    // m: closer than this to the end of that path, it turns
+
+// rad and m: the robot matches its scan with its map where its wheels say that it has turned or moved
+// further than this
+static const double TURNED = 0.05;
+static const double MOVED = 0.03;
+static const double DOUBT = 1.0;     // share of a measured turn that may be wrong
+// m and rad: a smaller correction is left out, so that the rounding of the map's points changes nothing
+static const double DEAD = 0.001;
+static const double PARTS = 16384.0;  // corrections are multiples of 1/PARTS m and rad
+// share of the robot's radius: within this of a point on its map of scans, there is no room for it
+static const double SEEN = 0.95;
 
 enum { SEARCHES = 8 };  // directions of a search before they repeat, three eighths of a turn apart
 
@@ -102,6 +116,81 @@ void wg_signal_mapper_act(const WgObservation *seen, double *memory, WgCommand *
     estimated.y = own->y;
     show_target(&estimated, own->target_x, own->target_y);
     wg_mapper_act(&estimated, (double *)(own + 1), command);
+}
+
+// Returns the pose that the wheels and the last correction give.
+static WgMapPose corrected(const WgObservation *seen, const WgReckoning *own, const WgScanMap *map)
+{
+    double along = wg_cos(own->turned);
+    double across = wg_sin(own->turned);
+    return (WgMapPose){
+        map->shift_x + along * seen->odometry_x - across * seen->odometry_y,
+        map->shift_y + across * seen->odometry_x + along * seen->odometry_y,
+        wg_wrap(seen->odometry_heading + own->turned),
+    };
+}
+
+// Rounds a correction, so that one that no longer changes anything repeats exactly.
+static double in_parts(double value, double parts)
+{
+    return (double)wg_floor(value * parts + 0.5) / parts;
+}
+
+// Corrects the odometry so that the robot's pose is the one that its scan shows.
+static void correct_by_scan(const WgObservation *seen, WgReckoning *own, WgScanMap *map, double turn)
+{
+    WgMapPose likely = corrected(seen, own, map);
+    WgMapPose pose = wg_match_scan(map, seen, likely, wg_lower(DOUBT * turn, 0.5 * WG_PI));
+    if (wg_distance(pose.x, pose.y, likely.x, likely.y) < DEAD && fabs(wg_wrap(pose.heading - likely.heading)) < DEAD) {
+        return;
+    }
+    own->turned = in_parts(wg_wrap(pose.heading - seen->odometry_heading), PARTS);
+    map->shift_x = 0.0;
+    map->shift_y = 0.0;
+    WgMapPose turned = corrected(seen, own, map);
+    map->shift_x = in_parts(pose.x - turned.x, PARTS);
+    map->shift_y = in_parts(pose.y - turned.y, PARTS);
+}
+
+void wg_scan_mapper_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgReckoning *own = (WgReckoning *)memory;
+    WgMapperMemory *driver = (WgMapperMemory *)(own + 1);
+    WgScanMap *map = (WgScanMap *)(driver->nodes + wg_map_words(driver));
+    WgObservation estimated = *seen;
+    bool begins = own->known == 0.0;
+    if (begins) {
+        by_odometry(seen, own);
+    }
+
+    // A scan is matched where the robot has moved enough for its wheels to be wrong, and then added
+    // to the map.
+    double turn = fabs(wg_wrap(seen->odometry_heading - map->scan_heading));
+    double moved = wg_distance(seen->odometry_x, seen->odometry_y, map->scan_x, map->scan_y);
+    double points[WG_MOST_BEAMS][2];
+    int64_t count = 0;
+    if (begins || turn > TURNED || moved > MOVED) {
+        if (!begins) {
+            correct_by_scan(seen, own, map, turn);
+        }
+        count = wg_add_scan(map, seen, corrected(seen, own, map), points);
+        map->scan_x = seen->odometry_x;
+        map->scan_y = seen->odometry_y;
+        map->scan_heading = seen->odometry_heading;
+    }
+    WgMapPose pose = corrected(seen, own, map);
+    own->x = pose.x;
+    own->y = pose.y;
+    estimated.x = pose.x;
+    estimated.y = pose.y;
+    estimated.heading = pose.heading;
+    show_target(&estimated, own->target_x, own->target_y);
+    wg_mapper_act(&estimated, (double *)driver, command);
+
+    // What the scan shows for the first time blocks edges as a touch would.
+    for (int64_t k = 0; k < count; k++) {
+        wg_mapper_learn(seen, driver, points[k][0], points[k][1], wg_lower(driver->no_room, SEEN));
+    }
 }
 
 // Estimates the target from two distances to it, measured BASE apart: of the two places that fit

@@ -313,6 +313,35 @@ typedef struct WgMapperMemory {
     double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
 } WgMapperMemory;
 
+enum { WG_SCAN_SIDE = 64 };  // cells of the window along a side of a map of scans; a power of two
+
+// The map of a robot that corrects its odometry by its scans. It follows the memory of the
+// controller that drives.
+typedef struct WgScanMap {
+    double pitch;         // m: side of a cell
+    double window_x;      // lowest column in the window
+    double window_y;      // lowest row
+    // m: what is added to the measured position, after a turn by WgReckoning.turned
+    double shift_x;
+    double shift_y;
+    double scan_x;        // m: measured position at the last scan that was matched
+    double scan_y;
+    double scan_heading;  // rad: measured heading there
+    // a point in each cell of the window, 17 bits: 0, or 1 + 256 * its row + its column in the
+    // cell, both in 1/256 of a side; 3 cells in each number
+    double cells[(WG_SCAN_SIDE * WG_SCAN_SIDE + 2) / 3];
+} WgScanMap;
+
+enum { WG_TEAM_POINTS = 128 };  // points of walls that a robot of a team remembers to tell others
+
+// What a robot of a team knows and tells. The mapper's memory follows.
+typedef struct WgTeamMemory {
+    double count;  // points so far
+    double next;   // the place of the next one; the oldest is replaced
+    double tell;   // the place of the one that is told next
+    double points[WG_TEAM_POINTS][2];  // m
+} WgTeamMemory;
+
 typedef struct WgGestaltMemory {
     double side;      // cells of the window along a side
     double pitch;     // m: side of a cell; 0 before the first step

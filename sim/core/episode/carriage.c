@@ -81,6 +81,19 @@ static void note_stop(const WgSettings *settings, int64_t step, const WgStopped 
     }
 }
 
+// Ends the run as WG_BURNED if a turn sweeps over a burning cell.
+static void turn_through_fire(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn,
+                              WgRobot *robot)
+{
+    const WgState *state = &robot->body->state;
+    WgStopped burnt = {{false, 0, 0}, {0.0, 0.0}};
+    int64_t unburnt = wg_clear_turn(wg_grid(arena), WG_BURNING, arena->headings, &settings->footprint, state->x,
+                                    state->y, state->heading, turn, &burnt);
+    if (unburnt != turn && robot->report.ending == WG_LIMIT) {
+        wg_burn(robot, step, burnt.cell, WG_BURNING);
+    }
+}
+
 int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -91,8 +104,11 @@ int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t s
         WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
         const WgFootprint *footprint = &settings->footprint;
         if (settings->motion == WG_SWEPT) {
-            turned = wg_clear_turn(wg_grid(arena), arena->headings, footprint, state->x, state->y, state->heading, turn,
-                                   &stopped);
+            turned = wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, footprint, state->x, state->y,
+                                   state->heading, turn, &stopped);
+            if (arena->event_count > 0) {
+                turn_through_fire(arena, settings, step, turned, robot);
+            }
         } else {
             // `endpoint` only looks at the end, and refuses what is not clear there.
             int64_t heading = wg_reduced_heading(state->heading + turn);
@@ -138,6 +154,7 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
     WgState *state = &robot->body->state;
     int64_t turn = turn_on(settings, robot->carriage->steering, drive);
     int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(drive), wg_abs(turn)) : 1;
+    robot->turned = 0;
     for (int64_t leg = 0; leg < legs; leg++) {
         // Drive straight,
         WgVector by = {0, 0};
@@ -168,6 +185,7 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
             turns = (int64_t)((double)turns * share_made(by, state->x - way.px, state->y - way.py));
         }
         int64_t turned = wg_turn_body(arena, settings, step, turns, robot);
+        robot->turned += turned;
         if (settings->measures != 0) {
             wg_measure_turn(settings, step, turned, robot);
         }

@@ -216,6 +216,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     robot->odometry.y = (double)state->y;
     robot->odometry.heading = (double)state->heading;
     robot->corners = 0;
+    robot->turned = 0;
     robot->contact = (WgNormal){0.0, 0.0};
     robot->touched = 0;
     robot->next_event = 0;

@@ -13,8 +13,7 @@ static WgFound first_cut(const WgArena *arena, const WgSettings *settings, int c
     return wg_robot_first_not_clear(wg_grid(arena), cells, arena->headings, settings, way, heading);
 }
 
-// Records that fire or debris has caught the robot.
-static void burn(WgRobot *robot, int64_t step, WgFound cell, int state)
+void wg_burn(WgRobot *robot, int64_t step, WgFound cell, int state)
 {
     robot->report.ending = WG_BURNED;
     robot->report.hit_state = state;
@@ -46,7 +45,7 @@ void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, Wg
     static const int CAUGHT[2] = {WG_SOLID, WG_BURNING};
     for (int k = 0; k < 2; k++) {
         if (!is_clear_of(arena, settings, CAUGHT[k], state)) {
-            burn(robot, step, first_cut(arena, settings, CAUGHT[k], here, state->heading), CAUGHT[k]);
+            wg_burn(robot, step, first_cut(arena, settings, CAUGHT[k], here, state->heading), CAUGHT[k]);
             break;
         }
     }
@@ -110,7 +109,7 @@ void wg_arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t
     if (arena->event_count > 0 && robot->report.ending == WG_LIMIT) {
         WgFound fire = first_cut(arena, settings, WG_BURNING, way, robot->body->state.heading);
         if (fire.found) {
-            burn(robot, step, fire, WG_BURNING);
+            wg_burn(robot, step, fire, WG_BURNING);
         }
     }
     if (settings->motion != WG_SWEPT

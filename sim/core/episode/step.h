@@ -127,6 +127,9 @@ void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t s
 // Does the same for a turn, heading units.
 void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot);
 
+// Records that fire or debris has caught the robot.
+void wg_burn(WgRobot *robot, int64_t step, WgFound cell, int state);
+
 // Functions of bodies and cars; in carriage.c.
 
 // Limit on a commanded turn, heading units: a turn of half a circle would have no direction.
@@ -440,7 +443,7 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
     int64_t turn = wg_commanded_turn(settings, command, limit < most ? (double)(int64_t)limit : most);
     int64_t speed = wg_commanded_speed(settings, command);
     if (is_body && wg_is_car(settings)) {
-        // Its turn is that of its next step's arc.
+        // It will turn on its next step's arc.
         turn = 0;
         wg_steer(settings, command, robot);
         speed = settings->reverse != 0 ? speed : wg_most(speed, 0);
@@ -458,7 +461,7 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
         state->draws++;
     }
     if (settings->arrival == WG_ARRIVAL_STOP && wg_abs(state->speed) <= settings->arrival_speed
-        && wg_abs(turn) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
+        && wg_abs(wg_is_car(settings) ? robot->turned : turn) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
         robot->report.ending = WG_REACHED;
     }
 }

@@ -81,6 +81,7 @@ class Robot(NamedTuple):
         chain: (n, 3) int64, path of the last step: x, y, time in the step.
         counts: (OUT_SIZE,) int64, ``OUT_``.
         sums: (SUM_SIZE,) ``SUM_``.
+        turned: (1,) how far a car has turned in the last step, heading units.
     """
 
     state: Ints
@@ -88,6 +89,7 @@ class Robot(NamedTuple):
     chain: Ints
     counts: Ints
     sums: Floats
+    turned: Ints
 
 
 class Room(NamedTuple):
@@ -125,6 +127,7 @@ def new_robot(
         np.zeros((MOST_POINTS * (most + legs + pushes), 3), np.int64),
         np.zeros(layout.OUT_SIZE, np.int64),
         np.zeros(layout.SUM_SIZE),
+        np.zeros(1, np.int64),
     )
 
 

@@ -426,6 +426,14 @@ def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) 
     made, cell = turn, None
     if body and settings[layout.SET_MOTION] == SWEPT:
         made, cell = polygon.clear_turn(arena.cells, arena.headings, body, (x, y, heading), turn)
+        pose = (x, y, heading)
+        fire = None
+        if arena.events.shape[0] > 0:
+            _, fire = polygon.clear_turn(arena.cells, arena.headings, body, pose, made, BURNING)
+        if fire is not None and counts[layout.OUT_ENDING] == layout.LIMIT:
+            counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, BURNING
+            counts[layout.OUT_HIT_STEP] = step
+            counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = fire
         if cell is not None:
             last = turned(arena.headings, body, (heading + made) % TURN)
             nx, ny = polygon.away_from(last, *cell, x, y)
@@ -483,6 +491,7 @@ def _drive_car(
     ):
         legs += 1
     count = 0
+    robot.turned[0] = 0
     for leg in range(legs):
         x, y = int(state[layout.STATE_X]), int(state[layout.STATE_Y])
         ahead = _part(drive, leg, legs)
@@ -512,6 +521,7 @@ def _drive_car(
             made = float(way[0] * dx + way[1] * dy) / length_sq if length_sq > 0.0 else 0.0
             turns = int(float(turns) * min(max(made, 0.0), 1.0))
         made = turn_body(arena, settings, step, turns, robot)
+        robot.turned[0] += made
         if settings[layout.SET_MEASURES] != 0:
             _measure_turn(settings, scales, step, made, robot)
         if made != turns:
@@ -754,6 +764,7 @@ def obey(
     state[layout.STATE_SPEED] = _next_speed(state[layout.STATE_SPEED], wanted, scales)
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
+    turn = robot.turned[0] if is_car else turn
     stands = (
         abs(state[layout.STATE_SPEED]) <= settings[layout.SET_ARRIVAL_SPEED]
         and abs(turn) <= settings[layout.SET_ARRIVAL_TURN]

@@ -83,14 +83,19 @@ def first_not_clear(
 
 
 def clear_turn(
-    cells: Cells, table: Sequence[int], body: Corners, pose: tuple[int, int, int], turn: int
+    cells: Cells,
+    table: Sequence[int],
+    body: Corners,
+    pose: tuple[int, int, int],
+    turn: int,
+    state: int = SOLID,
 ) -> tuple[int, tuple[int, int] | None]:
     """How far a body turns through every heading, and the first cell in its way, if one is."""
     x, y, heading = pose
     side = 1 if turn >= 0 else -1
     for done in range(abs(turn)):
         corners = turned(table, body, (heading + side * (done + 1)) % TURN)
-        cut, ix, iy = first_not_clear(cells, SOLID, corners, (x, y, x, y))
+        cut, ix, iy = first_not_clear(cells, state, corners, (x, y, x, y))
         if cut:
             return side * done, (ix, iy)
     return turn, None
@@ -127,8 +132,8 @@ def away_from(corners: Corners, ix: int, iy: int, x: int, y: int) -> tuple[float
     """The axis along which a body and a cell are farthest apart, away from the cell."""
     left, low = float(ix * UNIT - x), float(iy * UNIT - y)
     best, away = -math.inf, (0.0, 0.0)
-    for k, (gap, nx, ny) in enumerate(_gaps(corners, left, low)):
-        gap = gap if k < 4 else gap / math.sqrt(nx * nx + ny * ny)
+    for k, (scaled, nx, ny) in enumerate(_gaps(corners, left, low)):
+        gap = scaled if k < 4 else scaled / math.sqrt(nx * nx + ny * ny)
         if gap > best:
             best, away = gap, (nx, ny)
     return away

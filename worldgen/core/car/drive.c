@@ -14,7 +14,7 @@ enum { MOST_TURN = 2048 };
 // Rounding errors in the comparison with the target's radius, as a fraction of it.
 static const double SURE = 1e-9;
 
-static const double UNITS_PER_RADIAN = (double)WG_CAR_TURN / 6.28318530717958647692;
+static const double UNITS_PER_RADIAN = (double)WG_TURN / 6.28318530717958647692;
 
 WgCar wg_car_of(const WgWalls *walls, const WgCarQuery *asked)
 {
@@ -38,8 +38,7 @@ bool wg_car_is_there(const WgCar *car, WgCarPose pose)
     if (dx * dx + dy * dy > asked->target_radius * asked->target_radius * (1.0 - SURE)) {
         return false;
     }
-    return asked->has_heading == 0 ||
-           wg_abs(wg_car_turn(asked->target_heading, pose.heading)) <= asked->tolerance;
+    return wg_car_heading(pose.heading - asked->from_heading) <= asked->headings;
 }
 
 static WgDriven append(WgCarTrail *trail, WgCarPose pose)
@@ -63,12 +62,31 @@ static WgDriven append(WgCarTrail *trail, WgCarPose pose)
     return WG_DRIVEN;
 }
 
-// Returns true if the body is clear along one leg.
-static bool is_clear(const WgCar *car, WgCarPose from, WgCarPose to)
+// Returns true if the body is clear along one leg, which it drives at a heading between those of its
+// ends.
+static bool is_clear(const WgCar *car, WgCarPose from, WgCarPose to, int64_t heading)
 {
+    const WgCarQuery *asked = car->asked;
     WgPiece piece = {(int64_t)floor(from.x + 0.5), (int64_t)floor(from.y + 0.5), (int64_t)floor(to.x + 0.5),
                      (int64_t)floor(to.y + 0.5)};
-    return wg_sweep(car->walls, piece, &car->asked->disc) == WG_CLEAR;
+    if (asked->body == NULL) {
+        return wg_sweep(car->walls, piece, &asked->disc) == WG_CLEAR;
+    }
+    // The two discs about the axle decide most legs.
+    if (asked->disc.limit > 0 && wg_sweep(car->walls, piece, &asked->disc) == WG_MEETS) {
+        return false;
+    }
+    if (wg_sweep(car->walls, piece, &asked->around) == WG_CLEAR) {
+        return true;
+    }
+    WgBodyPose begin = {piece.px, piece.py, from.heading};
+    WgBodyPose along = {piece.px, piece.py, heading};
+    WgBodyPose end = {piece.qx, piece.qy, heading};
+    return wg_clear_along(car->walls, asked->body, along, piece.qx, piece.qy) &&
+           (heading == from.heading ||
+            wg_clear_turning(car->walls, asked->body, begin, wg_turn_between(from.heading, heading))) &&
+           (heading == to.heading ||
+            wg_clear_turning(car->walls, asked->body, end, wg_turn_between(heading, to.heading)));
 }
 
 WgDriven wg_car_drive(const WgCar *car, WgCarPose *pose, const WgCarPart *parts, int64_t count, bool arrives,
@@ -91,10 +109,11 @@ WgDriven wg_car_drive(const WgCar *car, WgCarPose *pose, const WgCarPart *parts,
             if (is_arc) {
                 length = 2.0 * radius * wg_car_angle(0.5 * (double)turn / UNITS_PER_RADIAN).sine;
             }
-            WgAngle along = wg_car_direction(pose->heading + signed_half);
+            int64_t middle = wg_car_heading(pose->heading + signed_half);
+            WgAngle along = wg_car_direction(middle);
             WgCarPose next = {pose->x + gear * length * along.cosine, pose->y + gear * length * along.sine,
                               wg_car_heading(pose->heading + part.steer * (int64_t)gear * turn)};
-            if (!is_clear(car, *pose, next)) {
+            if (!is_clear(car, *pose, next, middle)) {
                 return WG_HIT;
             }
             *pose = next;
@@ -137,19 +156,19 @@ int64_t wg_car_routes(const WgCar *car, WgCarPose from, WgCarPose to, WgCarRoute
     double dy = (to.y - from.y) / radius;
     double x = dx * along.cosine + dy * along.sine;
     double y = dy * along.cosine - dx * along.sine;
-    double heading = (double)wg_car_turn(from.heading, to.heading) / UNITS_PER_RADIAN;
+    double heading = (double)wg_turn_between(from.heading, to.heading) / UNITS_PER_RADIAN;
     WgCurve curves[WG_MOST_CURVES];
     int64_t count =
         car->asked->reverse != 0 ? wg_reeds_shepp(x, y, heading, curves) : wg_dubins(x, y, heading, curves);
 
-    // Round arcs to heading units.
+    // Round arcs to even numbers of heading units, so that halves of all legs are whole.
     for (int64_t c = 0; c < count; c++) {
         WgCarRoute *route = &routes[c];
         *route = (WgCarRoute){0, {{0}}, curves[c].length * radius};
         for (int64_t part = 0; part < curves[c].count; part++) {
             int64_t steer = curves[c].steer[part];
             double amount = curves[c].amount[part];
-            amount = steer == 0 ? amount * radius : floor(amount * UNITS_PER_RADIAN + 0.5);
+            amount = steer == 0 ? amount * radius : 2.0 * floor(0.5 * amount * UNITS_PER_RADIAN + 0.5);
             if (amount != 0.0) {
                 route->parts[route->count++] = (WgCarPart){steer, amount};
             }

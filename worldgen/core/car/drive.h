@@ -7,10 +7,8 @@
 #include <stdint.h>
 
 #include "angles.h"
-#include "reach_internal.h"
+#include "body.h"
 #include "wg_car.h"
-
-enum { WG_CAR_TURN = 65536 };  // heading units in a turn
 
 // A pose of the axle. Headings are whole, so that a path has no error that grows.
 typedef struct WgCarPose {
@@ -51,19 +49,12 @@ WgCar wg_car_of(const WgWalls *walls, const WgCarQuery *asked);
 
 static inline int64_t wg_car_heading(int64_t units)
 {
-    return units & (WG_CAR_TURN - 1);
-}
-
-// The shorter turn from one heading to another, in (-32768, 32768].
-static inline int64_t wg_car_turn(int64_t from, int64_t to)
-{
-    int64_t turn = wg_car_heading(to - from);
-    return turn > WG_CAR_TURN / 2 ? turn - WG_CAR_TURN : turn;
+    return units & (WG_TURN - 1);
 }
 
 static inline WgAngle wg_car_direction(int64_t heading)
 {
-    return wg_car_angle((double)heading * (2.0 * WG_CAR_PI / (double)WG_CAR_TURN));
+    return wg_car_angle((double)heading * (2.0 * WG_CAR_PI / (double)WG_TURN));
 }
 
 // The length of a part, lu.

@@ -56,7 +56,7 @@ static bool make_guide(const WgCar *car, const int64_t *poses, int64_t count, Gu
         const int64_t *to = poses + 3 * k;
         double dx = (double)(to[0] - from[0]);
         double dy = (double)(to[1] - from[1]);
-        WgCarPart turn = {1, (double)wg_abs(wg_car_turn(from[2], to[2]))};
+        WgCarPart turn = {1, (double)wg_abs(wg_turn_between(from[2], to[2]))};
         guide->before[k] = guide->before[k - 1] + sqrt(dx * dx + dy * dy) + wg_car_length(car, turn);
     }
     return true;
@@ -79,7 +79,7 @@ static WgCarPose pose_after(const Guide *guide, double length)
     const int64_t *to = guide->poses + 3 * high;
     double whole = guide->before[high] - guide->before[low];
     double share = whole > 0.0 ? fmin(1.0, (length - guide->before[low]) / whole) : 1.0;
-    int64_t turn = (int64_t)floor(share * (double)wg_car_turn(from[2], to[2]) + 0.5);
+    int64_t turn = (int64_t)floor(share * (double)wg_turn_between(from[2], to[2]) + 0.5);
     return (WgCarPose){(double)from[0] + share * (double)(to[0] - from[0]),
                        (double)from[1] + share * (double)(to[1] - from[1]), wg_car_heading(from[2] + turn)};
 }
@@ -211,7 +211,8 @@ WgStatus wg_car_follow(const WgWalls *walls, WgCarQuery *asked, const int64_t *p
     asked->expanded = 0;
     asked->count = 0;
     asked->poses = NULL;
-    if (count < 1 || asked->turning_radius <= 0.0 || asked->reverse == 0) {
+    bool is_valid = asked->body == NULL || wg_body_is_valid(walls, asked->body);
+    if (!is_valid || count < 1 || asked->turning_radius <= 0.0 || asked->reverse == 0) {
         return WG_BAD_VALUE;
     }
     WgCar car = wg_car_of(walls, asked);

@@ -20,8 +20,8 @@
 enum {
     PARTS = 3,              // most parts of an edge
     FAR_AWAY = 1 << 28,     // larger than the length of any path, half lu
-    QUARTER = WG_CAR_TURN / 4,
-    MOST_ARC = WG_CAR_TURN / 8,  // units of a primitive's arc
+    QUARTER = WG_TURN / 4,
+    MOST_ARC = WG_TURN / 8,  // units of a primitive's arc
 };
 
 // How much more a path is worth that is shorter already than one that is likely to be.
@@ -92,7 +92,7 @@ static WgStatus measure(Search *search)
             double dy = (double)j * half - asked->target_y;
             double away = fmax(0.0, sqrt(dx * dx + dy * dy) - asked->target_radius);
             int64_t node = j * stride + i;
-            if (away <= 1.5 * half && clear[node] != 0) {
+            if (node < nodes && away <= 1.5 * half && clear[node] != 0) {
                 search->distances[node] = (int32_t)(2.0 * away);
                 fits = fits && wg_heap_push(&heap, (WgEntry){search->distances[node], node, 0});
             }
@@ -159,8 +159,8 @@ static uint64_t bin_of(const Search *search, WgCarPose pose, bool is_along_wall)
     const WgCarQuery *asked = search->car.asked;
     uint64_t x = (uint64_t)(int64_t)floor(pose.x / asked->bin) & 0xFFFFFF;
     uint64_t y = (uint64_t)(int64_t)floor(pose.y / asked->bin) & 0xFFFFFF;
-    uint64_t heading = (uint64_t)((pose.heading * asked->headings + WG_CAR_TURN / 2) / WG_CAR_TURN);
-    heading %= (uint64_t)asked->headings;
+    uint64_t heading = (uint64_t)((pose.heading * asked->heading_bins + WG_TURN / 2) / WG_TURN);
+    heading %= (uint64_t)asked->heading_bins;
     // Places have 24 bits each, headings 14.
     return ((x << 24 | y) << 14 | heading) << 2 | (is_along_wall ? 3U : 1U);
 }
@@ -267,7 +267,7 @@ static bool follow_edge(Search *search, int64_t from, const WgCarPart *parts, in
     for (int64_t part = 0; part < count; part++) {
         node.steer[part] = (int8_t)parts[part].steer;
         node.amount[part] = parts[part].amount;
-        int8_t backwards = parts[part].amount < 0.0;
+        int8_t backwards = parts[part].amount < 0.0 ? 1 : 0;
         node.cost += wg_car_length(&search->car, parts[part]) * (backwards ? BACKWARDS : 1.0);
         // Each change of gear costs as much as half a cell.
         node.cost += from > 0 && backwards != node.backwards ? 0.5 * WG_UNIT : 0.0;
@@ -286,12 +286,13 @@ static bool shoot(Search *search, int64_t from)
 {
     const WgCarQuery *asked = search->car.asked;
     WgCarPose pose = search->nodes[from].pose;
-    WgCarPose goal = {asked->target_x, asked->target_y, asked->target_heading};
+    WgCarPose goal = {asked->target_x, asked->target_y, asked->from_heading + asked->headings / 2};
+    goal.heading = wg_car_heading(goal.heading);
     double dx = goal.x - pose.x;
     double dy = goal.y - pose.y;
-    if (asked->has_heading == 0) {
+    if (asked->headings == WG_TURN - 1) {
         // Any heading will do: about that of the straight line is one of the shortest.
-        double bearing = wg_car_atan2(dy, dx) * (double)WG_CAR_TURN / (2.0 * WG_CAR_PI);
+        double bearing = wg_car_atan2(dy, dx) * (double)WG_TURN / (2.0 * WG_CAR_PI);
         goal.heading = wg_car_heading((int64_t)floor(bearing + 0.5));
     }
     WgCarRoute routes[WG_MOST_CURVES];
@@ -338,18 +339,18 @@ static int64_t merge_onto(const WgCar *car, WgCarPose pose, int64_t wall, int64_
                           WgCarPart *parts)
 {
     double radius = car->asked->turning_radius;
-    int64_t turn = wg_car_turn(pose.heading, heading);
-    if (wg_abs(turn) > WG_CAR_TURN * 3 / 8) {
+    int64_t turn = wg_turn_between(pose.heading, heading);
+    if (wg_abs(turn) > WG_TURN * 3 / 8) {
         return 0;
     }
     // Where the wall is, seen along the line: 1 to the left, -1 to the right.
-    int64_t side = wg_car_turn(heading, wall * QUARTER) > 0 ? 1 : -1;
+    int64_t side = wg_turn_between(heading, wall * QUARTER) > 0 ? 1 : -1;
     if (turn == 0) {
         double cosine = 1.0 - 0.5 * apart / radius;
         if (apart < 1.0 || cosine < 0.0) {
             return 0;
         }
-        double units = floor(wg_car_acos(cosine) * (double)WG_CAR_TURN / (2.0 * WG_CAR_PI));
+        double units = floor(wg_car_acos(cosine) * (double)WG_TURN / (2.0 * WG_CAR_PI));
         parts[0] = (WgCarPart){side, units};
         parts[1] = (WgCarPart){-side, units};
         return 2;
@@ -367,6 +368,21 @@ static int64_t merge_onto(const WgCar *car, WgCarPose pose, int64_t wall, int64_
     return 2;
 }
 
+// How far the body reaches from the axle to a wall beside it: on its right if ``side`` is 1, on its
+// left if it is 3; lu.
+static double reach_to(const WgCarQuery *asked, int64_t side)
+{
+    if (asked->body == NULL) {
+        return (double)asked->disc.reach;
+    }
+    int64_t reach = INT64_MIN;
+    for (int64_t corner = 0; corner < asked->body->count; corner++) {
+        int64_t left = asked->body->corners[2 * corner + 1];
+        reach = wg_max(reach, side == 1 ? -left : left);
+    }
+    return (double)reach;
+}
+
 // Adds the lines along the walls around a pose. Returns true if one arrives.
 static bool merge(Search *search, int64_t from)
 {
@@ -376,7 +392,7 @@ static bool merge(Search *search, int64_t from)
         double face = face_distance(car->walls, pose, wall);
         for (int64_t side = 1; side <= 3; side += 2) {
             int64_t heading = wg_car_heading((wall + side) * QUARTER);
-            double apart = face - (double)car->asked->disc.reach;
+            double apart = face - reach_to(car->asked, side);
             WgCarPart parts[PARTS];
             int64_t count = apart >= 0.0 ? merge_onto(car, pose, wall, heading, apart, parts) : 0;
             if (count > 0 && follow_edge(search, from, parts, count, true)) {
@@ -399,7 +415,7 @@ static bool expand(Search *search, int64_t from)
     }
     // A little more than a bin's diagonal leads out of it.
     double length = 1.5 * asked->bin;
-    double units = fmin(floor(length / radius * (double)WG_CAR_TURN / (2.0 * WG_CAR_PI)), MOST_ARC);
+    double units = fmin(floor(length / radius * (double)WG_TURN / (2.0 * WG_CAR_PI)), MOST_ARC);
     for (int64_t gear = 1; gear >= (asked->reverse != 0 ? -1 : 1); gear -= 2) {
         for (int64_t steer = -1; steer <= 1; steer++) {
             WgCarPart part = {steer, (double)gear * (steer == 0 ? length : fmax(2.0, units))};
@@ -419,7 +435,7 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
     for (int64_t node = search->last; node > 0; node = search->nodes[node].parent) {
         count++;
     }
-    int64_t *order = malloc((size_t)(count + 1) * sizeof *order);
+    int64_t *order = calloc((size_t)(count + 1), sizeof *order);
     WgCarTrail trail = {malloc(3 * sizeof(int64_t)), 1, 1};
     if (order == NULL || trail.values == NULL) {
         free(order);
@@ -427,7 +443,7 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
         return WG_OUT_OF_MEMORY;
     }
     int64_t at = count;
-    for (int64_t node = search->last; node > 0; node = search->nodes[node].parent) {
+    for (int64_t node = search->last; node > 0 && at > 0; node = search->nodes[node].parent) {
         order[--at] = node;
     }
     WgCarPose pose = search->nodes[0].pose;
@@ -454,8 +470,9 @@ static WgStatus retrace(Search *search, WgCarQuery *asked)
 
 WgStatus wg_car_search(const WgWalls *walls, WgCarQuery *asked)
 {
-    bool fits = asked->turning_radius > 0.0 && asked->bin >= 1.0 && asked->headings >= 1 &&
-                asked->headings <= 1 << 14 && asked->start_heading >= 0 && asked->start_heading < WG_CAR_TURN;
+    bool fits = walls->height > 0 && walls->width > 0 &&
+                (asked->body == NULL || wg_body_is_valid(walls, asked->body)) && asked->turning_radius > 0.0 &&
+                asked->bin >= 2.0 && asked->heading_bins >= 1 && asked->heading_bins <= 1 << 14 && asked->start_heading >= 0 && asked->start_heading < WG_TURN;
     if (!fits) {
         return WG_BAD_VALUE;
     }

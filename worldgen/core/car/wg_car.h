@@ -7,6 +7,7 @@
 
 #include <stdint.h>
 
+#include "wg_body.h"
 #include "wg_reach.h"
 #include "wg_types.h"
 
@@ -33,8 +34,13 @@ int64_t wg_reeds_shepp(double x, double y, double heading, WgCurve *found);
 // search.c
 
 // A car, its start and its target, and the path found.
+//
+// From pose to pose of the path, the car turns by half of what its heading changes, rounded towards
+// zero, drives straight, and turns by the rest.
 typedef struct WgCarQuery {
-    WgDisc disc;             // the body
+    const WgBody *body;      // NULL for a disc about the axle
+    WgDisc disc;             // this disc, or one that the body holds; its limit is 0 if it holds none
+    WgDisc around;           // a disc that holds the body
     double turning_radius;   // lu, above 0
     int64_t reverse;         // 1 if it may drive backwards
     double start_x;          // lu
@@ -43,16 +49,15 @@ typedef struct WgCarQuery {
     double target_x;         // lu
     double target_y;
     double target_radius;
-    int64_t has_heading;     // 1 if it must arrive at a heading
-    int64_t target_heading;  // 1/65536 turn
-    int64_t tolerance;
-    // smallest squared distance, in quarters of a cell, at which the body's largest disc is clear
+    int64_t from_heading;    // headings of the target: from this one
+    int64_t headings;        // as many more counter-clockwise; 65535 for all
+    // smallest squared distance, in quarters of a cell, at which the disc is clear
     int64_t clear_from;
-    double bin;              // lu; of two poses this near to each other, one is searched
-    int64_t headings;        // bins of headings, in the same way
-    int64_t most;            // limit on the poses searched
+    double bin;              // lu, at least 2; of two poses this near to each other, one is searched
+    int64_t heading_bins;    // of a turn, at most 2^14; the same for headings
+    int64_t most;            // limit on the poses searched, or the curves tried
 
-    int64_t expanded;        // poses searched
+    int64_t expanded;        // poses searched, or curves tried
     int64_t count;           // of the path's poses; 0 if none was found
     int64_t *poses;          // (count, 3) x and y, lu; heading, units
 } WgCarQuery;

@@ -4,16 +4,19 @@ Contents:
     FORMATS, Format: The formats by name, and the definition of one.
     Destination, Exported: What a writer gets and returns.
     ForeignMap, UsualRobot, THESIS_ROBOT: What a reader returns (``foreign_map``).
-    HELD, PAIRS, LENGTHS, ROBOT_FACTS, fact_numbers: Facts that a file may be unable to store.
-    held_values, robot_values, held_lines: Their values in a world.
+    HELD, PAIRS, LENGTHS, KINDS, ROBOT_FACTS, PLAIN_FACTS, fact_numbers: Facts that a file may be
+        unable to store.
+    held_values, robot_values, robot_kinds, held_lines: Their values in a world.
     decimal, decimal_text, degrees_text, radians: Exact numbers as text.
 """
 
 from worldgen.interop.format.definition import (
     FORMATS,
     HELD,
+    KINDS,
     LENGTHS,
     PAIRS,
+    PLAIN_FACTS,
     ROBOT_FACTS,
     Destination,
     Exported,
@@ -25,6 +28,7 @@ from worldgen.interop.format.definition import (
     held_lines,
     held_values,
     radians,
+    robot_kinds,
     robot_values,
 )
 from worldgen.interop.format.foreign_map import THESIS_ROBOT, ForeignMap, UsualRobot
@@ -32,8 +36,10 @@ from worldgen.interop.format.foreign_map import THESIS_ROBOT, ForeignMap, UsualR
 __all__ = [
     "FORMATS",
     "HELD",
+    "KINDS",
     "LENGTHS",
     "PAIRS",
+    "PLAIN_FACTS",
     "ROBOT_FACTS",
     "THESIS_ROBOT",
     "Destination",
@@ -48,5 +54,6 @@ __all__ = [
     "held_lines",
     "held_values",
     "radians",
+    "robot_kinds",
     "robot_values",
 ]

@@ -18,7 +18,7 @@ from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.parameters.bounds import check_between
 from worldgen.plugins.registry import Registry
-from worldgen.world import Robot, Value, World
+from worldgen.world import Drive, Robot, Value, World
 
 # Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
 _FURTHEST = 1e12
@@ -36,12 +36,21 @@ HELD = {
     "target_radius": "the target's radius",
     "robot_radius": "the robot's radius",
     "robot_speed": "the robot's speed",
+    "footprint": "the robot's footprint",
+    "drive": "how the car drives",
+    "goal": "what counts as arriving",
     "cell_size": "the cell size",
     "origin": "the origin",
 }
 """Facts about a world other than its cells, which a file may be unable to store, as worded in
 messages.
 """
+KINDS = ("footprint", "drive", "goal")
+"""The facts that a disc which turns on the spot and has to touch its target lacks: they are no
+numbers.
+"""
+PLAIN_FACTS = frozenset(HELD) - frozenset(KINDS)
+"""The facts that every robot has, which a file has to store for a disc."""
 PAIRS = ("size", "start", "target", "origin")
 """The facts that are two numbers; any other is one."""
 LENGTHS = ("size", "target_radius", "robot_radius", "robot_speed", "cell_size")
@@ -281,6 +290,18 @@ def robot_values(robot: Robot) -> dict[str, Value]:
         "robot_radius": robot.radius,
         "robot_speed": robot.speed,
     }
+
+
+def robot_kinds(robot: Robot) -> dict[str, Any]:
+    """Return the facts of :data:`KINDS` that a robot has: corners, a drive, and a target."""
+    found: dict[str, Any] = {}
+    if not robot.is_disc:
+        found["footprint"] = robot.footprint
+    if robot.drive != Drive():
+        found["drive"] = robot.drive
+    if not robot.target.is_plain:
+        found["goal"] = robot.target
+    return found
 
 
 def fact_numbers(name: str, value: object) -> tuple[float, ...] | None:

@@ -7,7 +7,7 @@ import hashlib
 import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
@@ -16,6 +16,7 @@ from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.files.whole import read_bytes
 from worldgen.lattice import exact
+from worldgen.robot import Corner, Drive, Robot, Target
 from worldgen.support.arrays import Bools
 from worldgen.support.paths import real_path
 from worldgen.support.plain_text import quote
@@ -70,12 +71,25 @@ class ForeignRobot(NamedTuple):
         target: x and y, m, and, if the file has it, the radius, m.
         radius: Radius of the robot, m.
         speed: Top speed, m/s.
+        footprint: Corners of its body, m, from its axle; empty for a disc.
+        drive: How it may move.
+        goal: A target whose place and radius do not count, but all the rest.
     """
 
     start: tuple[float, ...] | None = None
     target: tuple[float, ...] | None = None
     radius: float | None = None
     speed: float | None = None
+    footprint: tuple[Corner, ...] = ()
+    drive: Drive = Drive()
+    goal: Target | None = None
+
+    def applied_to(self, robot: Robot) -> Robot:
+        """Return a disc that turns on the spot with the footprint, the drive and the goal."""
+        target = robot.target
+        if self.goal is not None:
+            target = replace(self.goal, x=target.x, y=target.y, radius=target.radius)
+        return replace(robot, target=target, footprint=self.footprint, drive=self.drive)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen.errors import Note
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.format import (
+    PLAIN_FACTS,
+    Destination,
+    Exported,
+    Format,
+    decimal,
+    decimal_text,
+)
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.interop.readers.gazebo_world import MAX_BYTES, OURS, grid_line, read_gazebo_world
@@ -175,7 +182,7 @@ barn = Format(
     ),
     read_gazebo_world,
     write_barn,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="Gazebo",
     most_bytes=MAX_BYTES,
     harmless=_HARMLESS,

@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, held_values
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.support.arrays import Bools
@@ -39,7 +39,7 @@ geojson = Format(
     "walls, places and changes as features, .geojson",
     (".geojson",),
     write=write_geojson,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     changes=True,
     client="QGIS, GDAL, browsers",
 )

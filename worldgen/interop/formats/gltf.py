@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, SupportsFloat, TypeAlias
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, held_values
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
 from worldgen.interop.readers.gltf_tree import GLTF_HARMLESS
@@ -86,7 +86,7 @@ glb = Format(
     (".glb",),
     read=metric_reader("glb"),
     write=write_glb,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
     harmless=GLTF_HARMLESS,

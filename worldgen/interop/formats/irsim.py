@@ -12,7 +12,14 @@ from fractions import Fraction
 from typing import Literal
 
 from worldgen.family import check_between
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.format import (
+    PLAIN_FACTS,
+    Destination,
+    Exported,
+    Format,
+    decimal,
+    decimal_text,
+)
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry import raster
 from worldgen.interop.geometry.placed_boxes import PlacedBox, solid_boxes
@@ -20,7 +27,7 @@ from worldgen.interop.geometry.solid_scene import TIMESTEPS
 from worldgen.interop.readers.grey_image import walls_png
 from worldgen.interop.readers.irsim_world import MAX_YAML_BYTES, read_irsim
 from worldgen.lattice import exact
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 _TURN_RATE = (
     # Turn rate, rad/s. Our worlds have no limit, and IR-SIM's default of 1 is slow for a robot of 2
@@ -101,14 +108,24 @@ def _robots(world: World, destination: Destination, kinematics: str, lidar: bool
         x = destination.x(start.x)
         y = destination.y(start.y)
         yield f"  - kinematics: {{name: {kinematics}}}"
-        yield f"    shape: {{name: circle, radius: {decimal(robot.radius)}}}"
+        yield f"    shape: {_shape(robot)}"
         yield f"    state: [{x}, {y}, {decimal(start.heading)}]"
-        yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
+        heading = "0" if target.heading is None else decimal(target.heading)
+        yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, {heading}]"
+        if target.heading is not None:
+            yield "    arrive_mode: state"
         yield f"    goal_threshold: {decimal(target.radius)}"
         yield f"    vel_min: [-{speed}, -{other}]"
         yield f"    vel_max: [{speed}, {other}]"
         if lidar:
             yield f"    sensors: {_LIDAR}"
+
+
+def _shape(robot: Robot) -> str:
+    if robot.is_disc:
+        return f"{{name: circle, radius: {decimal(robot.radius)}}}"
+    corners = ", ".join(f"[{decimal(x)}, {decimal(y)}]" for x, y in robot.footprint)
+    return f"{{name: polygon, vertices: [{corners}]}}"
 
 
 def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
@@ -178,7 +195,7 @@ irsim = Format(
     re.compile(rb"(?s)(?!.*?(?m:^)image[ \t]*:)(.*\n)?world[ \t]*:[ \t]*(\{|(#[^\n]*)?\r?\n)"),
     read_irsim,
     write_irsim,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS | {"footprint"},
     robots=True,
     client="IR-SIM",
     most_bytes=MAX_YAML_BYTES,

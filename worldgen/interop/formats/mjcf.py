@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
 from worldgen.interop.geometry.solid_scene import (
     TIMESTEPS,
@@ -61,6 +61,7 @@ def write_mjcf(
         '  <compiler angle="radian"/>',
         f'  <option timestep="{decimal(timestep)}"/>',
         *_numbers(world, destination),
+        *(_bodies(world, height) if robot else ()),
         "  <worldbody>",
         *_surroundings(parts, height),
         *_marks(world, destination),
@@ -91,9 +92,29 @@ def _numbers(world: World, destination: Destination) -> Iterator[str]:
         "robot_radius": decimal(world.robot_radius),
         "robot_speed": decimal(world.robot_speed),
     }
+    if not world.robots[0].is_disc:
+        corners = (value for corner in world.robots[0].footprint for value in corner)
+        numbers["footprint"] = " ".join(map(decimal, corners))
     yield "  <custom>"
     yield from (f'    <numeric name="{name}" data="{data}"/>' for name, data in numbers.items())
     yield "  </custom>"
+
+
+def _bodies(world: World, height: float) -> Iterator[str]:
+    """Yield the bodies with a footprint as prisms, which MuJoCo takes for their convex hull."""
+    half = exact(height) / 4
+    meshes = []
+    for number, robot in enumerate(world.robots, start=1):
+        points = (
+            f"{decimal(x)} {decimal(y)} {text(z)}"
+            for z in (-half, half)
+            for x, y in robot.footprint
+        )
+        if not robot.is_disc:
+            name = numbered("robot", number)
+            meshes.append(f'    <mesh name="{name}_body" vertex="{"  ".join(points)}"/>')
+    if meshes:
+        yield from ("  <asset>", *meshes, "  </asset>")
 
 
 def _surroundings(parts: SolidScene, height: float) -> Iterator[str]:
@@ -135,10 +156,25 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
             ("target", target.x, target.y, target.radius, 'rgba="0.1 0.7 0.2 0.6"'),
         ):
             place = f"{destination.x(x)} {destination.y(y)} {_THIN}"
+            if name == "start" and not robot.is_disc:
+                yield from _outline(robot, numbered(name, number), place, more)
+                continue
             yield (
                 f'    <site name="{numbered(name, number)}" type="cylinder" pos="{place}" '
                 f'size="{decimal(radius)} {_THIN}" {more}/>'
             )
+
+
+def _outline(robot: Robot, name: str, place: str, more: str) -> Iterator[str]:
+    """Yield a footprint at the start as thin rods along its sides; a site cannot be a mesh."""
+    turn, _, paint = more.partition(" rgba")
+    yield f'    <body name="{name}" pos="{place}" {turn}>'
+    ends = (*robot.footprint[1:], robot.footprint[0])
+    for side, corners in enumerate(zip(robot.footprint, ends, strict=True), start=1):
+        line = " 0 ".join(f"{decimal(x)} {decimal(y)}" for x, y in corners)
+        rod = f'type="capsule" fromto="{line} 0" size="{decimal(robot.radius / 50)}" rgba{paint}'
+        yield f'      <site name="{name}_side_{side}" {rod}/>'
+    yield "    </body>"
 
 
 def _mocap(body: Body, height: float) -> Iterator[str]:
@@ -160,7 +196,7 @@ def _mocap(body: Body, height: float) -> Iterator[str]:
 def _robot(
     robot: Robot, number: int, destination: Destination, height: float, timestep: float
 ) -> Iterator[str]:
-    """Yield a disc that hovers, so that the floor's friction does not act on it.
+    """Yield a body that hovers, so that the floor's friction does not act on it.
 
     Its coordinates are in the file's frame.
     """
@@ -177,13 +213,15 @@ def _robot(
     yield f'      <inertial pos="0 0 0" mass="{_MASS}" diaginertia="0.001 0.001 0.001"/>'
     yield f'      <body name="{name}_disc" euler="0 0 {heading}">'
     yield f'        <joint name="{name}_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
-    size = f"{decimal(robot.radius)} {text(half / 2)}"
+    shape = f'type="cylinder" size="{decimal(robot.radius)} {text(half / 2)}"'
+    if not robot.is_disc:
+        shape = f'type="mesh" mesh="{name}_body"'
     yield (
-        f'        <geom name="{name}" type="cylinder" size="{size}" mass="{_MASS}" condim="1" '
+        f'        <geom name="{name}" {shape} mass="{_MASS}" condim="1" '
         f'priority="1" '
         f'solref="{stiff} 1" rgba="0.1 0.4 0.9 1"/>'
     )
-    nose = text(exact(robot.radius) / 2)
+    nose = text(exact(robot.inner_radius or robot.radius) / 2)
     front = f'type="sphere" pos="{nose} 0 {text(half / 2)}" size="{nose}"'
     yield f'        <site name="{name}_front" {front} rgba="1 1 1 1"/>'
     yield "      </body>"
@@ -213,7 +251,7 @@ mjcf = Format(
     "MuJoCo model, .xml",
     (".xml",),
     write=write_mjcf,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS | {"footprint"},
     changes=True,
     robots=True,
     client="MuJoCo",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
+from worldgen.interop.format import PLAIN_FACTS, Destination, Format, decimal_text, held_lines
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, box_writer
 from worldgen.interop.readers.mesh_slice import unitless_reader
@@ -35,7 +35,7 @@ obj = Format(
     (".obj",),
     read=unitless_reader("obj"),
     write=box_writer(_contents),
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="CAD and modelling programs, PyBullet",
     usual_robot=FLOOR_ROBOT,
 )

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter, Note
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Note
 from worldgen.family import check_choice
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format.foreign_map import (
@@ -28,6 +28,7 @@ from worldgen.interop.format.foreign_map import (
     sibling_file,
 )
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
+from worldgen.interop.readers.nav2_params import MAX_PARAMS_BYTES, nav2_params, read_nav2_params
 from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
@@ -80,12 +81,16 @@ class RosMetadata:
     yaw: float = 0.0
 
 
-def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
+def read_ros_map(
+    path: Path, *, unknown: Literal["solid", "free"] = "solid", params: str = ""
+) -> ForeignMap:
     """Read a map_server pair of files.
 
     Args:
         path: The YAML file; it names the picture.
         unknown: How to treat cells that are neither occupied nor free: ``solid`` or ``free``.
+        params: A file of Nav2's parameters next to the map, for the robot's footprint or radius and
+            for its goal checker.
 
     Raises:
         FormatError: If the YAML file or the picture breaks a rule, with the line if there is one.
@@ -93,6 +98,9 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     # Read the YAML file and the picture.
     text = read_bounded(path, _MAX_YAML_BYTES)
     metadata = read_metadata(text, path)
+    robot = metadata.robot
+    if params:
+        robot = _with_params(robot, sibling_file(path, "params", params))
     image, image_digest = read_picture_file(metadata.image)
     # Decide which cells are solid, and turn the map upright.
     cells = occupancy(image, metadata)
@@ -131,19 +139,31 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
             f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS"
         )
     # Record where the map came from.
-    params: dict[str, Value] = {
+    made: dict[str, Value] = {
         "image": metadata.image.name,
         "image_sha256": image_digest,
         "mode": metadata.mode,
         "origin": [x, y],
         "unknown": unknown,
     }
-    params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
+    made |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
+    made |= {"params": params} if params else {}
     warnings = tuple(_warnings(image, metadata))
     return ForeignMap(
-        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y), is_picture=True,
-        robots=(metadata.robot,),
+        flip_rows(walls), metadata.resolution, made, tuple(notes), warnings, origin=(x, y), is_picture=True,
+        robots=(robot,),
     )  # fmt: skip
+
+
+def _with_params(robot: ForeignRobot, path: Path) -> ForeignRobot:
+    """Return the robot with the body and the goal of a file of Nav2's parameters."""
+    try:
+        found = read_nav2_params(read_bounded(path, MAX_PARAMS_BYTES))
+    except FormatError as error:
+        raise FormatError.of(error.message, line=error.line, source=str(path)) from error
+    if found.radius is not None or found.footprint:
+        robot = robot._replace(radius=found.radius, footprint=found.footprint)
+    return robot if found.goal is None else robot._replace(goal=found.goal)
 
 
 def _quarters(yaw: float) -> int:
@@ -374,17 +394,18 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> ForeignRobot:
             known=list(KEYS),
             line=ours[0].line_of(strange[0]),
         )
-    robot = ForeignRobot()
-    # Check one by one, so that a fault is reported with its line.
-    for key in ours[0]:
+    # Check one by one, so that a fault is reported with its line; a car's belong together.
+    read: dict[str, list[str]] = {}
+    for key in sorted(ours[0], key=list(KEYS).index):
         words = ours[0].words(key)
+        read[key] = [ours[0].word(key)] if words is None else words
+        if key == "drive" and "turning_radius" in ours[0]:
+            continue
         try:
-            found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
-        except InvalidParameter as error:
+            read_places(read, origin)
+        except (InvalidParameter, InvalidWorld) as error:
             raise FormatError.of(error.message, line=ours[0].line_of(key)) from error
-        name = key.removeprefix("robot_")
-        robot = robot._replace(**{name: getattr(found, name)})
-    return robot
+    return read_places(read, origin)
 
 
 def _mode(table: YamlTable) -> str:
@@ -405,6 +426,7 @@ def write_ros_map(
     image: Literal["pgm", "png"] = "pgm",
     mode: Literal["trinary", "scale", "raw"] = "trinary",
     negate: bool = False,
+    nav2: bool = False,
 ) -> Exported:
     """Write a map_server pair; every cell is certainly occupied or certainly free in every mode.
 
@@ -414,6 +436,8 @@ def write_ros_map(
         image: Format of the picture.
         mode: How map_server should interpret the greys.
         negate: True if white is occupied; ``raw`` ignores it.
+        nav2: True to write the robot's footprint or radius, and a goal checker, as parameters of
+            Nav2 to a third file.
     """
     solid = flip_rows(world.walls)
     black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
@@ -431,9 +455,14 @@ def write_ros_map(
         f"{_OURS}:",
     ]
     for key, words in place_words(world, destination).items():
-        lines.append(f"  {key}: {words[0] if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
+        # Nav2, too, writes a footprint as a text.
+        word = json.dumps(words[0]) if key == "footprint" else words[0]
+        lines.append(f"  {key}: {word if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
     data = pgm_bytes(greys) if image == "pgm" else png_bytes(greys)
-    return Exported({destination.name: ("\n".join(lines) + "\n").encode(), picture: data})
+    files = {destination.name: ("\n".join(lines) + "\n").encode(), picture: data}
+    if nav2:
+        files[destination.sibling_file("-nav2.yaml")] = nav2_params(world.robots[0]).encode()
+    return Exported(files)
 
 
 def _yaml_text(name: str) -> str:

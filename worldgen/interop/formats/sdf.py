@@ -12,8 +12,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Literal
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.errors import InvalidWorld
+from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
+from worldgen.interop.geometry.body_shape import BodyBox, body_box
 from worldgen.interop.geometry.placed_boxes import PlacedBox
 from worldgen.interop.geometry.solid_scene import (
     TIMESTEPS,
@@ -24,6 +26,7 @@ from worldgen.interop.geometry.solid_scene import (
     scene,
 )
 from worldgen.interop.readers.gazebo_world import grid_line
+from worldgen.interop.readers.places_text import kind_words
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
 from worldgen.world import Robot, World
@@ -132,6 +135,12 @@ def write_sdf(
         f"{script} moves the cells that change, because a world file has no events"
         for script in [*player][:1]
     ]
+    others = [one for one in world.robots if not one.is_disc and body_box(one) is None]
+    if others:
+        notes.append(
+            f"the robot's {len(others[0].footprint)} corners are stored as a number, but drawn as a "
+            f"disc of {others[0].radius:.6g} m that holds them: only rectangles become boxes"
+        )
     # Many boxes make Gazebo slow.
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
@@ -162,6 +171,9 @@ def _head(world: World, destination: Destination, timestep: float) -> Iterator[s
     yield from (
         f"    <worldgen:{key}>{decimal(value)}</worldgen:{key}>" for key, value in numbers.items()
     )
+    for word in [kind_words(robot).get("footprint") for robot in world.robots]:
+        if word is not None:
+            yield f"    <worldgen:footprint>{word}</worldgen:footprint>"
 
 
 def _light(floor: PlacedBox, tall: Fraction) -> Iterator[str]:
@@ -230,18 +242,19 @@ def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield the starts and targets as discs that are only visible; a start's shows the heading."""
+    """Yield the starts and targets, which are only visible; a start is as large as its robot."""
     for number, robot in enumerate(world.robots, start=1):
         start = robot.start
         target = robot.target
-        for name, x, y, heading, radius in (
-            ("start", start.x, start.y, start.heading, robot.radius),
-            ("target", target.x, target.y, 0.0, target.radius),
+        for name, x, y, heading, box, radius in (
+            ("start", start.x, start.y, start.heading, body_box(robot), robot.radius),
+            ("target", target.x, target.y, target.heading or 0.0, None, target.radius),
         ):
             pose = f"{destination.x(x)} {destination.y(y)} {text(_THIN / 2)} 0 0 {decimal(heading)}"
-            size = f"<radius>{decimal(radius)}</radius><length>{text(_THIN)}</length>"
-            disc = f"<cylinder>{size}</cylinder>"
-            shapes = _shapes("seen", "disc", disc, _COLOURS[name])
+            shape, place = _cylinder(exact(radius), _THIN), ""
+            if box is not None:
+                shape, place = _body_box(box, _THIN)
+            shapes = _shapes("seen", "disc", shape, _COLOURS[name], place)
             yield from _model(numbered(name, number), pose, shapes)
 
 
@@ -258,7 +271,8 @@ def _moving(body: Body, tall: Fraction) -> Iterator[str]:
 def _robots(world: World, destination: Destination, plugins: str) -> Iterator[str]:
     """Yield the model ``robot`` at the start, and ``robot_2`` and so on for the others.
 
-    Each is a cylinder of its robot's radius, with joints ``left_joint`` and ``right_joint``.
+    Each is a cylinder of its robot's radius, or a box, with joints ``left_joint`` and
+    ``right_joint``. The wheels are in the largest disc about the axle that the body holds.
 
     Args:
         world: The world.
@@ -270,14 +284,22 @@ def _robots(world: World, destination: Destination, plugins: str) -> Iterator[st
 
 
 def _robot(robot: Robot, name: str, destination: Destination, plugins: str) -> Iterator[str]:
-    radius = exact(robot.radius)
+    box = body_box(robot)
+    # The wheels of a body are inside it; a disc that holds it has more room.
+    radius = exact(robot.radius if box is None else robot.inner_radius)
+    if radius <= 0:
+        raise InvalidWorld(
+            "axle-outside",
+            "the robot's axle is outside its footprint, so there is no room for wheels",
+            "export it without +robot",
+        )
     start = robot.start
     yield f'    <model name="{name}">'
     yield (
         f"      <pose>{destination.x(start.x)} {destination.y(start.y)} 0 0 0 "
         f"{decimal(start.heading)}</pose>"
     )
-    yield from _chassis(radius)
+    yield from _chassis(radius, box)
     for wheel, side in (("left", 1), ("right", -1)):
         yield from _wheel(wheel, side, radius)
     if plugins in _DRIVES:
@@ -300,14 +322,23 @@ def _cylinder(radius: Fraction, length: Fraction) -> str:
     return f"<cylinder><radius>{text(radius)}</radius><length>{text(length)}</length></cylinder>"
 
 
-def _chassis(radius: Fraction) -> Iterator[str]:
+def _body_box(box: BodyBox, tall: Fraction) -> tuple[str, str]:
+    """Return a body's box, and its pose seen from the axle."""
+    size = " ".join(map(text, (box.length, box.width, tall)))
+    return f"<box><size>{size}</size></box>", f"{text(box.ahead)} {text(box.left)} 0 0 0 0"
+
+
+def _chassis(radius: Fraction, box: BodyBox | None) -> Iterator[str]:
     smooth = "<surface><friction><ode><mu>0</mu><mu2>0</mu2></ode></friction></surface>"
     about = _MASS * radius**2 / 2
     yield '      <link name="chassis">'
     middle = text(radius * (_GAP + _TALL / 2))
     yield f"        <pose>0 0 {middle} 0 0 0</pose>"
     yield _inertial(_MASS, about, about / 2, axis="z")
-    yield from _robot_part("disc", "0 0 0 0 0 0", _cylinder(radius, radius * _TALL), smooth)
+    body, pose = _cylinder(radius, radius * _TALL), "0 0 0 0 0 0"
+    if box is not None:
+        body, pose = _body_box(box, radius * _TALL)
+    yield from _robot_part("disc" if box is None else "box", pose, body, smooth)
     ball = radius * _GAP / 2
     for name, side in (("front", 1), ("back", -1)):
         pose = (
@@ -358,7 +389,7 @@ sdf = Format(
     "world of Gazebo, SDFormat 1.9, .sdf",
     (".sdf",),
     write=write_sdf,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS | {"footprint"},
     changes=True,
     robots=True,
     client="Gazebo, PyBullet",

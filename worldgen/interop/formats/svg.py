@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from worldgen.interop.format import (
-    HELD,
+    PLAIN_FACTS,
     Destination,
     Exported,
     Format,
@@ -90,7 +90,7 @@ svg = Format(
     "a plan to scale, .svg",
     (".svg",),
     write=write_svg,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="browsers, Inkscape, cutters",
 )
 

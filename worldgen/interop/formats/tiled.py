@@ -20,7 +20,7 @@ import numpy as np
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
-from worldgen.interop.format import HELD, Destination, Exported, Format
+from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format
 from worldgen.interop.format.foreign_map import (
     GRID_AGENT,
     ForeignMap,
@@ -258,7 +258,7 @@ tiled = Format(
     ),
     read_tiled,
     write_tiled,
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="Tiled",
     most_bytes=_MOST_BYTES,
     harmless=_HARMLESS,

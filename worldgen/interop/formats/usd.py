@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from worldgen.interop.format import (
-    HELD,
+    PLAIN_FACTS,
     Destination,
     Format,
     decimal_text,
@@ -69,7 +69,7 @@ usd = Format(
     "walls as a stage, text form, .usda",
     (".usda", ".usd"),
     write=box_writer(_contents),
-    holds=frozenset(HELD),
+    holds=PLAIN_FACTS,
     client="Isaac Sim, Omniverse, Blender",
 )
 

@@ -13,16 +13,17 @@ from pathlib import Path
 
 import numpy as np
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, InvalidWorld
 from worldgen.family import check_between
 from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
+from worldgen.robot import convex_footprint
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value
+from worldgen.world import DEFAULT_CELL_SIZE, Target, Value
 
 # A maze of 500 x 500 cells has 1 MB of boxes.
 MAX_YAML_BYTES = 2 << 20
@@ -361,7 +362,13 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> ForeignRobot:
             speed=float(speeds[0]),
             line=first.line_of("vel_max"),
         )
-    return ForeignRobot(start, target, _radius(first, scene), float(speeds[0]))
+    goal = None
+    if target is not None and _word(first, "arrive_mode", "position") == "state":
+        # IR-SIM then compares x, y and the heading as one vector.
+        aim = float((*goals[-1], Fraction(0), Fraction(0))[2])
+        goal = Target(0.0, 0.0, reach, heading=aim, heading_tolerance=reach, arrival="step")
+    body = _body(first, scene)
+    return body._replace(start=start, target=target, speed=float(speeds[0]), goal=goal)
 
 
 def _from_corner(
@@ -374,21 +381,34 @@ def _from_corner(
     return float(point[0] - scene.corner[0]), float(point[1] - scene.corner[1])
 
 
-def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
-    """Return the radius of the disc around the robot's reference point that covers it."""
+def _body(robot: YamlTable, scene: _IrsimScene) -> ForeignRobot:
+    """Return the robot's radius or its footprint; what is no convex polygon becomes a disc."""
     # A circle has a radius.
     shapes = _tables(robot, "shape")
     if not shapes:
-        return 1.0
+        return ForeignRobot(radius=1.0)
     shape = shapes[0]
     name = _word(shapes[0], "name", "circle")
     if name == "circle":
-        return float(_length(shape, "radius", Fraction(1, 5)))
+        return ForeignRobot(radius=float(_length(shape, "radius", Fraction(1, 5))))
     # Any other shape is measured from the robot's own point.
     around = _IrsimScene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
     _add_shape(around, robot, shape, [Fraction(0)] * 3)
-    boxes = [corner for box in around.shapes.boxes for corner in _corners(*box)]
-    points = [*boxes, *(point for polygon in around.shapes.polygons for point in polygon.tolist())]
+    outlines = [_corners(*box) for box in around.shapes.boxes]
+    outlines += [polygon.tolist() for polygon in around.shapes.polygons]
+    if name == "polygon":
+        outlines = [_vertices(shape)]
+    if len(outlines) == 1 and not around.shapes.circles:
+        try:
+            corners = convex_footprint([(float(x), float(y)) for x, y in outlines[0]])
+        except InvalidWorld as error:
+            scene.notes.append(f"the robot's {name} cannot be a footprint: {error.message}")
+        else:
+            _note_steering(robot, shape, scene)
+            return ForeignRobot(footprint=corners)
+
+    # A disc around the robot's point that holds all of it is sure to be large enough.
+    points = [corner for outline in outlines for corner in outline]
     radius = max((math.sqrt(float(x) ** 2 + float(y) ** 2) for x, y in points), default=0.0)
     radius = max(
         [radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)]
@@ -401,7 +421,19 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
             shape=name,
             line=robot.line_of("shape"),
         )
-    scene.notes.append(
-        f"the robot is a {name}; to turn, it needs a disc with a radius of {radius:g} m"
-    )
-    return radius
+    scene.notes.append(f"the robot is a {name}; it became a disc of {radius:g} m that holds it")
+    return ForeignRobot(radius=radius)
+
+
+def _note_steering(robot: YamlTable, shape: YamlTable, scene: _IrsimScene) -> None:
+    """Say how to import a robot that steers as the car that it is."""
+    kinematics = _tables(robot, "kinematics")
+    if not kinematics or _word(kinematics[0], "name", "") != "acker":
+        return
+    fastest = robot.rows("vel_max")[0] if "vel_max" in robot else []
+    limit = float(fastest[1]) if len(fastest) > 1 else 1.0
+    if "wheelbase" in shape and 0.0 < limit < 0.5 * math.pi:
+        radius = float(shape.fraction("wheelbase")) / math.tan(limit)
+        scene.notes.append(
+            f"the robot steers like a car; --drive car --turning-radius {radius:.4g} imports it as one"
+        )

@@ -75,6 +75,11 @@ class Body:
         self._clear = ffi.new("int64_t *")
 
     @property
+    def described(self) -> Any:
+        """The body in the form that C reads, valid as long as this object."""
+        return self._body
+
+    @property
     def outer_sq(self) -> int:
         """Squared distance from the axle to the farthest corner, lu."""
         return int((self.corners**2).sum(axis=1).max())

@@ -10,7 +10,7 @@ from worldgen.timeline import Timeline
 from worldgen.world import World
 
 
-def decide_car(world: World, *, margin: float = 0.0) -> Decision:
+def decide_car(world: World, *, margin: float = 0.0, certificate: bool = True) -> Decision:
     """Return a witness for the world's car, or ``UNDECIDED``: nothing here proves ``BLOCKED``.
 
     In a world that changes, the path avoids everything that is ever blocked, so it holds whenever
@@ -19,6 +19,7 @@ def decide_car(world: World, *, margin: float = 0.0) -> Decision:
     Args:
         world: A world of one robot, a car.
         margin: s; see :func:`worldgen.reach.decide`.
+        certificate: True to return the witness.
     """
     drive = world.robots[0].drive
     still = world
@@ -31,11 +32,11 @@ def decide_car(world: World, *, margin: float = 0.0) -> Decision:
     if len(path.poses):
         witness = witness_of(still, path.poses)
         if witness is not None:
-            reason = (
-                f"a path of {witness.length:.4g} m is clear for discs of up to "
-                f"{witness.clearance:.4g} m"
-            )
-            return Decision(REACHABLE, witness, reason)
+            room = f"is clear for discs of up to {witness.clearance:.4g} m"
+            if not world.robots[0].is_disc:
+                room = f"leaves the footprint {witness.clearance:.4g} m to spare"
+            reason = f"a car's path of {witness.length:.4g} m {room}"
+            return Decision(REACHABLE, witness if certificate else None, reason)
     ways = "forward and backward" if drive.reverse else "forward only"
     reason = (
         f"a car of turning radius {drive.turning_radius:g} m, {ways}: no path was found among "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,23 +17,30 @@ from worldgen.lattice import (
     lattice_units,
     metres_to_lattice,
 )
+from worldgen.reach.body.prove import decide_body
 from worldgen.reach.single import prove
 from worldgen.reach.still.walls import Walls
+from worldgen.robot import Drive
 from worldgen.support.arrays import Ints
 from worldgen.world import Witness, World
 
 # Shares of the room around the start by which the disc is made larger at first: a path that keeps
 # away from walls takes fewer manoeuvres.
 _SHARES = (0.9, 0.6, 0.3, 0.1, 0.0)
+# Shares by which a footprint is made larger at first, for the same reason.
+_LARGER = (0.2, 0.1, 0.05, 0.02, 0.0)
 
 
 def guides(world: World) -> Iterator[Ints]:
-    """Yield paths for the world's disc, those with more room first: (n, 3) int64.
+    """Yield paths for the world's body, those with more room first: (n, 3) int64.
 
-    Each row has x and y, lu, and the heading, 1/65536 turn. Between two rows, the disc drives
-    straight ahead or straight back, or turns on the spot.
+    Each row has x and y, lu, and the heading, 1/65536 turn. Between two rows, the body keeps its
+    heading, or turns on the spot; a disc moves straight ahead or straight back.
     """
     robot = world.robots[0]
+    if not robot.is_disc:
+        yield from _for_footprint(world)
+        return
     walls = Walls(world.walls, in_cells(robot.radius, world.cell_size))
     x, y = (lattice_units(value, world.cell_size) for value in (robot.start.x, robot.start.y))
     room = math.sqrt(walls.nearest((x, y))[1]) / UNIT * world.cell_size
@@ -43,6 +51,25 @@ def guides(world: World) -> Iterator[Ints]:
         if isinstance(witness, Witness) and witness != before:
             before = witness
             yield _with_headings(world, witness)
+
+
+def _for_footprint(world: World) -> Iterator[Ints]:
+    """Yield paths of a footprint, first of one that is larger."""
+    robot = world.robots[0]
+    size = world.cell_size
+    for share in _LARGER:
+        larger = tuple((x * (1.0 + share), y * (1.0 + share)) for x, y in robot.footprint)
+        wide = replace(robot, footprint=larger, drive=Drive())
+        witness = decide_body(replace(world, robots=(wide,)), cut=False).certificate
+        if isinstance(witness, Witness) and witness.headings is not None:
+            columns = (witness.x.tolist(), witness.y.tolist(), witness.headings.tolist())
+            yield np.array(
+                [
+                    (metres_to_lattice(x, size), metres_to_lattice(y, size), heading_to_lattice(h))
+                    for x, y, h in zip(*columns, strict=True)
+                ],
+                np.int64,
+            )
 
 
 def _with_headings(world: World, witness: Witness) -> Ints:

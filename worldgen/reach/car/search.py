@@ -17,16 +17,20 @@ from worldgen.lattice import (
     heading_from_lattice,
     heading_to_lattice,
     in_cells,
+    lattice_to_metres,
     lattice_units,
+    metres_to_lattice,
 )
+from worldgen.reach.body.core_calls import Body, BodyPose
+from worldgen.reach.body.prove import goal_headings
 from worldgen.reach.car.guide import guides
 from worldgen.reach.car.stretches import leg_of
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.lattice_graph import clear_from
-from worldgen.reach.still.path import make_witness, ticks_per_second
-from worldgen.reach.still.walls import ExactPoint, Walls, described_disc
+from worldgen.reach.still.path import make_witness, ticks_per_second, travel_ticks
+from worldgen.reach.still.walls import ExactPoint, Walls, described_disc, described_walls
 from worldgen.support.arrays import Ints
-from worldgen.support.ccall import check, pointer
+from worldgen.support.ccall import check, kept, pointer
 from worldgen.world import Witness, World
 
 
@@ -54,7 +58,9 @@ class CarPath(NamedTuple):
     """Poses along a car's path.
 
     Args:
-        poses: (n, 3) int64, x and y in lu, heading in 1/65536 turn; empty if none was found.
+        poses: (n, 3) int64, x and y in lu, heading in 1/65536 turn; empty if none was found. From
+            pose to pose, the car turns by half of what its heading changes, rounded towards zero,
+            drives straight, and turns by the rest.
         searched: Poses that the search expanded, and curves that were tried.
     """
 
@@ -63,7 +69,7 @@ class CarPath(NamedTuple):
 
 
 def find_path(world: World, efforts: Sequence[Effort] = EFFORTS) -> CarPath:
-    """Search for a path of the world's robot, which must be a car with a disc as its body.
+    """Search for a path of the world's robot, which must be a car.
 
     First a quick search for one without many manoeuvres; then, if the car may reverse, along paths
     of the body alone; then finer searches.
@@ -72,19 +78,20 @@ def find_path(world: World, efforts: Sequence[Effort] = EFFORTS) -> CarPath:
         world: The world; what changes in it later is ignored.
         efforts: How finely to search, each tried if the one before finds nothing.
     """
-    walls = Walls(world.walls, in_cells(world.robot_radius, world.cell_size))
+    walls = described_walls(world.walls)
     searched = 0
     for effort in efforts:
-        query = _query(world, walls, effort)
-        check(lib.wg_car_search(walls.described, query))
+        query = _query(world, effort)
+        if query is None:
+            break
+        check(lib.wg_car_search(walls, query))
         searched += query.expanded
         if query.count:
             return CarPath(_taken(query), searched)
-        if effort == EFFORTS[0] and query.reverse:
+        if effort == efforts[0] and query.reverse:
             for guide in guides(world):
                 query.most = _MOST_CURVES
-                poses = pointer(ffi, guide, np.int64)
-                check(lib.wg_car_follow(walls.described, query, poses, len(guide)))
+                check(lib.wg_car_follow(walls, query, pointer(ffi, guide, np.int64), len(guide)))
                 searched += query.expanded
                 if query.count:
                     return CarPath(_taken(query), searched)
@@ -98,47 +105,89 @@ def _taken(query: Any) -> Ints:
     return poses
 
 
-def _query(world: World, walls: Walls, effort: Effort) -> Any:
-    """Return the question in the form that C reads."""
+def _query(world: World, effort: Effort) -> Any:
+    """Return the question in the form that C reads; None if no heading is the target's."""
     robot = world.robots[0]
     size = world.cell_size
-    target = robot.target
+    headings = goal_headings(robot.target)
+    if headings is None:
+        return None
     query = ffi.new("WgCarQuery *")
-    query.disc = described_disc(walls.radius)[0]
+    inner = in_cells(robot.radius, size)
+    if robot.is_disc:
+        query.disc = query.around = described_disc(inner)[0]
+        query.start_x, query.start_y = (
+            float(lattice_units(value, size)) for value in (robot.start.x, robot.start.y)
+        )
+    else:
+        body = Body(world.walls, robot.footprint, size)
+        query = kept(ffi, query, body)
+        query.body = body.described
+        outer = math.isqrt(body.outer_sq - 1) + 1
+        query.around = (outer, body.outer_sq, float(body.outer_sq))
+        inner = max(body.inner, 0 * inner) / UNIT
+        query.disc = described_disc(inner)[0]
+        query.start_x, query.start_y = (
+            float(metres_to_lattice(value, size)) for value in (robot.start.x, robot.start.y)
+        )
     query.turning_radius = float(in_cells(robot.drive.turning_radius, size) * UNIT)
     query.reverse = robot.drive.reverse
-    query.start_x, query.start_y = (
-        float(lattice_units(value, size)) for value in (robot.start.x, robot.start.y)
-    )
     query.start_heading = heading_to_lattice(robot.start.heading)
-    disc = target_disc(world)
-    query.target_x, query.target_y, query.target_radius = map(float, disc)
-    if target.heading is not None:
-        query.has_heading = 1
-        query.target_heading = heading_to_lattice(target.heading)
-        # Rounded down, and less by the rounding of the heading itself.
-        query.tolerance = max(0, math.floor(target.heading_tolerance * TURN / math.tau) - 1)
-    query.clear_from = max(1, clear_from(walls.radius, 4))
-    query.bin = max(2.0, max(UNIT, float(walls.radius) * UNIT) / effort.bins)
-    query.headings = effort.headings
+    query.target_x, query.target_y, query.target_radius = map(float, target_disc(world))
+    query.from_heading, query.headings = headings
+    query.clear_from = max(1, clear_from(inner, 4))
+    query.bin = max(2.0, max(UNIT, float(inner) * UNIT) / effort.bins)
+    query.heading_bins = effort.headings
     query.most = effort.most
     return query
 
 
 def witness_of(world: World, poses: Ints) -> Witness | None:
-    """Return the witness of a path; None if rounding its start to the lattice made it clear."""
+    """Return the witness of a path; None if rounding its ends to the lattice made it one."""
     robot = world.robots[0]
+    rows = [BodyPose(*row) for row in poses.tolist()]
+    if not target_disc(world).holds((rows[-1].x, rows[-1].y)):
+        return None
+    witness = _disc_witness(world, rows) if robot.is_disc else _body_witness(world, rows)
+    if witness is None:
+        return None
+    headings = np.array([heading_from_lattice(pose.heading) for pose in rows])
+    return _with_steering(replace(witness, headings=headings), poses, robot.drive.steering_rate)
+
+
+def _disc_witness(world: World, poses: list[BodyPose]) -> Witness | None:
+    """Return the witness of a disc's path, without headings; it begins exactly at the start."""
     size = world.cell_size
-    walls = Walls(world.walls, in_cells(robot.radius, size))
-    points: list[ExactPoint] = [(x, y) for x, y, _ in poses.tolist()]
-    points[0] = (lattice_units(robot.start.x, size), lattice_units(robot.start.y, size))
+    walls = Walls(world.walls, in_cells(world.robot_radius, size))
+    points: list[ExactPoint] = [(pose.x, pose.y) for pose in poses]
+    points[0] = (lattice_units(world.start.x, size), lattice_units(world.start.y, size))
     if not walls.is_clear(points[0], points[min(1, len(points) - 1)]):
         return None
-    if not target_disc(world).holds(points[-1]):
-        return None
-    witness = make_witness(walls, points, size, robot.speed)
-    headings = np.array([heading_from_lattice(units) for units in poses[:, 2].tolist()])
-    return _with_steering(replace(witness, headings=headings), poses, robot.drive.steering_rate)
+    return make_witness(walls, points, size, world.robot_speed)
+
+
+def _body_witness(world: World, poses: list[BodyPose]) -> Witness:
+    """Return the witness of a footprint's path, without headings."""
+    size = world.cell_size
+    body = Body(world.walls, world.robots[0].footprint, size)
+    ticks = ticks_per_second(size, world.robot_speed)
+    times = [0]
+    every = [poses[0]]
+    for p, q in itertools.pairwise(poses):
+        leg = travel_ticks((p.x, p.y), (q.x, q.y), size, world.robot_speed, ticks)
+        times.append(times[-1] + leg)
+        turn = leg_of(p, q).turn
+        along = (p.heading + int(turn / 2)) % TURN
+        every += [p._replace(heading=along), q._replace(heading=along), q]
+    every = [pose for k, pose in enumerate(every) if k == 0 or pose != every[k - 1]]
+    clearance = body.clearance(every) * size / UNIT * (1.0 - 1e-12)
+    return Witness(
+        np.array([time / ticks for time in times]),
+        np.array([lattice_to_metres(pose.x, size) for pose in poses]),
+        np.array([lattice_to_metres(pose.y, size) for pose in poses]),
+        # Rounded down.
+        max(0.0, math.nextafter(clearance, 0.0)),
+    )
 
 
 def _with_steering(witness: Witness, poses: Ints, rate: float) -> Witness:

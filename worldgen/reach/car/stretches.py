@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from worldgen.lattice import TURN, UNIT
@@ -69,7 +70,7 @@ class Leg(NamedTuple):
     gear: int
 
 
-def leg_of(before: list[int], after: list[int]) -> Leg:
+def leg_of(before: Sequence[int], after: Sequence[int]) -> Leg:
     """Return the leg between two poses, each x, y and heading."""
     turn = (after[2] - before[2] + TURN // 2) % TURN - TURN // 2
     along = (before[2] + turn / 2) * math.tau / TURN

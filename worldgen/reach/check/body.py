@@ -110,9 +110,9 @@ def check_ends(world: World, headings: Floats) -> None:
     Raises:
         Mistake: If they aren't the start's and one of the target's, or one is not of the lattice.
     """
-    off = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
-    if (off > 1e-4).any():
-        at = int(np.argmax(off > 1e-4))
+    apart = np.abs(headings / _RADIANS - np.round(headings / _RADIANS))
+    if (apart > 1e-4).any():
+        at = int(np.argmax(apart > 1e-4))
         raise Mistake(f"the heading of point {at} is not a multiple of 1/65536 turn")
     away = abs(float(_angle(headings[:1] - world.start.heading)[0]))
     if away > 0.5 * _RADIANS + 1e-9:

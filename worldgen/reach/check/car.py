@@ -13,16 +13,18 @@ from worldgen.world import Robot, Witness, World
 # Cells by which the car may be away from a point of the witness: the points are rounded to 1/1024
 # cell. A leg also stays this near to the arc of which it is a chord.
 BOUND = 4 / 1024
-# Turn, rad, that two headings may differ by: half a unit of 1/65536 turn, and rounding.
-HEADING_BOUND = 0.51 * math.tau / 65536
+# rad: headings are multiples of this
+_UNIT = math.tau / 65536
+# Half of it, and rounding: how far the first heading may be from the start's.
+HEADING_BOUND = 0.51 * _UNIT
 
 
 def car_fault(world: World, witness: Witness) -> str | None:
     """Return why the world's car cannot drive a witness, in one sentence; None if it can.
 
-    From one point to the next, the car turns by half of the difference of their headings, drives
-    straight, and turns by the other half. A leg that turns must be at least as long as the chord of
-    an arc that turns as much.
+    From one point to the next, the car turns by half of the difference of their headings, rounded
+    towards zero to 1/65536 turn, drives straight, and turns by the rest. A leg that turns must be at least as long as the chord of an
+    arc that turns as much.
 
     Args:
         world: A world of one robot, a car.
@@ -42,7 +44,7 @@ def car_fault(world: World, witness: Witness) -> str | None:
     at_x, at_y = x[0], y[0]
     for leg in range(len(x) - 1):
         turn = math.remainder(headings[leg + 1] - headings[leg], math.tau)
-        along = headings[leg] + turn / 2
+        along = headings[leg] + math.trunc(round(turn / _UNIT, 3) / 2) * _UNIT
         cosine, sine = math.cos(along), math.sin(along)
         gear = 1 if (x[leg + 1] - x[leg]) * cosine + (y[leg + 1] - y[leg]) * sine >= 0 else -1
         if not robot.drive.reverse:

@@ -116,10 +116,10 @@ def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[fl
         radius = robot.radius if body is None else body.inner * size
         _require(radius > 0.0, "the footprint holds no disc about the axle that a chain could stop")
         return _check_cut(world, certificate, radius, measured)
-    headings = certificate.headings
     if robot.drive.is_car:
         fault = car_fault(world, certificate)
         _require(fault is None, str(fault))
+    headings = certificate.headings
     if body is None:
         _check_witness(world, certificate, robot.radius, measured)
         return f"the path is clear for discs of up to {measured[0]:.6g} m"
@@ -156,6 +156,8 @@ def _check_body_path(
 def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floats]:
     """Return a car's path with each leg as it is driven: half of its turn, straight, and the rest.
 
+    Half a turn is rounded towards zero to a heading of the lattice.
+
     Args:
         path: n points.
         turns: (n,) float64, rad, the headings at them.
@@ -163,7 +165,10 @@ def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floa
     Returns:
         The path of 3 n - 2 points, and their headings.
     """
-    middle = turns[:-1] + np.remainder(np.diff(turns) + np.pi, 2 * np.pi) / 2 - np.pi / 2
+    unit = 2 * np.pi / 65536
+    units = np.round(turns / unit)
+    halves = np.trunc((np.remainder(np.diff(units) + 32768, 65536) - 32768) / 2)
+    middle = (units[:-1] + halves) * unit
     legs = np.arange(len(middle))
     order = np.concatenate(([0], np.column_stack((legs, legs + 1, legs + 1)).ravel()))
     headings = np.column_stack((middle, middle, turns[1:])).ravel()

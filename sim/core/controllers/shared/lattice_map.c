@@ -91,13 +91,14 @@ void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius)
             for (int64_t move = 0; move < 4; move++) {
                 WgNode node = {i, j};
                 WgNode to = wg_neighbour(node, move);
-                if (wg_distance_to_path(x, y, (double)i, (double)j, (double)to.x, (double)to.y) < radius) {
+                if (!is_blocked(map, node, move) &&
+                    wg_distance_to_path(x, y, (double)i, (double)j, (double)to.x, (double)to.y) < radius) {
                     set_bit(map, node, move);
+                    map->plan_length = 0.0;
                 }
             }
         }
     }
-    map->plan_length = 0.0;
 }
 
 // Number of a node among those next to the target; -1 for other nodes.
@@ -123,10 +124,14 @@ void wg_map_block_door(WgMapperMemory *map, WgNode node)
     map->plan_length = 0.0;
 }
 
+int64_t wg_map_words(const WgMapperMemory *map)
+{
+    return (side_of(map) * side_of(map) + NODES_A_WORD - 1) / NODES_A_WORD;
+}
+
 void wg_map_forget(WgMapperMemory *map)
 {
-    int64_t side = side_of(map);
-    int64_t words = (side * side + NODES_A_WORD - 1) / NODES_A_WORD;
+    int64_t words = wg_map_words(map);
     for (int64_t word = 0; word < words; word++) {
         map->nodes[word] = 0.0;
     }

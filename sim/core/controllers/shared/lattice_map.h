@@ -32,11 +32,15 @@ WgNode wg_neighbour(WgNode node, int64_t move);
 // Marks the edge of a move from a node as blocked; the plan is dropped.
 void wg_map_block(WgMapperMemory *map, WgNode node, int64_t move);
 
-// Marks all edges that pass within a radius of a point as blocked; both in nodes.
+// Marks all edges that pass within a radius of a point as blocked; both in nodes. The plan is
+// dropped if one of them was open.
 void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius);
 
 // Marks the path from a node to the target as blocked.
 void wg_map_block_door(WgMapperMemory *map, WgNode node);
+
+// Number of the map's own numbers: twelve nodes are in each.
+int64_t wg_map_words(const WgMapperMemory *map);
 
 // Clears the map.
 void wg_map_forget(WgMapperMemory *map);
