@@ -360,7 +360,8 @@ WgStatus wg_boxes_make(WgBoxes *boxes, const WgWalls *walls, const WgBody *body,
     for (int64_t tile = 0; tile < boxes->tiles; tile++) {
         bool is_last = tile % boxes->columns == boxes->columns - 1;
         bool is_top = tile / boxes->columns == boxes->rows - 1;
-        if ((!is_last && !connect(boxes, tile, tile + 1)) || (!is_top && !connect(boxes, tile, tile + boxes->columns))) {
+        if ((!is_last && !connect(boxes, tile, tile + 1))
+            || (!is_top && !connect(boxes, tile, tile + boxes->columns))) {
             return WG_OUT_OF_MEMORY;
         }
     }

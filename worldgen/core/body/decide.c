@@ -163,8 +163,8 @@ static WgStatus split_on_paths(Rounds *rounds, int64_t cost, int64_t *count)
                 return status;
             }
             *count += 1;
-            int64_t turn = rounds->boxes->all[number].range.high[WG_HEADING] - rounds->boxes->all[number].range.low[WG_HEADING];
-            rounds->is_tight = rounds->is_tight || turn <= TIGHT;
+            const WgRange *range = &rounds->boxes->all[number].range;
+            rounds->is_tight = rounds->is_tight || range->high[WG_HEADING] - range->low[WG_HEADING] <= TIGHT;
         }
     }
     return WG_OK;

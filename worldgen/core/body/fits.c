@@ -134,8 +134,10 @@ static WgStatus add_lines(WgBoxes *boxes, WgBodyPose start)
             int64_t direction[3] = {0, 0, 0};
             direction[axis] = sign;
             int64_t at = line.low[axis];
-            int64_t most = axis == 2 ? (sign < 0 ? at : boxes->period - at) : sign < 0 ? at - boxes->low : boxes->high[axis] - at;
-            int64_t far = free_along(boxes, start, direction, axis == 2 ? wg_min(most, WG_TURN / 2) : most);
+            int64_t low = axis == WG_HEADING ? 0 : boxes->low;
+            int64_t high = axis == WG_HEADING ? boxes->period : boxes->high[axis];
+            int64_t most = sign < 0 ? at - low : high - at;
+            int64_t far = free_along(boxes, start, direction, axis == WG_HEADING ? wg_min(most, WG_TURN / 2) : most);
             *(sign < 0 ? &line.low[axis] : &line.high[axis]) = (int32_t)(at + sign * far);
         }
         WgStatus status = wg_boxes_add_thin(boxes, line);

@@ -77,7 +77,8 @@ static void cut_up(const WgRange *range, int axis, const WgRun *runs, const bool
     portions->decided += (free + full) / (double)(high - low);
 }
 
-static WgStatus cut_along(WgBoxes *boxes, const WgBox *box, const WgRange *range, int axis, int64_t most, WgPortions *portions)
+static WgStatus cut_along(WgBoxes *boxes, const WgBox *box, const WgRange *range, int axis, int64_t most,
+                          WgPortions *portions)
 {
     WgRun runs[MOST_RUNS];
     bool covers[MOST_RUNS];

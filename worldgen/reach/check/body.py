@@ -506,7 +506,7 @@ def _overlap(body: Footprint, parts: _Parts, headings: Ints) -> Floats:
     corners of a part stand for all of it.
     """
     zero = np.zeros(len(headings))
-    corners = body.at(zero, zero, headings * _RADIANS)
+    corners = body.at(zero, zero, np.asarray(headings * _RADIANS, np.float64))
     sides = np.roll(corners, -1, axis=1) - corners
     normals = np.stack([sides[..., 1], -sides[..., 0]], axis=2)
     normals /= np.hypot(normals[..., 0], normals[..., 1])[..., None]
