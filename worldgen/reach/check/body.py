@@ -22,9 +22,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 import shapely
-from scipy import ndimage
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import Robot, World
@@ -554,6 +551,10 @@ def _check_apart(
     world: World, body: Footprint, boxes: _Boxes, start: tuple[float, float, int]
 ) -> None:
     """Flood what the boxes leave free, and refuse if the start is connected with the target."""
+    # Imported here, because it takes longer than a whole check of other proofs.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     # The axle is in the grid, unless it is outside the body.
     out = body.outer if body.inner < 0 else 0.0
     limits = np.array([[-out, -out], [world.width + out, world.height + out]])
@@ -589,6 +590,8 @@ def _check_apart(
 
 
 def _slab_of(low: Floats, high: Floats, limits: Floats) -> _Slab:
+    from scipy import ndimage
+
     bounds = []
     for axis in (0, 1):
         values = np.concatenate([low[:, axis], high[:, axis]])
