@@ -55,10 +55,11 @@ static bool cover_along(WgBoxes *boxes, const WgBox *box, int axis, int64_t slac
         for (int64_t k = 0; k < box->solid_count; k++) {
             const WgSolid *solid = &boxes->solids.all[boxes->lists[box->first_solid + k]];
             WgRun run = wg_run_along(boxes->body, span, &boxes->discs, &box->range, solid, axis);
-            if (run.must_begin <= at + slack && run.must_end + slack > end) {
-                end = run.must_end + slack;
+            if (run.must_begin <= at + slack && run.must_end > end) {
+                end = run.must_end;
             }
         }
+        end = end == box->range.high[axis] - slack ? box->range.high[axis] : end;
         if (end <= at && !(is_first && end == at && at == box->range.high[axis])) {
             return false;
         }
