@@ -87,8 +87,10 @@ static WgStatus add_box(WgBoxes *boxes, const WgBox *box, Rows *rows)
             }
         }
     }
-    // Unreachable: the box was found to be full along one of both.
-    return WG_BAD_VALUE;
+    // Floats choose between two runs of equal length in one way here and in another when the box was
+    // made; then one row has to do.
+    rows->count = count;
+    return add_row(rows, boxes, &box->range) ? WG_OK : WG_OUT_OF_MEMORY;
 }
 
 WgStatus wg_write_cut(WgBoxes *boxes, const WgNumbers *side, bool from_goal, WgBodyQuery *query)
