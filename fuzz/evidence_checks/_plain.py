@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -80,7 +81,7 @@ def step_gap(
         headings = trace.path_heading[:1]
     gaps = []
     for before, after, heading in zip(places[:-1], places[1:], headings, strict=True):
-        corners = [corners_at(world, *place, heading) for place in (before, after)]
+        corners = [corners_at(world, x, y, heading) for x, y in (before, after)]
         gaps.append(convex_gap(np.concatenate(corners), box))
     gaps.append(turn_gap(world, trace, step, box))
     return min(gaps)
@@ -113,7 +114,7 @@ def convex_gap(points: Floats, box: shapely.Polygon) -> float:
 
     If they overlap, it is negative: the shortest way by which the hull could be moved out.
     """
-    hull = shapely.MultiPoint(points).convex_hull
+    hull: Any = shapely.MultiPoint(points).convex_hull
     apart = float(hull.distance(box))
     if apart > 0.0:
         return apart

@@ -31,7 +31,9 @@ def hall(width, height, robot, start, events=()):
     target = replace(robot.target, x=0.05, y=0.05, radius=1e-6)
     robot = replace(robot, start=start, target=target)
     timeline = Timeline.of(events)
-    return World(np.zeros((height, width), bool), robots=(robot,), cell_size=SIDE, timeline=timeline)
+    return World(
+        np.zeros((height, width), bool), robots=(robot,), cell_size=SIDE, timeline=timeline
+    )
 
 
 ROBOT = Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), speed=1.0)
@@ -128,7 +130,7 @@ def test_a_body_that_is_stuck_for_good_is_a_proved_loop():
 
 def test_a_start_at_which_only_another_heading_is_clear_names_the_heading():
     world = hall(20, 5, BAR, Pose(1.0, 0.25, 1.5))
-    with pytest.raises(InvalidWorld, match="heading 1.5 rad") as caught:
+    with pytest.raises(InvalidWorld, match=r"heading 1\.5 rad") as caught:
         drive(world, (0.0, 0.0))
     assert caught.value.code == "start-in-wall"
     assert drive(hall(20, 5, BAR, Pose(1.0, 0.25, 3.14)), (0.0, 0.0)).steps
@@ -265,13 +267,6 @@ def test_a_car_at_a_wall_stops_and_its_turn_with_it():
     assert np.ptp(run.trace.y[3:9]) < 2e-3 and np.ptp(run.trace.heading[3:9]) < 0.01
 
 
-REFUSED = {
-    "fleet": (lambda robot: _fleet(robot), "orca", {}, "not-for-fleets"),
-    "stepped": (lambda robot: _alone(robot), "turn-left", {"motion": "stepped"}, "not-for-stepped"),
-    "cover": (lambda robot: _alone(robot), "random-walk", {"task": "cover"}, "nothing-to-cover"),
-}
-
-
 def _fleet(robot):
     world = generate("rooms", 3, robots=2)
     first = world.robots[0]
@@ -281,12 +276,19 @@ def _fleet(robot):
 
 def _alone(robot):
     world = generate("rooms", 3)
-    return replace(
-        world.bare, robots=(replace(robot, start=world.start, target=world.target),)
-    )
+    return replace(world.bare, robots=(replace(robot, start=world.start, target=world.target),))
 
 
-@pytest.mark.parametrize("robot", [replace(ROBOT, footprint=box(0.1, 0.06)), CAR], ids=["body", "car"])
+REFUSED = {
+    "fleet": (_fleet, "orca", {}, "not-for-fleets"),
+    "stepped": (_alone, "turn-left", {"motion": "stepped"}, "not-for-stepped"),
+    "cover": (_alone, "random-walk", {"task": "cover"}, "nothing-to-cover"),
+}
+
+
+@pytest.mark.parametrize(
+    "robot", [replace(ROBOT, footprint=box(0.1, 0.06)), CAR], ids=["body", "car"]
+)
 @pytest.mark.parametrize("who", REFUSED)
 def test_what_is_only_for_discs_refuses_bodies_and_cars(who, robot):
     make, name, options, code = REFUSED[who]

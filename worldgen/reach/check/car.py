@@ -23,8 +23,8 @@ def car_fault(world: World, witness: Witness) -> str | None:
     """Return why the world's car cannot drive a witness, in one sentence; None if it can.
 
     From one point to the next, the car turns by half of the difference of their headings, rounded
-    towards zero to 1/65536 turn, drives straight, and turns by the rest. A leg that turns must be at least as long as the chord of an
-    arc that turns as much.
+    towards zero to 1/65536 turn, drives straight, and turns by the rest. A leg that turns must be at
+    least as long as the chord of an arc that turns as much.
 
     Args:
         world: A world of one robot, a car.
