@@ -169,6 +169,15 @@ def test_the_checker_accepts_every_proof_about_scattered_cells(seed):
     assert decided(scattered(seed)).result in (REACHABLE, BLOCKED)
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize("begin", range(100, 900, 100))
+def test_the_checker_accepts_every_proof_about_many_scattered_cells(begin):
+    undecided = [
+        seed for seed in range(begin, begin + 100) if decided(scattered(seed)).result == UNDECIDED
+    ]
+    assert len(undecided) <= 2
+
+
 def hulls(body, angles, x, y):
     """Hulls of a body at several angles and places, for each of many places."""
     turns = [np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]

@@ -11,6 +11,7 @@
 
 enum {
     WG_TURN = 65536,             // headings
+    WG_HEADING_BITS = 16,
     WG_EIGHTH = WG_TURN / 8,
     WG_MOST_CORNERS = 16,
     WG_MOST_HULL = 3 * WG_MOST_CORNERS + 2,

@@ -5,23 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "boxes.h"
-
-// Headings of the ranges that the tiles are split into.
-#define BASE_TURN ((int64_t)(WG_TURN / 16))
-enum { MOST_PIECES = 128, MOST_RUNS = 256 };
-
-// A part of a box along one axis.
-typedef struct Piece {
-    WgRange range;
-    WgBoxKind kind;
-} Piece;
-
-typedef struct Pieces {
-    Piece all[MOST_PIECES];
-    int64_t count;
-    double decided;  // share of the box that is free or full
-} Pieces;
+#include "portions.h"
 
 bool wg_numbers_add(WgNumbers *numbers, int32_t number)
 {
@@ -40,10 +24,10 @@ bool wg_numbers_add(WgNumbers *numbers, int32_t number)
 
 const WgSpan *wg_boxes_span(WgBoxes *boxes, int64_t heading, int64_t turn, WgStatus *status)
 {
-    if (turn > BASE_TURN) {
+    if (turn > WG_BASE_TURN) {
         return NULL;
     }
-    int64_t base = WG_TURN / BASE_TURN;
+    int64_t base = WG_TURN / WG_BASE_TURN;
     int64_t ranges = WG_TURN / turn;
     int64_t at = ranges - base + heading / turn;
     if (boxes->spans[at] == NULL) {
@@ -218,188 +202,6 @@ static bool connect(WgBoxes *boxes, int64_t a, int64_t b)
     return add_near(&boxes->all[a], b) && add_near(&boxes->all[b], a);
 }
 
-// Cuts a range along an axis into pieces that are free, full or mixed; ``runs`` are those of the solids.
-static void cut_up(const WgRange *range, int axis, const WgRun *runs, const bool *covers, int64_t count, int64_t most,
-                   Pieces *pieces)
-{
-    int64_t low = range->low[axis];
-    int64_t high = range->high[axis];
-    int64_t begin = pieces->count;
-    double free = 0.0;
-    double full = 0.0;
-    for (int64_t at = low; at < high;) {
-        // The farthest that full runs lead from here, and the nearest begin of another.
-        int64_t end = at;
-        int64_t next = high;
-        for (int64_t again = 1; again > 0;) {
-            again = 0;
-            for (int64_t k = 0; k < count; k++) {
-                if (runs[k].must_begin <= end && runs[k].must_end > end) {
-                    end = runs[k].must_end;
-                    again = 1;
-                }
-            }
-        }
-        WgBoxKind kind = WG_FULL;
-        if (end == at) {
-            for (int64_t k = 0; k < count; k++) {
-                if (runs[k].must_begin > at && runs[k].must_end > runs[k].must_begin) {
-                    next = wg_min(next, runs[k].must_begin);
-                }
-            }
-            // Up to there it is mixed as far as runs of overlaps go, or free up to the next.
-            kind = WG_FREE;
-            end = next;
-            for (int64_t k = 0; k < count; k++) {
-                if (!covers[k] || runs[k].may_end <= runs[k].may_begin) {
-                    continue;
-                }
-                if (runs[k].may_begin <= at && runs[k].may_end > at) {
-                    kind = WG_MIXED;
-                } else if (runs[k].may_begin > at) {
-                    end = wg_min(end, runs[k].may_begin);
-                }
-            }
-            if (kind == WG_MIXED) {
-                end = at;
-                for (int64_t again = 1; again > 0;) {
-                    again = 0;
-                    for (int64_t k = 0; k < count; k++) {
-                        if (covers[k] && runs[k].may_begin <= end && runs[k].may_end > end && end < next) {
-                            end = wg_min(runs[k].may_end, next);
-                            again = 1;
-                        }
-                    }
-                }
-            }
-        }
-        end = wg_min(end, high);
-        // Too many pieces become one.
-        if (pieces->count - begin == most) {
-            pieces->all[pieces->count - 1].range.high[axis] = (int32_t)high;
-            pieces->all[pieces->count - 1].kind = WG_MIXED;
-            break;
-        }
-        Piece *piece = &pieces->all[pieces->count++];
-        *piece = (Piece){*range, kind};
-        piece->range.low[axis] = (int32_t)at;
-        piece->range.high[axis] = (int32_t)end;
-        free += kind == WG_FREE ? (double)(end - at) : 0.0;
-        full += kind == WG_FULL ? (double)(end - at) : 0.0;
-        at = end;
-    }
-    pieces->decided += (free + full) / (double)(high - low);
-}
-
-static WgStatus cut_along(WgBoxes *boxes, const WgBox *box, const WgRange *range, int axis, int64_t most, Pieces *pieces)
-{
-    WgRun runs[MOST_RUNS];
-    bool covers[MOST_RUNS];
-    WgStatus status = WG_OK;
-    int64_t turn = range->high[WG_HEADING] - range->low[WG_HEADING];
-    const WgSpan *span = wg_boxes_span(boxes, range->low[WG_HEADING], turn, &status);
-    if (status != WG_OK) {
-        return status;
-    }
-    int64_t count = 0;
-    for (int64_t k = 0; k < box->solid_count; k++) {
-        const WgSolid *solid = &boxes->solids.all[boxes->lists[box->first_solid + k]];
-        WgRun run = wg_run_along(boxes->body, span, &boxes->discs, range, solid, axis);
-        if (run.may_end <= run.may_begin && run.must_end <= run.must_begin) {
-            continue;
-        }
-        if (count == MOST_RUNS) {
-            // What more there is only adds to what is mixed.
-            runs[MOST_RUNS - 1] = (WgRun){range->low[axis], range->high[axis], 1, 0};
-            covers[MOST_RUNS - 1] = true;
-            break;
-        }
-        runs[count] = run;
-        covers[count] = solid->in_cover;
-        count++;
-    }
-    cut_up(range, axis, runs, covers, count, most, pieces);
-    return WG_OK;
-}
-
-// Halves a range along one axis, and cuts each half along another.
-static WgStatus try_halves(WgBoxes *boxes, const WgBox *box, int halved, int axis, Pieces *pieces)
-{
-    pieces->count = 0;
-    pieces->decided = 0.0;
-    int32_t low = box->range.low[halved];
-    int32_t high = box->range.high[halved];
-    for (int half = 0; half < 2; half++) {
-        WgRange range = box->range;
-        int32_t middle = low + (high - low) / 2;
-        range.low[halved] = half == 0 ? low : middle;
-        range.high[halved] = half == 0 ? middle : high;
-        WgStatus status = cut_along(boxes, box, &range, axis, MOST_PIECES / 2, pieces);
-        if (status != WG_OK) {
-            return status;
-        }
-    }
-    pieces->decided /= 2.0;
-    return WG_OK;
-}
-
-// Chooses how to split a box: where most of it is decided; long sides come first.
-static WgStatus choose_split(WgBoxes *boxes, const WgBox *box, Pieces *best)
-{
-    static const int ways[4][2] = {{WG_HEADING, WG_X}, {WG_HEADING, WG_Y}, {WG_Y, WG_X}, {WG_X, WG_Y}};
-    const WgRange *range = &box->range;
-    double lengths[3];
-    double longest = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        lengths[axis] = range->high[axis] - range->low[axis];
-        if (axis == WG_HEADING) {
-            lengths[axis] *= boxes->discs.outer * WG_RADIANS;
-        }
-        longest = lengths[axis] > longest ? lengths[axis] : longest;
-    }
-    double score = -1.0;
-    Pieces tried;
-    for (int way = 0; way < 4; way++) {
-        int halved = ways[way][0];
-        if (range->high[halved] - range->low[halved] < 2) {
-            continue;
-        }
-        WgStatus status = try_halves(boxes, box, halved, ways[way][1], &tried);
-        if (status != WG_OK) {
-            return status;
-        }
-        double worth = tried.decided + 0.1 * lengths[halved] / longest;
-        if (worth > score) {
-            score = worth;
-            *best = tried;
-        }
-    }
-    if (score < 0.0) {
-        best->count = 0;
-    }
-    return WG_OK;
-}
-
-// Splits a tile of all headings: along x by the discs, or into ranges of headings.
-static WgStatus split_turn(WgBoxes *boxes, const WgBox *box, Pieces *pieces)
-{
-    pieces->count = 0;
-    pieces->decided = 0.0;
-    if (box->halvings == 0) {
-        return cut_along(boxes, box, &box->range, WG_X, MOST_PIECES, pieces);
-    }
-    for (int64_t heading = 0; heading < boxes->period; heading += BASE_TURN) {
-        WgRange range = box->range;
-        range.low[WG_HEADING] = (int32_t)heading;
-        range.high[WG_HEADING] = (int32_t)(heading + BASE_TURN);
-        WgStatus status = cut_along(boxes, box, &range, WG_X, MOST_PIECES / (WG_TURN / BASE_TURN), pieces);
-        if (status != WG_OK) {
-            return status;
-        }
-    }
-    return WG_OK;
-}
-
 // Lists the rectangles of a box that matter for a part of it.
 static WgStatus list_solids(WgBoxes *boxes, int64_t number, WgBox *part)
 {
@@ -420,22 +222,21 @@ static WgStatus list_solids(WgBoxes *boxes, int64_t number, WgBox *part)
 
 WgStatus wg_boxes_split(WgBoxes *boxes, int64_t number)
 {
-    Pieces pieces;
+    WgPortions portions;
     WgBox *box = &boxes->all[number];
     assert(box->kind == WG_MIXED);
-    bool all_around = box->range.high[WG_HEADING] - box->range.low[WG_HEADING] > BASE_TURN;
-    WgStatus status = all_around ? split_turn(boxes, box, &pieces) : choose_split(boxes, box, &pieces);
+    WgStatus status = wg_portions_of(boxes, box, &portions);
     if (status != WG_OK) {
         return status;
     }
-    if (pieces.count == 0) {
+    if (portions.count == 0) {
         box->is_done = true;
         return WG_OK;
     }
     // Make the parts.
     int64_t first = boxes->count;
-    for (int64_t k = 0; k < pieces.count; k++) {
-        WgBox *part = add_box(boxes, pieces.all[k].range, pieces.all[k].kind);
+    for (int64_t k = 0; k < portions.count; k++) {
+        WgBox *part = add_box(boxes, portions.all[k].range, portions.all[k].kind);
         if (part == NULL) {
             return WG_OUT_OF_MEMORY;
         }
@@ -454,7 +255,7 @@ WgStatus wg_boxes_split(WgBoxes *boxes, int64_t number)
     box = &boxes->all[number];
     box->kind = WG_SPLIT;
     box->first_part = (int32_t)first;
-    box->part_count = (int32_t)pieces.count;
+    box->part_count = (int32_t)portions.count;
     // Connect them with each other and with those around.
     for (int64_t k = first; k < boxes->count; k++) {
         if (boxes->all[k].kind == WG_FULL) {
@@ -522,7 +323,7 @@ WgStatus wg_boxes_make(WgBoxes *boxes, const WgWalls *walls, const WgBody *body,
     if (goal.headings >= WG_TURN - 1) {
         boxes->period = looks_same(body, 4) ? WG_TURN / 4 : looks_same(body, 2) ? WG_TURN / 2 : WG_TURN;
     }
-    boxes->spans = calloc((size_t)2 * WG_TURN, sizeof *boxes->spans);
+    boxes->spans = (WgSpan **)calloc((size_t)2 * WG_TURN, sizeof *boxes->spans);
     if (boxes->spans == NULL) {
         return WG_OUT_OF_MEMORY;
     }
@@ -559,34 +360,22 @@ WgStatus wg_boxes_make(WgBoxes *boxes, const WgWalls *walls, const WgBody *body,
     for (int64_t tile = 0; tile < boxes->tiles; tile++) {
         bool is_last = tile % boxes->columns == boxes->columns - 1;
         bool is_top = tile / boxes->columns == boxes->rows - 1;
-        if ((!is_last && !connect(boxes, tile, tile + 1)) || (!is_top && !connect(boxes, tile, tile + boxes->columns))) {
+        if ((!is_last && !connect(boxes, tile, tile + 1))
+            || (!is_top && !connect(boxes, tile, tile + boxes->columns))) {
             return WG_OUT_OF_MEMORY;
         }
     }
     return list_for_tiles(boxes);
 }
 
-// Goes down to the boxes that touch a range.
-static bool list_touching(const WgBoxes *boxes, int64_t number, const WgRange *range, unsigned kinds, WgNumbers *found)
+static bool touches(const WgBoxes *boxes, const WgRange *a, const WgRange *b)
 {
-    const WgBox *box = &boxes->all[number];
     for (int axis = 0; axis < 2; axis++) {
-        if (box->range.low[axis] > range->high[axis] || box->range.high[axis] < range->low[axis]) {
-            return true;
-        }
-    }
-    if (meet_turning(boxes, &box->range, range) < 0) {
-        return true;
-    }
-    if (box->kind != WG_SPLIT) {
-        return (kinds >> box->kind & 1) == 0 || wg_numbers_add(found, (int32_t)number);
-    }
-    for (int64_t part = box->first_part; part < box->first_part + box->part_count; part++) {
-        if (!list_touching(boxes, part, range, kinds, found)) {
+        if (a->low[axis] > b->high[axis] || a->high[axis] < b->low[axis]) {
             return false;
         }
     }
-    return true;
+    return meet_turning(boxes, a, b) >= 0;
 }
 
 WgStatus wg_boxes_touching(const WgBoxes *boxes, const WgRange *range, unsigned kinds, WgNumbers *found)
@@ -598,14 +387,30 @@ WgStatus wg_boxes_touching(const WgBoxes *boxes, const WgRange *range, unsigned 
         first[axis] = wg_max(0, wg_floor_div(range->low[axis] - boxes->low - 1, boxes->tile));
         last[axis] = wg_min(sides[axis] - 1, wg_floor_div(range->high[axis] - boxes->low, boxes->tile));
     }
+    // Go down from the tiles.
+    WgNumbers waiting = {0};
+    bool is_added = true;
     for (int64_t row = first[1]; row <= last[1]; row++) {
-        for (int64_t column = first[0]; column <= last[0]; column++) {
-            if (!list_touching(boxes, row * boxes->columns + column, range, kinds, found)) {
-                return WG_OUT_OF_MEMORY;
-            }
+        for (int64_t column = first[0]; column <= last[0] && is_added; column++) {
+            is_added = wg_numbers_add(&waiting, (int32_t)(row * boxes->columns + column));
         }
     }
-    return WG_OK;
+    while (waiting.count > 0 && is_added) {
+        int32_t number = waiting.all[--waiting.count];
+        const WgBox *box = &boxes->all[number];
+        if (!touches(boxes, &box->range, range)) {
+            continue;
+        }
+        if (box->kind != WG_SPLIT) {
+            is_added = (kinds >> box->kind & 1) == 0 || wg_numbers_add(found, number);
+            continue;
+        }
+        for (int32_t part = 0; part < box->part_count && is_added; part++) {
+            is_added = wg_numbers_add(&waiting, box->first_part + part);
+        }
+    }
+    free(waiting.all);
+    return is_added ? WG_OK : WG_OUT_OF_MEMORY;
 }
 
 WgStatus wg_boxes_add_thin(WgBoxes *boxes, WgRange range)
@@ -643,7 +448,7 @@ void wg_boxes_free(WgBoxes *boxes)
         free(boxes->spans[boxes->made.all[k]]);
     }
     free(boxes->made.all);
-    free(boxes->spans);
+    free((void *)boxes->spans);
     free(boxes->all);
     free(boxes->lists);
     wg_solids_free(&boxes->solids);

@@ -8,6 +8,9 @@
 
 #include "runs.h"
 
+// Headings of the ranges that a box of all headings is split into.
+enum { WG_BASE_TURN = WG_TURN / 16 };
+
 typedef enum WgBoxKind {
     WG_FREE = 0,
     WG_MIXED = 1,
@@ -31,7 +34,7 @@ typedef struct WgBox {
     int32_t near_room;
     int64_t cost[2];     // of the search from the start, and from the target
     int32_t round[2];    // in which that was found
-    int32_t before[2];   // box before it on the way
+    int32_t before[2];   // box before it on the path
     int32_t label[2];    // of the free boxes that are the last before it, or its own
 } WgBox;
 

@@ -109,30 +109,38 @@ static double along(const WgSolids *solids, const WgBody *body, WgBodyPose pose,
     return bound;
 }
 
-typedef struct Turn {
-    const WgSolids *solids;
-    const WgBody *body;
-    WgBodyPose pose;
-    double reach;
-    double slack;
-} Turn;
+// A range of headings: the first, and how many follow.
+typedef struct Headings {
+    int64_t first;
+    int64_t following;
+} Headings;
 
-// Measures the body over a range of headings: between two of them no corner moves farther than its arc.
-static double turning(const Turn *turn, int64_t from, int64_t headings, double bound)
+// Measures the body over a turn: from a heading to another no corner moves farther than its arc.
+static double turning(const WgSolids *solids, const WgBody *body, WgBodyPose pose, int64_t turn, double slack,
+                      double bound)
 {
+    double reach = wg_body_reach(body);
     Corners corners;
-    WgBodyPose pose = turn->pose;
-    int64_t half = headings / 2;
-    pose.heading = (from + half) & (WG_TURN - 1);
-    corners_of(turn->body, pose, &corners);
-    double swing = turn->reach * (double)(headings - half) * WG_RADIANS;
-    double distance = nearest_solid(turn->solids, &corners, bound + swing);
-    bound = distance < bound ? distance : bound;
-    if (headings == 0 || distance - swing >= bound - turn->slack) {
-        return bound;
+    Headings left[2 * WG_HEADING_BITS + 2];
+    int64_t count = 1;
+    left[0] = (Headings){pose.heading, turn};
+    while (count > 0) {
+        Headings now = left[--count];
+        int64_t half = now.following / 2;
+        pose.heading = (now.first + half) & (WG_TURN - 1);
+        corners_of(body, pose, &corners);
+        double swing = reach * (double)(now.following - half) * WG_RADIANS;
+        double distance = nearest_solid(solids, &corners, bound + swing);
+        bound = distance < bound ? distance : bound;
+        if (now.following == 0 || distance - swing >= bound - slack) {
+            continue;
+        }
+        if (now.following > half) {
+            left[count++] = (Headings){now.first + half + 1, now.following - half - 1};
+        }
+        left[count++] = (Headings){now.first, half};
     }
-    bound = turning(turn, from, half, bound);
-    return headings > half ? turning(turn, from + half + 1, headings - half - 1, bound) : bound;
+    return bound;
 }
 
 WgStatus wg_body_clearance(const WgWalls *walls, const WgBody *body, const int64_t *poses, int64_t count,
@@ -151,8 +159,8 @@ WgStatus wg_body_clearance(const WgWalls *walls, const WgBody *body, const int64
         WgBodyPose pose = {at[0], at[1], at[2]};
         int64_t around = wg_turn_between(at[2], next[2]);
         if (around != 0) {
-            Turn turn = {&solids, body, pose, wg_body_reach(body), slack - ROUNDING};
-            bound = turning(&turn, around > 0 ? at[2] : next[2], wg_abs(around), bound);
+            pose.heading = around > 0 ? at[2] : next[2];
+            bound = turning(&solids, body, pose, wg_abs(around), slack - ROUNDING, bound);
         } else {
             bound = along(&solids, body, pose, next[0], next[1], bound);
         }

@@ -1,10 +1,10 @@
 // Decides whether a body can get to its target, by splitting boxes of poses where it matters.
 //
-// In each round, a search over free and mixed boxes finds the cheapest ways from the start to the target:
-// free boxes cost nothing, mixed ones the more the smaller they are. If the cheapest way costs nothing, the
-// target can be reached; if there is no way, it cannot. Otherwise the mixed boxes on the cheapest ways are
+// In each round, a search over free and mixed boxes finds the cheapest paths from the start to the target:
+// free boxes cost nothing, mixed ones the more the smaller they are. If the cheapest path costs nothing, the
+// target can be reached; if there is no path, it cannot. Otherwise the mixed boxes on the cheapest paths are
 // split. Soft subdivision: Zhu and others, Planning for a polygonal
-// robot (2019); Zhou, Chiang, Yap, Soft subdivision motion planning (2019). For the part about no way:
+// robot (2019); Zhou, Chiang, Yap, Soft subdivision motion planning (2019). For the absence of paths:
 // Zhang, Kim, Manocha, Efficient cell labelling and path non-existence computation (2008).
 
 #include <math.h>
@@ -27,9 +27,9 @@ typedef struct Rounds {
     WgBoxes *boxes;
     int32_t start;   // the start's box
     int32_t round;
-    int64_t slack;   // by how many shares ways may be dearer than the cheapest
+    int64_t slack;   // by how many shares paths may cost more than the cheapest
     int32_t labels;  // of connected free boxes in this round
-    bool is_tight;   // ways lead through very small boxes
+    bool is_tight;   // paths lead through very small boxes
     bool has_fits;   // places of exact fit were added
     int64_t weights[MOST_HALVINGS + 1];
     WgHeap heap;
@@ -95,7 +95,7 @@ static bool spread(Rounds *rounds, int from, int32_t number)
     return true;
 }
 
-// Searches for the cheapest ways; ``cost`` receives what they cost.
+// Searches for the cheapest paths; ``cost`` receives what they cost.
 static bool search(Rounds *rounds, int from, int64_t *cost)
 {
     rounds->heap.count = 0;
@@ -145,8 +145,8 @@ static bool search(Rounds *rounds, int from, int64_t *cost)
     return true;
 }
 
-// Splits the mixed boxes on the cheapest ways, and counts those that it splits.
-static WgStatus split_ways(Rounds *rounds, int64_t cost, int64_t *count)
+// Splits the mixed boxes on the cheapest paths, and counts those that it splits.
+static WgStatus split_on_paths(Rounds *rounds, int64_t cost, int64_t *count)
 {
     *count = 0;
     for (int64_t k = 0; k < rounds->reached[WG_FROM_START].count; k++) {
@@ -163,8 +163,8 @@ static WgStatus split_ways(Rounds *rounds, int64_t cost, int64_t *count)
                 return status;
             }
             *count += 1;
-            int64_t turn = rounds->boxes->all[number].range.high[WG_HEADING] - rounds->boxes->all[number].range.low[WG_HEADING];
-            rounds->is_tight = rounds->is_tight || turn <= TIGHT;
+            const WgRange *range = &rounds->boxes->all[number].range;
+            rounds->is_tight = rounds->is_tight || range->high[WG_HEADING] - range->low[WG_HEADING] <= TIGHT;
         }
     }
     return WG_OK;
@@ -223,7 +223,7 @@ static WgStatus go_around(Rounds *rounds, WgBodyQuery *query)
         if (!search(rounds, WG_FROM_GOAL, &back)) {
             return WG_OUT_OF_MEMORY;
         }
-        WgStatus status = split_ways(rounds, cost, &count);
+        WgStatus status = split_on_paths(rounds, cost, &count);
         int64_t looked = rounds->reached[WG_FROM_START].count + rounds->reached[WG_FROM_GOAL].count;
         bool is_few = count * FEW < looked;
         rounds->slack = is_few ? wg_min(SHARES, 2 * rounds->slack + 1) : rounds->slack / 2;

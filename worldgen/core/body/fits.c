@@ -85,7 +85,7 @@ static WgStatus add_heading(WgBoxes *boxes, int64_t heading)
     }
     int64_t top = boxes->high[1];
     for (int64_t k = 0; k < lines && status == WG_OK; k++) {
-        if (heights[k] < boxes->low || heights[k] > top || (k > 0 && heights[k] == heights[k - 1])) {
+        if (heights[k] < boxes->low || heights[k] > top || (k + 1 < lines && heights[k] == heights[k + 1])) {
             continue;
         }
         WgRange row = {
@@ -93,7 +93,7 @@ static WgStatus add_heading(WgBoxes *boxes, int64_t heading)
             {(int32_t)boxes->high[0], (int32_t)heights[k], (int32_t)heading},
         };
         status = add_row(boxes, &span, row, room);
-        if (status == WG_OK && k + 1 < lines && heights[k + 1] > heights[k] && heights[k + 1] <= top) {
+        if (status == WG_OK && k + 1 < lines && heights[k + 1] <= top) {
             row.high[1] = (int32_t)heights[k + 1];
             status = add_row(boxes, &span, row, room);
         }
@@ -134,8 +134,10 @@ static WgStatus add_lines(WgBoxes *boxes, WgBodyPose start)
             int64_t direction[3] = {0, 0, 0};
             direction[axis] = sign;
             int64_t at = line.low[axis];
-            int64_t most = axis == 2 ? (sign < 0 ? at : boxes->period - at) : sign < 0 ? at - boxes->low : boxes->high[axis] - at;
-            int64_t far = free_along(boxes, start, direction, axis == 2 ? wg_min(most, WG_TURN / 2) : most);
+            int64_t low = axis == WG_HEADING ? 0 : boxes->low;
+            int64_t high = axis == WG_HEADING ? boxes->period : boxes->high[axis];
+            int64_t most = sign < 0 ? at - low : high - at;
+            int64_t far = free_along(boxes, start, direction, axis == WG_HEADING ? wg_min(most, WG_TURN / 2) : most);
             *(sign < 0 ? &line.low[axis] : &line.high[axis]) = (int32_t)(at + sign * far);
         }
         WgStatus status = wg_boxes_add_thin(boxes, line);

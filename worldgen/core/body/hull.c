@@ -261,20 +261,35 @@ static bool is_surely_clear(const WgWalls *walls, const WgBody *body, WgBodyPose
     return wg_hull_is_clear(walls, &hull);
 }
 
+// A range of headings: the first, and how many follow.
+typedef struct Headings {
+    int64_t first;
+    int64_t following;
+} Headings;
+
 // Tests the headings strictly between the ends of a counter-clockwise turn.
 static bool clear_between(const WgWalls *walls, const WgBody *body, WgBodyPose pose, int64_t turn)
 {
-    if (turn < 2) {
-        return true;
+    // Halves of halves wait here, at most one of each size and its sibling.
+    Headings left[2 * WG_HEADING_BITS];
+    int64_t count = 1;
+    left[0] = (Headings){pose.heading, turn};
+    while (count > 0) {
+        Headings now = left[--count];
+        pose.heading = now.first & (WG_TURN - 1);
+        bool is_small = now.following <= WG_TURN / 16;
+        if (now.following < 2 || (is_small && is_surely_clear(walls, body, pose, now.following))) {
+            continue;
+        }
+        int64_t half = now.following / 2;
+        pose.heading = (now.first + half) & (WG_TURN - 1);
+        if (!wg_clear_at(walls, body, pose)) {
+            return false;
+        }
+        left[count++] = (Headings){now.first + half, now.following - half};
+        left[count++] = (Headings){now.first, half};
     }
-    if (turn <= WG_TURN / 16 && is_surely_clear(walls, body, pose, turn)) {
-        return true;
-    }
-    int64_t half = turn / 2;
-    WgBodyPose middle = pose;
-    middle.heading = (pose.heading + half) & (WG_TURN - 1);
-    return wg_clear_at(walls, body, middle) && clear_between(walls, body, pose, half)
-           && clear_between(walls, body, middle, turn - half);
+    return true;
 }
 
 bool wg_clear_turning(const WgWalls *walls, const WgBody *body, WgBodyPose pose, int64_t turn)

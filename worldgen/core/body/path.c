@@ -1,4 +1,4 @@
-// Turns a way through free boxes into a path of few moves and turns.
+// Turns a path through free boxes into one of few moves and turns.
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,9 +9,9 @@
 
 enum { PATIENCE = 6, PASSES = 3, MOST_PADDING = WG_UNIT / 2 };
 
-// A free box on the way.
+// A free box on the path.
 typedef struct Entry {
-    WgBodyPose pose;  // where the way enters it
+    WgBodyPose pose;  // where the path enters it
     int64_t cost;
     int32_t before;
     bool is_done;
@@ -62,7 +62,7 @@ static int64_t nearest_heading(int64_t heading, int64_t low, int64_t high, int64
     return best & (WG_TURN - 1);
 }
 
-// The nearest of a range's middle half, so that ways keep away from the rims of boxes.
+// The nearest of a range's middle half, so that paths keep away from the rims of boxes.
 static int64_t nearest_inside(int64_t value, int64_t low, int64_t high)
 {
     return nearest_of(value, low + (high - low) / 4, high - (high - low) / 4);
@@ -95,7 +95,7 @@ static int64_t cost_between(const WgBoxes *boxes, WgBodyPose a, WgBodyPose b)
     return (int64_t)(hypot((double)(b.x - a.x), (double)(b.y - a.y)) + turn) + 1;
 }
 
-// The pose at which a way that enters a box of the target arrives.
+// The pose at which a path that enters a box of the target ends.
 static WgBodyPose last_pose(const WgBoxes *boxes, const WgRange *range, WgBodyPose from)
 {
     WgBodyPose pose = from;
@@ -112,8 +112,8 @@ static WgBodyPose last_pose(const WgBoxes *boxes, const WgRange *range, WgBodyPo
     return pose;
 }
 
-// Searches the free boxes for a short way; lists its poses.
-static WgStatus find_way(const WgBoxes *boxes, int32_t start, WgBodyPose from, Poses *poses)
+// Searches the free boxes for a short path; lists its poses.
+static WgStatus find_path(const WgBoxes *boxes, int32_t start, WgBodyPose from, Poses *poses)
 {
     Entry *entries = malloc((size_t)boxes->count * sizeof *entries);
     WgHeap heap = {0};
@@ -266,7 +266,7 @@ static bool is_same_pose(WgBodyPose a, WgBodyPose b)
     return a.x == b.x && a.y == b.y && a.heading == b.heading;
 }
 
-// Adds a turn and a move; half a turn is made in two parts, because its way around is not defined.
+// Adds a turn and a move; half a turn is made in two parts, because its direction is not defined.
 static bool add_leg(const Space *space, Poses *path, WgBodyPose to)
 {
     WgBodyPose from = path->all[path->count - 1];
@@ -291,7 +291,7 @@ static bool add_leg(const Space *space, Poses *path, WgBodyPose to)
     return true;
 }
 
-// Leaves out the ends of turns and of moves that go on in the same way.
+// Leaves out the ends of turns and of moves that continue straight ahead.
 static void join_equal(Poses *path)
 {
     int64_t kept = 1;
@@ -339,7 +339,7 @@ static bool pad(const WgWalls *walls, const WgBody *body, int64_t padding, int64
     return wg_body_is_valid(walls, padded);
 }
 
-static bool is_way_clear(const Space *space, const Poses *poses)
+static bool is_path_clear(const Space *space, const Poses *poses)
 {
     for (int64_t k = 0; k + 1 < poses->count; k++) {
         if (leg_between(space, poses->all[k], poses->all[k + 1]) == NONE) {
@@ -353,19 +353,19 @@ WgStatus wg_write_path(WgBoxes *boxes, int32_t start, WgBodyQuery *query)
 {
     Poses poses = {0};
     Poses path = {0};
-    WgStatus status = find_way(boxes, start, query->start, &poses);
+    WgStatus status = find_path(boxes, start, query->start, &poses);
     if (status != WG_OK || poses.count == 0) {
         free(poses.all);
         return status;
     }
-    // The way is made shorter for a body that is as much larger as the way allows, so that it doesn't
+    // The path is shortened for a body that is as much larger as the path allows, so that it doesn't
     // come nearer to walls than it has to.
     Space space = {boxes->walls, boxes->body, &boxes->goal};
     WgBody padded;
     int64_t corners[2 * WG_MOST_CORNERS];
     for (int64_t padding = MOST_PADDING; padding > 0; padding /= 2) {
         const Space larger = {boxes->walls, &padded, &boxes->goal};
-        if (pad(boxes->walls, boxes->body, padding, corners, &padded) && is_way_clear(&larger, &poses)) {
+        if (pad(boxes->walls, boxes->body, padding, corners, &padded) && is_path_clear(&larger, &poses)) {
             space = larger;
             break;
         }

@@ -42,7 +42,9 @@ static bool add_row(Rows *rows, const WgBoxes *boxes, const WgRange *range)
 }
 
 // Covers a full box with runs along an axis, in each of which one rectangle is met; false if it cannot.
-static bool cover_along(WgBoxes *boxes, const WgBox *box, int axis, Rows *rows, WgStatus *status)
+//
+// slack:      lu by which a run may begin later, because floats gave it another end when the box was made.
+static bool cover_along(WgBoxes *boxes, const WgBox *box, int axis, int64_t slack, Rows *rows, WgStatus *status)
 {
     int64_t turn = box->range.high[2] - box->range.low[2];
     const WgSpan *span = wg_boxes_span(boxes, box->range.low[2], turn, status);
@@ -53,10 +55,11 @@ static bool cover_along(WgBoxes *boxes, const WgBox *box, int axis, Rows *rows, 
         for (int64_t k = 0; k < box->solid_count; k++) {
             const WgSolid *solid = &boxes->solids.all[boxes->lists[box->first_solid + k]];
             WgRun run = wg_run_along(boxes->body, span, &boxes->discs, &box->range, solid, axis);
-            if (run.must_begin <= at && run.must_end > end) {
+            if (run.must_begin <= at + slack && run.must_end > end) {
                 end = run.must_end;
             }
         }
+        end = end == box->range.high[axis] - slack ? box->range.high[axis] : end;
         if (end <= at && !(is_first && end == at && at == box->range.high[axis])) {
             return false;
         }
@@ -76,15 +79,18 @@ static WgStatus add_box(WgBoxes *boxes, const WgBox *box, Rows *rows)
 {
     WgStatus status = WG_OK;
     int64_t count = rows->count;
-    if (cover_along(boxes, box, WG_X, rows, &status) || status != WG_OK) {
-        return status;
+    for (int64_t slack = 0; slack <= 1; slack++) {
+        for (int axis = WG_X; axis <= WG_Y; axis++) {
+            rows->count = count;
+            if (cover_along(boxes, box, axis, slack, rows, &status) || status != WG_OK) {
+                return status;
+            }
+        }
     }
+    // Floats choose between two runs of equal length in one way here and in another when the box was
+    // made; then one row has to do.
     rows->count = count;
-    if (cover_along(boxes, box, WG_Y, rows, &status) || status != WG_OK) {
-        return status;
-    }
-    // Unreachable: the box was found to be full along one of both.
-    return WG_BAD_VALUE;
+    return add_row(rows, boxes, &box->range) ? WG_OK : WG_OUT_OF_MEMORY;
 }
 
 WgStatus wg_write_cut(WgBoxes *boxes, const WgNumbers *side, bool from_goal, WgBodyQuery *query)

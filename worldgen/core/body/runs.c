@@ -246,8 +246,7 @@ static Interval with_inside(const WgSpan *span, int64_t k, const Local *local, I
         return inside;
     }
     // The side becomes parallel to one of the rectangle's within the range: a point of that one that
-    // moves with the body is better than a corner.
-    inside = longer(inside, both_of(within_side(span, k, local, point[1], false), must));
+    // moves with the body is better than a corner, and joins the runs of both corners.
     if (!same[1]) {
         double shift = larger(smaller(0.0, local->high[1] - local->side), local->low[1]);
         if (local->low[1] <= shift && shift + local->side <= local->high[1]) {
@@ -267,7 +266,7 @@ static Interval with_inside(const WgSpan *span, int64_t k, const Local *local, I
             inside = longer(inside, both_of(between, must));
         }
     }
-    return inside;
+    return longer(inside, both_of(within_side(span, k, local, point[1], false), must));
 }
 
 // Rounds both runs to whole lu, each to its safe side.
@@ -338,6 +337,10 @@ WgRun wg_run_along(const WgBody *body, const WgSpan *span, const WgDiscs *discs,
         if (must.begin < must.end) {
             must = with_inside(span, k, &local, must);
         }
+    }
+    // What may not meet the rectangle anywhere need not have been narrowed to the end.
+    if (!(may.begin < may.end)) {
+        return (WgRun){1, 0, 1, 0};
     }
     return rounded(may, must, &local, origin, span->safety);
 }

@@ -22,9 +22,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 import shapely
-from scipy import ndimage
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import Robot, World
@@ -506,8 +503,7 @@ def _overlap(body: Footprint, parts: _Parts, headings: Ints) -> Floats:
     corners of a part stand for all of it.
     """
     zero = np.zeros(len(headings))
-    turns = (headings * _RADIANS).astype(np.float64)
-    corners = body.at(zero, zero, turns)
+    corners = body.at(zero, zero, np.asarray(headings * _RADIANS, np.float64))
     sides = np.roll(corners, -1, axis=1) - corners
     normals = np.stack([sides[..., 1], -sides[..., 0]], axis=2)
     normals /= np.hypot(normals[..., 0], normals[..., 1])[..., None]
@@ -555,6 +551,10 @@ def _check_apart(
     world: World, body: Footprint, boxes: _Boxes, start: tuple[float, float, int]
 ) -> None:
     """Flood what the boxes leave free, and refuse if the start is connected with the target."""
+    # Imported here, because it takes longer than a whole check of other proofs.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     # The axle is in the grid, unless it is outside the body.
     out = body.outer if body.inner < 0 else 0.0
     limits = np.array([[-out, -out], [world.width + out, world.height + out]])
@@ -590,6 +590,8 @@ def _check_apart(
 
 
 def _slab_of(low: Floats, high: Floats, limits: Floats) -> _Slab:
+    from scipy import ndimage
+
     bounds = []
     for axis in (0, 1):
         values = np.concatenate([low[:, axis], high[:, axis]])
