@@ -28,6 +28,7 @@ WORLDS = {
     "rooms": "rooms --seed 101",
     "small-rooms": "rooms --size 20 --seed 2",
     "doorway": "doorway --robots 2 --seed 230",
+    "car": "maze --size 24 --seed 3 --footprint 0.62x0.9 --drive car --turning-radius 0.6 --reverse",
 }
 HALLS = {"scattered": ("scattered", 1), "one-u": ("one U", 2)}
 HALL_SEED = 9
@@ -53,6 +54,7 @@ RUNS = {
     "controller-dynamic-window": "run scattered.grid --controller dynamic-window",
     "controller-three-layer": "run large-maze.grid --controller three-layer",
     "controller-q-learning": "run scattered.grid --controller q-learning",
+    "controller-hybrid-car": "run car.grid --controller hybrid-car",
 }
 
 

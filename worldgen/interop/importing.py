@@ -449,13 +449,15 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
     """Return what ``import --json`` prints."""
     world = imported.world
     decision = imported.decision
+    corners = [list(corner) for corner in world.robots[0].footprint]
+    footprint = {"footprint": corners} if corners else {}
     return {
         "file": file,
         "result": decision.result,
         "clearance": decision.certificate.clearance if decision.certificate else None,
         "radius": world.robot_radius,
         "radius_from": imported.radius_from,
-        "footprint": [list(corner) for corner in world.robots[0].footprint],
+        **footprint,
         "unread": list(imported.unread),
         "width": world.width,
         "height": world.height,
