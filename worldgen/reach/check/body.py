@@ -581,10 +581,6 @@ def _check_apart(
     links.append(_links(slabs[-1], slabs[0]))
     pairs = np.concatenate(links)
     shape = (offset + 1, offset + 1)
-    # Campaigns begin without it.
-    from scipy.sparse import coo_matrix  # noqa: PLC0415
-    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-
     graph = coo_matrix((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=shape)
     _, component = connected_components(graph, directed=False)
     if not starts:
@@ -610,8 +606,6 @@ def _slab_of(low: Floats, high: Floats, limits: Floats) -> _Slab:
     for rows, columns, sign in ((y0, x0, 1), (y0, x1, -1), (y1, x0, -1), (y1, x1, 1)):
         np.add.at(marks, (rows, columns), sign)
     covered = marks.cumsum(axis=0).cumsum(axis=1)[: len(y) - 1, : len(x) - 1] > 0
-    from scipy import ndimage  # noqa: PLC0415 - as above
-
     labels, _ = ndimage.label(~covered)
     return _Slab(x, y, np.asarray(labels, np.int32))
 
