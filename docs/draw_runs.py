@@ -28,6 +28,7 @@ WORLDS = {
     "rooms": "rooms --seed 101",
     "small-rooms": "rooms --size 20 --seed 2",
     "doorway": "doorway --robots 2 --seed 230",
+    "footprint": "maze --size 30 --seed 3 --footprint 1.2x0.4",
     "car": "maze --size 24 --seed 3 --footprint 0.62x0.9 --drive car --turning-radius 0.6 --reverse",
 }
 HALLS = {"scattered": ("scattered", 1), "one-u": ("one U", 2)}
@@ -41,6 +42,7 @@ RUNS = {
     "blocked": "run doorway.grid --controller naive",
     "audit-irsim": f"audit {ROOT}/examples/audits/wall.grid "
     f"{ROOT}/examples/audits/recorded/irsim-fast.csv",
+    "footprint": "run footprint.grid --controller bug2",
     "controller-wall-left": "run trap.grid --controller wall-left",
     "controller-bug1": "run trap.grid --controller bug1",
     "controller-bug2": "run maze.grid --controller bug2",
