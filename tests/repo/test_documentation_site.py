@@ -9,7 +9,7 @@ import pytest
 
 from tests.repo.documented_commands import DOCS, GENERATED, ROOT
 
-MOST_PAGES = 30  # a reader who scans the contents still finds the right one
+MOST_PAGES = 31  # a reader who scans the contents still finds the right one
 SECTIONS = ("tutorials", "howto", "reference", "explanation")
 BUILD = (sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going")
 PAGES = [page for page in DOCS.rglob("*.md") if not page.is_relative_to(GENERATED)]
