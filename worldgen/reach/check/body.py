@@ -223,9 +223,13 @@ def _turn_clearance(
 
 
 def _hulls(points: Floats) -> Shapes:
-    """Return the hulls of (n, k, 2) points, made smaller by the tolerance."""
-    hulls = shapely.convex_hull(shapely.multipoints(points))
-    return np.asarray(shapely.buffer(hulls, -TOLERANCE, join_style="mitre"))
+    """Return the hulls of (n, k, 2) points, made smaller by the tolerance.
+
+    What is thinner than that keeps its size, because nothing would be left of it to measure.
+    """
+    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(points)))
+    smaller = np.asarray(shapely.buffer(hulls, -TOLERANCE, join_style="mitre"))
+    return np.where(shapely.is_empty(smaller), hulls, smaller)
 
 
 class _Walls:
