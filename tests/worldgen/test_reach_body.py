@@ -389,3 +389,25 @@ def test_a_body_thinner_than_the_tolerance_does_not_pass_a_wall():
         np.zeros(4),
     )
     assert not check_certificate(world, forged).valid
+
+
+@pytest.mark.parametrize("heading", [1e12, 1e16, 1e300])
+def test_a_huge_target_heading_means_the_same_to_the_checker(heading):
+    world = bend(LONG)
+    robot = world.robots[0]
+    small = math.remainder(heading, math.tau)
+    worlds = [
+        replace(world, robots=[replace(robot, target=replace(robot.target, heading=each))])
+        for each in (heading, small)
+    ]
+    assert decided(worlds[0]).result == decided(worlds[1]).result
+
+
+@pytest.mark.parametrize(
+    "row",
+    [(0, 65536, 1, 0, -(2**63), 0), (0, 65536, 2_000_000_000, 0, 0, 2_000_000_000)],
+    ids=["least-integer", "huge"],
+)
+def test_a_box_far_beyond_the_grid_is_refused_at_once(row):
+    cut = Cut(np.zeros((0, 2), np.int64), 0.0, boxes=np.array([row]))
+    assert not check_certificate(bend(LONG), cut).valid
