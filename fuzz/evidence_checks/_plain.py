@@ -185,7 +185,9 @@ def off_goal(world: World, headings: Floats) -> Floats:
     goal = world.target
     if goal.heading is None:
         return np.full(headings.shape, -np.inf)
-    off = np.abs((headings - goal.heading + np.pi) % (2 * np.pi) - np.pi)
+    # A difference from a huge heading would be rounded.
+    wanted = math.remainder(goal.heading, 2 * np.pi)
+    off = np.abs((headings - wanted + np.pi) % (2 * np.pi) - np.pi)
     exceeded: Floats = off - goal.heading_tolerance
     return exceeded
 

@@ -295,3 +295,20 @@ def test_what_is_only_for_discs_refuses_bodies_and_cars(who, robot):
     with pytest.raises(InvalidParameter) as caught:
         simulate(make(robot), name, steps=100, **options)
     assert caught.value.code == code
+
+
+@pytest.mark.parametrize("is_fire", [False, True], ids=["wall", "fire"])
+def test_a_turn_that_ends_the_run_is_not_an_arrival(is_fire):
+    # The bar touches the cell from below, at its goal, and turns into it.
+    walls = np.zeros((20, 20), bool)
+    walls[13, 10] = not is_fire
+    goal = Target(
+        1.0, 1.25, 0.1, 0.3, 0.299, arrival="stop", contact="fail", arrival_turn_rate=100.0
+    )
+    if not is_fire:
+        goal = replace(goal, heading=None)
+    events = [Event(0.05, 10, 13, CellState.BURNING)] if is_fire else []
+    robot = replace(BAR, start=Pose(1.0, 1.25), target=goal)
+    world = World(walls, robots=(robot,), cell_size=SIDE, timeline=Timeline.of(events))
+    run = drive(world, (0.0, 3.0))
+    assert run.verdict == ("burned" if is_fire else "contact")

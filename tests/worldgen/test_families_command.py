@@ -211,6 +211,7 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
         (["--sise", 5], "there is no option --sise; did you mean --size?"),
         (["--seed", -1], "--seed: -1 is not a whole number from 0"),
         (["--count", 0], "--count: 0 is not a whole number of at least 1"),
+        (["--turning-radius", 0], "--turning-radius: 0 is not a number above 0"),
         (["--count", 2], "--out is missing; --count 2 writes 2 files"),
         (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
         (["--count", 2, "--out", __file__], "is a file; choose a folder for more than one world"),

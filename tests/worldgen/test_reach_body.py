@@ -352,3 +352,62 @@ def test_every_pair_of_a_paths_poses_is_a_move_or_a_turn(reached):
     for (ax, ay, a), (bx, by, b) in itertools.pairwise(poses):
         assert (ax, ay) == (bx, by) or a == b
     assert witness.times[-1] == pytest.approx(witness.length / 2.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("side", [0.3, 0.6, 0.7])
+def test_a_chain_with_a_gap_that_a_body_just_fits_stops_nothing(side):
+    cells = round(side / 0.1)
+    walls = np.zeros((cells + 6, 40), bool)
+    walls[:3, 15:25] = walls[3 + cells :, 15:25] = True
+    middle = len(walls) * 0.05
+    robot = Robot(Pose(0.8, middle), Target(3.2, middle, 0.05), footprint=rectangle(side, side))
+    world = World(walls, robots=[robot])
+    assert decided(world).result == REACHABLE
+    top = len(walls)
+    chain = [(20, y) for y in [*range(-1, 3), *range(3 + cells, top + 1)]]
+    chain += [(x, top) for x in range(19, -2, -1)]
+    chain += [(-1, y) for y in range(top - 1, -1, -1)]
+    chain += [(x, -1) for x in range(-1, 20)]
+    forged = Cut(np.array(chain), side / 2 * (1 - 5e-13))
+    assert not check_certificate(world, forged).valid
+
+
+def test_a_body_thinner_than_the_tolerance_does_not_pass_a_wall():
+    n = 1000
+    corners = ((-500, -500), (500, 499), (501, 500))
+    needle = tuple((round(x * 0.1 / 1024, 12), round(y * 0.1 / 1024, 12)) for x, y in corners)
+    walls = np.zeros((100, 100), bool)
+    walls[:, 50] = True
+    world = World(walls, robots=[Robot(Pose(4.0, 5.0), Target(6.0, 7.0, 0.05), footprint=needle)])
+    assert decided(world).result == BLOCKED
+    up = 2.0 * (n - 0.5) / (n + 0.5)
+    forged = Witness(
+        np.array([0.0, 1.0, 2.0, 10.0]),
+        np.array([4.0, 4.01, 4.0, 6.0]),
+        np.array([5.0, 5.0, 5.0, 5.0 + up]),
+        0.0,
+        np.zeros(4),
+    )
+    assert not check_certificate(world, forged).valid
+
+
+@pytest.mark.parametrize("heading", [1e12, 1e16, 1e300])
+def test_a_huge_target_heading_means_the_same_to_the_checker(heading):
+    world = bend(LONG)
+    robot = world.robots[0]
+    small = math.remainder(heading, math.tau)
+    worlds = [
+        replace(world, robots=[replace(robot, target=replace(robot.target, heading=each))])
+        for each in (heading, small)
+    ]
+    assert decided(worlds[0]).result == decided(worlds[1]).result
+
+
+@pytest.mark.parametrize(
+    "row",
+    [(0, 65536, 1, 0, -(2**63), 0), (0, 65536, 2_000_000_000, 0, 0, 2_000_000_000)],
+    ids=["least-integer", "huge"],
+)
+def test_a_box_far_beyond_the_grid_is_refused_at_once(row):
+    cut = Cut(np.zeros((0, 2), np.int64), 0.0, boxes=np.array([row]))
+    assert not check_certificate(bend(LONG), cut).valid

@@ -111,7 +111,10 @@ def _value_fault(
         low = getattr(kind, "min", None)
         high = getattr(kind, "max", None)
         limits = f" from {low} to {high}" if None not in (low, high) else ""
-        limits = f" of at least {low}" if low is not None and high is None else limits
+        if low is not None and high is None:
+            limits = (
+                f" above {low:g}" if getattr(kind, "min_open", False) else f" of at least {low:g}"
+            )
         return f"{shown} is not a {noun}{limits}"
     return error.message.rstrip(".")
 

@@ -765,8 +765,10 @@ def obey(
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
     turn = robot.turned[0] if is_car else turn
+    # A turn that a wall cut short, or that swept over fire, may have ended the run before.
     stands = (
-        abs(state[layout.STATE_SPEED]) <= settings[layout.SET_ARRIVAL_SPEED]
+        robot.counts[layout.OUT_ENDING] == layout.LIMIT
+        and abs(state[layout.STATE_SPEED]) <= settings[layout.SET_ARRIVAL_SPEED]
         and abs(turn) <= settings[layout.SET_ARRIVAL_TURN]
     )
     if settings[layout.SET_ARRIVAL] == layout.STOP and stands and _is_at_goal(settings, robot):

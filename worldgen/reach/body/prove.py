@@ -122,7 +122,9 @@ def goal_headings(target: Target) -> Headings | None:
     unit = 2.0 * math.pi / TURN
     # The nearest one is off by half a unit at most; as many on both sides as are certainly inside.
     middle = heading_to_lattice(target.heading)
-    off = math.remainder(middle * unit - target.heading, 2.0 * math.pi)
+    # A difference from a huge heading would be rounded.
+    wanted = math.remainder(target.heading, 2.0 * math.pi)
+    off = math.remainder(middle * unit - wanted, 2.0 * math.pi)
     # A safe margin for what the floats lose.
     reach = target.heading_tolerance * (1.0 - 1e-12) + 1e-12
     below = math.floor((reach + off) / unit)

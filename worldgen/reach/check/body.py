@@ -111,12 +111,12 @@ def check_ends(world: World, headings: Floats) -> None:
     if (apart > 1e-4).any():
         at = int(np.argmax(apart > 1e-4))
         raise Mistake(f"the heading of point {at} is not a multiple of 1/65536 turn")
-    away = abs(float(_angle(headings[:1] - world.start.heading)[0]))
+    away = abs(float(_angle(headings[:1] - _within_turn(world.start.heading))[0]))
     if away > 0.5 * _RADIANS + 1e-9:
         raise Mistake(f"the witness starts {away:.3g} rad from the start's heading")
     target = world.target
     if target.heading is not None:
-        off = abs(float(_angle(headings[-1:] - target.heading)[0]))
+        off = abs(float(_angle(headings[-1:] - _within_turn(target.heading))[0]))
         if off > target.heading_tolerance + 1e-9:
             raise Mistake(
                 f"the witness ends {off:.3g} rad from the target's heading; the tolerance is "
@@ -176,6 +176,11 @@ def _too_near(measured: float, claim: float, what: str, place: npt.ArrayLike, wo
     )
 
 
+def _within_turn(heading: float) -> float:
+    """Return a heading within half a turn of 0, exactly; a difference from a huge one is not."""
+    return math.remainder(heading, 2.0 * math.pi)
+
+
 def _angle(difference: Floats) -> Floats:
     return (difference + math.pi) % (2.0 * math.pi) - math.pi
 
@@ -223,9 +228,13 @@ def _turn_clearance(
 
 
 def _hulls(points: Floats) -> Shapes:
-    """Return the hulls of (n, k, 2) points, made smaller by the tolerance."""
-    hulls = shapely.convex_hull(shapely.multipoints(points))
-    return np.asarray(shapely.buffer(hulls, -TOLERANCE, join_style="mitre"))
+    """Return the hulls of (n, k, 2) points, made smaller by the tolerance.
+
+    What is thinner than that keeps its size, because nothing would be left of it to measure.
+    """
+    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(points)))
+    smaller = np.asarray(shapely.buffer(hulls, -TOLERANCE, join_style="mitre"))
+    return np.where(shapely.is_empty(smaller), hulls, smaller)
 
 
 class _Walls:
@@ -273,7 +282,7 @@ def check_boxes(world: World, rows: Ints) -> str:
     if not len(rows):
         raise Mistake("the cut has no cells and no boxes of poses")
     heading, span, side, y, begin, end = rows.T
-    limit = np.abs(rows).max() < 2**31
+    limit = -(2**31) < rows.min() and rows.max() < 2**31
     good = (heading >= 0) & (span >= 0) & (side >= 0) & (begin <= end)
     if not limit or not (good & (heading + span <= _TURN)).all():
         raise Mistake("a box of the cut is not one: it ends before it begins, or after a turn")
@@ -451,6 +460,8 @@ def _parts_of(body: Footprint, boxes: _Boxes, rectangles: Floats) -> _Parts:
     reach = body.outer
     # Bounds of parts, with a loop for the few boxes that are long.
     counts = np.maximum(1, np.ceil((boxes.high - boxes.low) / (2.0 * reach))).astype(np.int64)
+    if counts.prod(axis=1, dtype=np.float64).sum() > _MOST_PARTS:
+        raise Mistake("the boxes of the cut are too large to be checked")
     places = []
     for k in range(len(counts)):
         edges = [
@@ -647,7 +658,7 @@ def _goal_headings(world: World) -> tuple[float, float] | None:
     target = world.target
     if target.heading is None or target.heading_tolerance >= math.pi:
         return None
-    return target.heading / _RADIANS, target.heading_tolerance / _RADIANS
+    return _within_turn(target.heading) / _RADIANS, target.heading_tolerance / _RADIANS
 
 
 def _meets(goal: tuple[float, float], low: int, high: int) -> bool:

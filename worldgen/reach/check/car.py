@@ -72,12 +72,12 @@ def car_fault(world: World, witness: Witness) -> str | None:
 
 def _end_fault(robot: Robot, headings: list[float]) -> str | None:
     """Return what is wrong with the first and the last heading."""
-    off = abs(math.remainder(headings[0] - robot.start.heading, math.tau))
+    off = abs(math.remainder(headings[0] - math.remainder(robot.start.heading, math.tau), math.tau))
     if off > HEADING_BOUND:
         return f"the witness starts {off:.3g} rad from the start's heading"
     goal = robot.target
     if goal.heading is not None:
-        off = abs(math.remainder(headings[-1] - goal.heading, math.tau))
+        off = abs(math.remainder(headings[-1] - math.remainder(goal.heading, math.tau), math.tau))
         if off > goal.heading_tolerance:
             return f"the witness ends {off:.3g} rad from the target's heading"
     return None

@@ -113,7 +113,8 @@ def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[fl
         return check_boxes(world, certificate.boxes)
     if isinstance(certificate, Cut):
         # A chain that stops the disc inside a body stops the body.
-        radius = robot.radius if body is None else body.inner * size
+        # Floats may have made the disc inside larger than it is; one that just fits is not stopped.
+        radius = robot.radius if body is None else body.inner * size * (1.0 - 1e-9)
         _require(radius > 0.0, "the footprint holds no disc about the axle that a chain could stop")
         return _check_cut(world, certificate, radius, measured)
     if robot.drive.is_car:
