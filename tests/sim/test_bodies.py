@@ -312,3 +312,15 @@ def test_a_turn_that_ends_the_run_is_not_an_arrival(is_fire):
     world = World(walls, robots=(robot,), cell_size=SIDE, timeline=Timeline.of(events))
     run = drive(world, (0.0, 3.0))
     assert run.verdict == ("burned" if is_fire else "contact")
+
+
+def test_a_recorded_car_has_the_heading_of_each_leg_of_its_path():
+    robot = replace(BAR, drive=Drive(turning_radius=0.3, reverse=True), speed=2.0)
+    world = hall(60, 60, robot, Pose(3.0, 3.0, 0.5))
+    trace = drive(world, (2.0, 3.0), (-2.0, 4.0), (1.0, 0.0)).trace
+    legs = np.diff(trace.path_x), np.diff(trace.path_y)
+    moved = np.hypot(*legs) > 1e-3
+    off = np.arctan2(legs[1], legs[0]) - trace.path_heading[1:]
+    # Forwards or backwards, but never sideways.
+    assert moved.sum() > 4
+    assert np.abs(np.sin(off[moved])).max() < 0.05

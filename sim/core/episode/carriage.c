@@ -168,8 +168,10 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
         }
         by = (WgVector){by.x + drift.x, by.y + drift.y};
         WgSegment way = {state->x, state->y, state->x + by.x, state->y + by.y};
+        int64_t before = robot->corners;
         WgNormal contact = wg_move_during(arena, settings, step, by, WG_STEP_TIME * leg / legs,
                                           WG_STEP_TIME * (leg + 1) / legs, robot);
+        wg_note_headings(robot, before);
         bool touches = wg_is_contact(contact);
         if (settings->measures != 0) {
             WgVector missed = touches ? (WgVector){0, 0} : drift;
