@@ -64,6 +64,8 @@ DEFAULT_CELL_SIZE = 0.1
 
 # Cells from the axle to the farthest corner of a footprint, so that exact tests fit into 128 bits.
 MOST_OF_A_FOOTPRINT = 256
+# Slowest steering of a car, 1/s: eleven days to full lock.
+SLOWEST_STEERING = 1e-6
 
 _NO_CHANGES = Timeline()
 
@@ -634,6 +636,15 @@ class World(HoldsFrozen):
         drive = robot.drive
         for name in ("turning_radius", "steering_rate"):
             _check_not_negative(f"{prefix}{name}", getattr(drive, name))
+        if 0.0 < drive.steering_rate < SLOWEST_STEERING:
+            raise InvalidWorld(
+                "below-minimum",
+                "{name}={value} 1/s is below {low:g} 1/s",
+                "use 0 for a car that steers instantly",
+                name=f"{prefix}steering_rate",
+                value=drive.steering_rate,
+                low=SLOWEST_STEERING,
+            )
         if drive.is_car:
             fault = radius_fault(f"{prefix}turning_radius", drive.turning_radius, self.cell_size)
             if fault is not None:

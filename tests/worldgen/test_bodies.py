@@ -85,6 +85,7 @@ FAULTS = {
     "a goal's heading that is not a number": {"target": Target(4.0, 2.0, 0.05, math.nan)},
     "reverse without a turning radius": {"drive": Drive(reverse=True)},
     "a negative turning radius": {"drive": Drive(-0.5)},
+    "a car that hardly steers": {"drive": Drive(0.5, steering_rate=1e-300)},
     "a car that slides": {"drive": Drive(0.5), "target": Target(4.0, 2.0, 0.05, contact="slide")},
 }
 

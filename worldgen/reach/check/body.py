@@ -282,7 +282,7 @@ def check_boxes(world: World, rows: Ints) -> str:
     if not len(rows):
         raise Mistake("the cut has no cells and no boxes of poses")
     heading, span, side, y, begin, end = rows.T
-    limit = -(2**31) < rows.min() and rows.max() < 2**31
+    limit = rows.min() > -(2**31) and rows.max() < 2**31
     good = (heading >= 0) & (span >= 0) & (side >= 0) & (begin <= end)
     if not limit or not (good & (heading + span <= _TURN)).all():
         raise Mistake("a box of the cut is not one: it ends before it begins, or after a turn")
