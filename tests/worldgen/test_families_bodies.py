@@ -44,7 +44,7 @@ def test_a_family_s_world_is_proved_for_the_body(name, body):
 @pytest.mark.gate
 @pytest.mark.parametrize("name", [one for one in ALONE if one not in STILL])
 def test_a_world_that_changes_is_proved_for_the_body(name):
-    world = generate(name, 3, footprint="0.62x0.9")
+    world = generate(name, 2, footprint="0.62x0.9")
     assert world.is_dynamic
     assert check_certificate(world).valid
 
