@@ -15,12 +15,14 @@ Source: D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for aut
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.memory_view import MemoryField
+from worldgen.errors import InvalidWorld
 from worldgen.reach.car.search import EFFORTS, find_path
 from worldgen.reach.car.stretches import Stretch, stretches_of
 from worldgen.world import Robot, World
@@ -79,7 +81,9 @@ class HybridCar:
             drive = replace(robot.drive, turning_radius=radius * (1.0 + share * self.spare_lock))
             target = replace(robot.target, radius=robot.target.radius * (1.0 - 0.5 * share))
             wide = _padded(replace(robot, drive=drive, target=target), share * self.margin)
-            yield replace(world, robots=(wide,), certificate=None)
+            # The margin may be more than a robot of such a small world can have.
+            with contextlib.suppress(InvalidWorld):
+                yield replace(world, robots=(wide,), certificate=None)
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command for the next step, and the new memory."""
