@@ -3,13 +3,13 @@
 ``python -m benchmarks.bodies`` prints tables; ``--json`` prints one object. Times are milliseconds of
 processor time on one core, with the proof; the checker's time is measured apart.
 
-``families``: worlds of 30 x 30 and of 60 x 60 cells. The bodies are rectangles, from 0.62 x 0.9 to 1 x 7,
-so large that the disc of the family's own witness is between the largest disc about the axle that they
-hold and the smallest that holds them. Worlds that a disc decides are left out, and those in which the body
-overlaps a wall at the start at eight headings.
+``families``: worlds of 30 x 30 and of 60 x 60 cells. The bodies are rectangles with proportions from
+0.62 x 0.9 to 1 x 7. Each is scaled so that its inner disc is smaller and its outer disc is larger than
+the disc for which the family made the world. Worlds that one of these discs decides are not counted, nor
+are those in which the body overlaps a wall at the start at each of eight headings.
 
-``tight``: bends and straight aisles, and a body of which the limit is known in closed form, from 0.95 to
-1.05 of it. In a bend of two aisles of width g, the longest rectangle of width w has the length
+``tight``: bends and straight aisles with a body from 0.95 to 1.05 of the size that just fits, which is
+known in closed form. In a bend of two aisles of width g, the longest rectangle of width w has the length
 2 (sqrt(2) g - w); in a straight aisle it is as wide as the aisle. Aisles have walls on borders of cells,
 and bodies of different shapes.
 """

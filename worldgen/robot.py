@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
 
+from worldgen.domain import radius_fault
 from worldgen.errors import InvalidWorld
 
 Arrival = Literal["touch", "step", "stop"]
@@ -22,6 +23,10 @@ CONTACTS: Final[tuple[Contact, ...]] = typing.get_args(Contact)
 
 Corner: TypeAlias = tuple[float, float]
 MOST_CORNERS: Final = 16
+# Cells from the axle to the farthest corner of a footprint, so that exact tests fit into 128 bits.
+MOST_OF_A_FOOTPRINT = 256
+# Slowest steering of a car, 1/s: eleven days to full lock.
+SLOWEST_STEERING = 1e-6
 
 # The thesis's robot: 10 px cells, a 14 px disc at 0.2 px/ms, at 10 px = 0.1 m.
 # Radius, m.
@@ -241,3 +246,96 @@ def _corner(corner: Sequence[float]) -> Corner:
             "not-finite", "footprint: corner ({x}, {y}) must have finite numbers", x=x, y=y
         )
     return x, y
+
+
+def check_goal(robot: Robot, prefix: str) -> None:
+    """Reject what a goal cannot be; ``prefix`` precedes names in messages.
+
+    Raises:
+        InvalidWorld: If a word is unknown, or a number is not finite or below 0.
+    """
+    goal = robot.target
+    for name, value, known in (
+        ("arrival", goal.arrival, ARRIVALS),
+        ("contact", robot.contact, CONTACTS),
+    ):
+        if value not in known:
+            raise InvalidWorld(
+                "unknown-name",
+                "{name}={value!q} is not one of {known!l}",
+                "use one of them",
+                name=f"{prefix}{name}",
+                value=value,
+                known=list(known),
+            )
+    if goal.heading is not None and not math.isfinite(goal.heading):
+        raise InvalidWorld(
+            "not-finite",
+            "{name}={heading}: must be a finite number of radians",
+            name=f"{prefix}target_heading",
+            heading=goal.heading,
+        )
+    for name in ("heading_tolerance", "arrival_speed", "arrival_turn_rate"):
+        _check_not_negative(f"{prefix}{name}", getattr(goal, name))
+
+
+def check_body(robot: Robot, cell_size: float, prefix: str) -> None:
+    """Reject a body or a drive that no robot can have in a grid with cells of this side, m.
+
+    Raises:
+        InvalidWorld: If the footprint is too large, or the drive has parts that do not go together.
+    """
+    widest = MOST_OF_A_FOOTPRINT * cell_size
+    if not robot.is_disc and robot.radius > widest:
+        raise InvalidWorld(
+            "out-of-range",
+            "{name}: a corner is {radius:.6g} m from the axle, more than {most} cells of "
+            "{cell_size:g} m",
+            "use a smaller footprint or larger cells",
+            name=f"{prefix}footprint",
+            radius=robot.radius,
+            most=MOST_OF_A_FOOTPRINT,
+            cell_size=cell_size,
+        )
+    drive = robot.drive
+    for name in ("turning_radius", "steering_rate"):
+        _check_not_negative(f"{prefix}{name}", getattr(drive, name))
+    if 0.0 < drive.steering_rate < SLOWEST_STEERING:
+        raise InvalidWorld(
+            "below-minimum",
+            "{name}={value} 1/s is below {low:g} 1/s",
+            "use 0 for a car that steers instantly",
+            name=f"{prefix}steering_rate",
+            value=drive.steering_rate,
+            low=SLOWEST_STEERING,
+        )
+    if drive.is_car:
+        fault = radius_fault(f"{prefix}turning_radius", drive.turning_radius, cell_size)
+        if fault is not None:
+            raise InvalidWorld.of(fault)
+    elif drive != Drive():
+        name = "reverse" if drive.reverse else "steering_rate"
+        raise InvalidWorld(
+            "not-a-car",
+            "{name} without a turning radius",
+            "give turning_radius, or leave {name} out: a robot that turns on the spot drives "
+            "both ways, and does not steer",
+            name=f"{prefix}{name}",
+        )
+    if drive.is_car and robot.contact == "slide":
+        raise InvalidWorld(
+            "car-slides",
+            "{name}=slide: a car cannot slide along a wall",
+            "use stop, which is a car's default, or fail",
+            name=f"{prefix}contact",
+        )
+
+
+def _check_not_negative(name: str, value: float) -> None:
+    if not (math.isfinite(value) and value >= 0.0):
+        raise InvalidWorld(
+            "below-minimum",
+            "{name}={value}: must be a finite number, 0 or more",
+            name=name,
+            value=value,
+        )

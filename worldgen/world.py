@@ -27,14 +27,14 @@ from worldgen.domain import (
 from worldgen.domain.robot_pairs import pair_fault
 from worldgen.errors import InvalidWorld
 from worldgen.robot import (
-    ARRIVALS,
-    CONTACTS,
     DEFAULT_ROBOT_RADIUS,
     DEFAULT_ROBOT_SPEED,
     Drive,
     Pose,
     Robot,
     Target,
+    check_body,
+    check_goal,
 )
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
@@ -61,11 +61,6 @@ __all__ = [
 
 # Side of a cell, m; 10 px of the thesis.
 DEFAULT_CELL_SIZE = 0.1
-
-# Cells from the axle to the farthest corner of a footprint, so that exact tests fit into 128 bits.
-MOST_OF_A_FOOTPRINT = 256
-# Slowest steering of a car, 1/s: eleven days to full lock.
-SLOWEST_STEERING = 1e-6
 
 _NO_CHANGES = Timeline()
 
@@ -401,16 +396,6 @@ def _article(name: str) -> str:
     return "None" if name == "NoneType" else f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
 
 
-def _check_not_negative(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value >= 0.0):
-        raise InvalidWorld(
-            "below-minimum",
-            "{name}={value}: must be a finite number, 0 or more",
-            name=name,
-            value=value,
-        )
-
-
 @dataclass(frozen=True, eq=False, init=False)
 class World(HoldsFrozen):
     """Everything about the surroundings that a scenario fixes.
@@ -588,83 +573,10 @@ class World(HoldsFrozen):
                 name=f"{prefix}start",
                 heading=robot.start.heading,
             )
-        self._check_goal(robot, prefix)
-        self._check_body(robot, prefix)
+        check_goal(robot, prefix)
+        check_body(robot, self.cell_size, prefix)
         self._check_inside(f"{prefix}start", robot.start.x, robot.start.y)
         self._check_inside(f"{prefix}target", robot.target.x, robot.target.y)
-
-    def _check_goal(self, robot: Robot, prefix: str) -> None:
-        """Reject what a goal cannot be."""
-        goal = robot.target
-        for name, value, known in (
-            ("arrival", goal.arrival, ARRIVALS),
-            ("contact", robot.contact, CONTACTS),
-        ):
-            if value not in known:
-                raise InvalidWorld(
-                    "unknown-name",
-                    "{name}={value!q} is not one of {known!l}",
-                    "use one of them",
-                    name=f"{prefix}{name}",
-                    value=value,
-                    known=list(known),
-                )
-        if goal.heading is not None and not math.isfinite(goal.heading):
-            raise InvalidWorld(
-                "not-finite",
-                "{name}={heading}: must be a finite number of radians",
-                name=f"{prefix}target_heading",
-                heading=goal.heading,
-            )
-        for name in ("heading_tolerance", "arrival_speed", "arrival_turn_rate"):
-            _check_not_negative(f"{prefix}{name}", getattr(goal, name))
-
-    def _check_body(self, robot: Robot, prefix: str) -> None:
-        """Reject a body or a drive that no robot can have in this grid."""
-        widest = MOST_OF_A_FOOTPRINT * self.cell_size
-        if not robot.is_disc and robot.radius > widest:
-            raise InvalidWorld(
-                "out-of-range",
-                "{name}: a corner is {radius:.6g} m from the axle, more than {most} cells of "
-                "{cell_size:g} m",
-                "use a smaller footprint or larger cells",
-                name=f"{prefix}footprint",
-                radius=robot.radius,
-                most=MOST_OF_A_FOOTPRINT,
-                cell_size=self.cell_size,
-            )
-        drive = robot.drive
-        for name in ("turning_radius", "steering_rate"):
-            _check_not_negative(f"{prefix}{name}", getattr(drive, name))
-        if 0.0 < drive.steering_rate < SLOWEST_STEERING:
-            raise InvalidWorld(
-                "below-minimum",
-                "{name}={value} 1/s is below {low:g} 1/s",
-                "use 0 for a car that steers instantly",
-                name=f"{prefix}steering_rate",
-                value=drive.steering_rate,
-                low=SLOWEST_STEERING,
-            )
-        if drive.is_car:
-            fault = radius_fault(f"{prefix}turning_radius", drive.turning_radius, self.cell_size)
-            if fault is not None:
-                raise InvalidWorld.of(fault)
-        elif drive != Drive():
-            name = "reverse" if drive.reverse else "steering_rate"
-            raise InvalidWorld(
-                "not-a-car",
-                "{name} without a turning radius",
-                "give turning_radius, or leave {name} out: a robot that turns on the spot drives "
-                "both ways, and does not steer",
-                name=f"{prefix}{name}",
-            )
-        if drive.is_car and robot.contact == "slide":
-            raise InvalidWorld(
-                "car-slides",
-                "{name}=slide: a car cannot slide along a wall",
-                "use stop, which is a car's default, or fail",
-                name=f"{prefix}contact",
-            )
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width = self.width * self.cell_size

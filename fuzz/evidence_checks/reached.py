@@ -24,7 +24,9 @@ _ROUNDING = 1e-9
 
 
 def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
-    """Check that the last step arrives: at the target's disc or, for the thesis's robot, its cell.
+    """Check that the robot has arrived after the last step.
+
+    It must be in the target's disc as the goal asks; the thesis's robot, in the target's cell.
 
     The tolerance is 1/1024 of a cell, because the pose lattice rounds both start and target.
     """

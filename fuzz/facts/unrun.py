@@ -14,8 +14,8 @@ from worldgen.support.plain_text import shown
 def unrun_lines(controller: str, ran: Collection[int]) -> list[str]:
     """Return the lines of a controller's file that never ran: ``41-44 (recover)``.
 
-    Functions that no code names that ran are left out: they belong to other controllers, or are for
-    use outside the simulator.
+    A function is listed only if code that ran mentions its name. Others in the file may belong to
+    another controller, or are not used in the simulator.
 
     Args:
         controller: Name of the controller.

@@ -25,7 +25,7 @@ static const double THERE = 0.15;    // m: closer than this to the end of that p
 static const double TURNED = 0.05;
 static const double MOVED = 0.03;
 static const double DOUBT = 1.0;     // share of a measured turn that may be wrong
-// m and rad: a smaller correction is left out, so that the rounding of the map's points changes nothing
+// m and rad: smaller corrections are ignored, because the map's points are rounded
 static const double DEAD = 0.001;
 static const double PARTS = 16384.0;  // corrections are multiples of 1/PARTS m and rad
 // share of the robot's radius: within this of a point on its map of scans, there is no room for it

@@ -54,7 +54,7 @@ static bool is_robot(const WgObservation *seen, double x, double y)
     return false;
 }
 
-// Takes over what the others tell. A pair of zeros is no place.
+// Adds the points that the others send. A pair of zeros is not a point.
 static void hear(const WgObservation *seen, WgTeamMemory *own, WgMapperMemory *driver)
 {
     for (int64_t k = 0; k < seen->neighbour_count; k++) {
@@ -70,15 +70,15 @@ static void hear(const WgObservation *seen, WgTeamMemory *own, WgMapperMemory *d
     }
 }
 
-// Tells as many places as a message holds, in turn.
-static void tell(const WgObservation *seen, WgTeamMemory *own, WgCommand *command)
+// Sends as many points as fit into a message, in turn.
+static void send_points(const WgObservation *seen, WgTeamMemory *own, WgCommand *command)
 {
     int64_t places = wg_least(seen->message_size / 2, (int64_t)own->count);
     for (int64_t k = 0; k < places; k++) {
-        int64_t at = (int64_t)own->tell % (int64_t)own->count;
+        int64_t at = (int64_t)own->next_sent % (int64_t)own->count;
         command->message[2 * k] = own->points[at][0];
         command->message[2 * k + 1] = own->points[at][1];
-        own->tell = (double)(at + 1);
+        own->next_sent = (double)(at + 1);
     }
 }
 
@@ -106,5 +106,5 @@ void wg_team_mapper_act(const WgObservation *seen, double *memory, WgCommand *co
             wg_mapper_learn(seen, driver, own->points[k][0], own->points[k][1], room);
         }
     }
-    tell(seen, own, command);
+    send_points(seen, own, command);
 }

@@ -337,8 +337,8 @@ enum { WG_TEAM_POINTS = 128 };  // points of walls that a robot of a team rememb
 // What a robot of a team knows and tells. The mapper's memory follows.
 typedef struct WgTeamMemory {
     double count;  // points so far
-    double next;   // the place of the next one; the oldest is replaced
-    double tell;   // the place of the one that is told next
+    double next;   // index at which the next point is stored, in place of the oldest
+    double next_sent;  // index of the point to send next
     double points[WG_TEAM_POINTS][2];  // m
 } WgTeamMemory;
 

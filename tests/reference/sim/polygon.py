@@ -58,18 +58,24 @@ def meets(corners: Corners, move: tuple[int, int], ix: int, iy: int, x: int, y: 
     return True
 
 
+def _reach(corners: Corners, dx: int, dy: int) -> tuple[int, int, int, int]:
+    """The left, right, low and high end of a body that moves by (dx, dy), rounded out, lattice units."""
+    xs, ys = zip(*corners, strict=True)
+    return (
+        (min(xs) + min(0, dx) * SCALE) // SCALE,
+        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
+        (min(ys) + min(0, dy) * SCALE) // SCALE,
+        -((-max(ys) - max(0, dy) * SCALE) // SCALE),
+    )
+
+
 def first_not_clear(
     cells: Cells, state: int, corners: Corners, ends: tuple[int, int, int, int]
 ) -> tuple[bool, int, int]:
     """The first cell in ``state``, in order of rows, that a body cuts on its way from p to q."""
     px, py, qx, qy = (int(number) for number in ends)
     dx, dy = qx - px, qy - py
-    xs, ys = zip(*corners, strict=True)
-    left, right = (
-        (min(xs) + min(0, dx) * SCALE) // SCALE,
-        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
-    )
-    low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
+    left, right, low, high = _reach(corners, dx, dy)
     height, width = cells.shape
     for iy in range(max((py + low) // UNIT, -1), min((py + high - 1) // UNIT, height) + 1):
         for ix in range(max((px + left) // UNIT, -1), min((px + right - 1) // UNIT, width) + 1):
@@ -149,12 +155,7 @@ def first_contact(
     x, y, dx, dy = (int(number) for number in ends)
     fx, fy = float(dx), float(dy)
     best, normal_x, normal_y = 2.0, 0.0, 0.0
-    xs, ys = zip(*corners, strict=True)
-    left, right = (
-        (min(xs) + min(0, dx) * SCALE) // SCALE,
-        -((-max(xs) - max(0, dx) * SCALE) // SCALE),
-    )
-    low, high = (min(ys) + min(0, dy) * SCALE) // SCALE, -((-max(ys) - max(0, dy) * SCALE) // SCALE)
+    left, right, low, high = _reach(corners, dx, dy)
     height, width = cells.shape
     for iy in range(max((y + low) // UNIT, -1), min((y + high - 1) // UNIT, height) + 1):
         for ix in range(max((x + left) // UNIT, -1), min((x + right - 1) // UNIT, width) + 1):

@@ -23,10 +23,10 @@ from worldgen.reach.check.body import (
     Footprint,
     Mistake,
     body_clearance,
-    check_boxes,
     check_ends,
     footprint_of,
 )
+from worldgen.reach.check.body_cut import check_boxes
 from worldgen.reach.check.car import car_fault
 from worldgen.reach.check.joint import nearest_pair, nearest_to_zero
 from worldgen.reach.check.target import TooMuch, poses_to_part

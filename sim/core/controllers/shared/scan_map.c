@@ -37,7 +37,7 @@ typedef struct Ends {
 typedef struct Pair {
     double x[2];
     double y[2];
-    double away_sq[2];  // m2; infinite if there is none
+    double away_sq[2];  // m2; infinite for a point that is missing
 } Pair;
 
 // Finds the ends of beams that met something: those that are shorter than the scan's longest.

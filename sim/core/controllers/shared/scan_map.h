@@ -8,8 +8,8 @@
 // smallest is the robot's.
 //
 // Sources: Andrea Censi, "An ICP variant using a point-to-line metric", IEEE International
-// Conference on Robotics and Automation (2008); Edwin B. Olson, "Real-time correlative scan
-// matching", same conference (2009), for the search over headings that comes first.
+// Conference on Robotics and Automation (2008). For the search over headings before it: Edwin B.
+// Olson, "Real-time correlative scan matching", same conference (2009).
 
 #ifndef WG_SCAN_MAP_H
 #define WG_SCAN_MAP_H
