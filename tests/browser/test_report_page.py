@@ -473,7 +473,9 @@ def test_lines_state_and_reactions_are_on_the_first_screen_and_with_each_failure
     with page_in(browser) as page:
         page.goto(python_address)
         answer = page.locator("#answer")
-        assert "survives reset(): self.bumps" in answer.locator(".notice").inner_text()
+        notices = " ".join(answer.locator(".notice").all_inner_texts())
+        assert "survives reset(): self.bumps" in notices
+        assert "Lines of the controller that never ran" in notices
         runs = answer.locator(".code tr", has_text="turn = math.pi / 2").first
         assert runs.get_attribute("class") == "ran" and "never" not in runs.inner_text()
         idle = answer.locator(".code tr", has_text="turn = 1.0").first
