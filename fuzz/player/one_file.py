@@ -16,6 +16,8 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
+from fuzz.player.live import live_core
+
 
 def one_file(
     body: str,
@@ -25,6 +27,7 @@ def one_file(
     scripts: Mapping[str, str],
     start: str,
     data: dict[str, Any],
+    live: bool = False,
 ) -> bytes:
     """Return the page, which allows a browser to run only these scripts and to load nothing.
 
@@ -35,7 +38,12 @@ def one_file(
         scripts: Text of each module other than the player's, by the name used in imports.
         start: Name of the module that starts the page.
         data: Data that the scripts read as JSON.
+        live: True to let the page judge worlds itself: ``data["live"]`` gets the cores, if this
+            installation has them.
     """
+    core = live_core() if live else None
+    if core is not None:
+        data = {**data, "live": core}
     player = files("fuzz.player") / "page"
     styles = (player / "player.css").read_text("utf-8") + styles
     texts = modules(player, "#player/") | dict(scripts)
@@ -53,9 +61,11 @@ def one_file(
     # and equal pages have equal bytes.
     nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
     filled["NONCE"] = nonce
+    runs = "" if core is None else " 'wasm-unsafe-eval'"
+    works = "" if core is None else "worker-src blob:; "
     filled["POLICY"] = (
-        "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
-        f"script-src 'nonce-{nonce}'; style-src {policy_source(styles)}"
+        f"default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; {works}"
+        f"script-src 'nonce-{nonce}'{runs}; style-src {policy_source(styles)}"
     )
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
     return "".join(filled.get(piece, piece) for piece in template.split("@@")).encode("utf-8")
