@@ -50,14 +50,9 @@ _COLUMNS = {
 )
 @json_option
 def watchdog(
-    watchdogs: str,
-    paths: tuple[Path, ...],
-    worlds: int,
-    seed: int,
-    horizon: float,
-    as_json: bool,
+    watchdogs: str, paths: tuple[Path, ...], worlds: int, seed: int, horizon: float, as_json: bool
 ) -> None:
-    """Measure how well watchdogs tell robots that never arrive from robots that do.
+    """Measure how well watchdogs tell robots that never arrive.
 
     A watchdog is code next to a controller that raises an alarm when the robot makes no progress.
     It runs here over the proved loops in PATH or DIR, and over runs of the same controllers in
@@ -98,9 +93,7 @@ def _row(result: WatchdogResult) -> dict[str, str]:
     return {
         "watchdog": result.watchdog,
         "missed": _rate(len(result.missed), result.loops, result.missed_interval),
-        "interrupted": _rate(
-            len(result.interrupted), result.arrivals, result.interrupted_interval
-        ),
+        "interrupted": _rate(len(result.interrupted), result.arrivals, result.interrupted_interval),
         "typical": typical,
         "late": late,
         "last": last,

@@ -11,6 +11,7 @@ import numpy as np
 
 from fuzz.watchdogs.drives import Drive
 from fuzz.watchdogs.watchdog import Watchdog, watchdog_named
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import user_code
 from worldgen.plugins.trust import admit_argument
@@ -105,9 +106,7 @@ def judge(
     return results
 
 
-def _alarm(
-    watchdog: Watchdog, name: str, drive: Drive, horizon: float, beams: int
-) -> float | None:
+def _alarm(watchdog: Watchdog, name: str, drive: Drive, horizon: float, beams: int) -> float | None:
     """Return when the watchdog raises the alarm, s from the start; None if it does not."""
     answer: Any = False
     time = 0.0
@@ -133,9 +132,8 @@ def _alarm(
 
 def _beams_of(watchdog: Watchdog, name: str) -> int:
     """Return how many beams a watchdog needs."""
-    needs = getattr(watchdog, "needs", None)
-    beams = getattr(needs, "beams", 0)
-    if needs is not None and not isinstance(beams, int):
+    needs = getattr(watchdog, "needs", RobotOptions())
+    if not isinstance(needs, RobotOptions):
         raise InvalidParameter(
             "wrong-needs",
             "needs of watchdog {name!r} is {needs}",
@@ -143,4 +141,4 @@ def _beams_of(watchdog: Watchdog, name: str) -> int:
             name=name,
             needs=repr(needs),
         )
-    return beams
+    return needs.beams
