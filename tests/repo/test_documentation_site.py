@@ -15,7 +15,7 @@ MOST_PAGES = 49  # in nine groups: a reader who scans the contents still finds t
 MOST_WORDS = 900  # of a page to read, outside its code: about three screens
 BUDGETS = {
     # Pages to look things up in; what isn't here has MOST_WORDS.
-    "explanation/reachability.md": 5000,
+    "explanation/reachability.md": 5100,
     "explanation/search.md": 5900,
     "explanation/thesis.md": 4800,
     "reference/behaviours.md": 1500,
