@@ -10,7 +10,7 @@ import pytest
 from tests.repo.documented_commands import DOCS, ROOT
 from tests.repo.documented_commands import SITE as PAGES
 
-MOST_PAGES = 31  # a reader who scans the contents still finds the right one
+MOST_PAGES = 49  # in nine groups: a reader who scans the contents still finds the right one
 SECTIONS = ("tutorials", "howto", "reference", "explanation")
 BUILD = (sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going")
 
