@@ -151,7 +151,7 @@ def run_of(rng):
             continue
         question = live_question(world, None, None)
         return (
-            {"world": question["world"], "run": recipe["run"], "edited": True},
+            {"world": question["world"], "run": recipe["run"], "edited": not controller.slow},
             episode,
             {"name": name, **settings, "budget": options.steps},
         )

@@ -647,7 +647,7 @@ interface LiveRecipe {
   /** Those at reset that aren't zero. */
   memory: { size: number; numbers: [number, LiveNumber][] };
   /** Fields of WgSettings that aren't zero. */
-  settings: Record<string, LiveNumber | LiveNumber[]>;
+  settings: Record<string, LiveNumber | LiveNumber[] | Record<string, LiveNumber>[]>;
   pushes: LiveNumber[][];
   decoys: LiveNumber[][];
 
