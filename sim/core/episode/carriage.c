@@ -96,35 +96,46 @@ static void turn_through_fire(const WgArena *arena, const WgSettings *settings, 
     }
 }
 
-int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+// Returns how far of a turn a robot's body is clear, and notes what stops it.
+static int64_t clear_part(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t turn,
+                          WgStopped *stopped)
+{
+    const WgFootprint *footprint = &settings->footprint;
+    if (footprint->count == 0 || turn == 0 || wg_nothing_near(arena, settings, state, 0, 0)) {
+        return turn;
+    }
+    if (settings->motion == WG_SWEPT) {
+        return wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, footprint, state->x, state->y, state->heading,
+                             turn, stopped);
+    }
+    // `endpoint` only looks at the end, and refuses what is not clear there.
+    int64_t heading = wg_reduced_heading(state->heading + turn);
+    WgSegment here = {state->x, state->y, state->x, state->y};
+    stopped->cell = wg_body_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, footprint, here, heading);
+    stopped->away.x = (double)(state->x - stopped->cell.ix * WG_UNIT) - WG_UNIT / 2;
+    stopped->away.y = (double)(state->y - stopped->cell.iy * WG_UNIT) - WG_UNIT / 2;
+    return stopped->cell.found ? 0 : turn;
+}
+
+// Turns a robot whose body is clear.
+static void turn_freely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
-    robot->carriage->bumped = 0;
-    bool is_free = settings->footprint.count == 0 || turn == 0 || wg_nothing_near(arena, settings, state, 0, 0);
-    int64_t turned = turn;
-    if (!is_free) {
-        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
-        const WgFootprint *footprint = &settings->footprint;
-        if (settings->motion == WG_SWEPT) {
-            turned = wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, footprint, state->x, state->y,
-                                   state->heading, turn, &stopped);
-            if (arena->event_count > 0) {
-                turn_through_fire(arena, settings, step, turned, robot);
-            }
-        } else {
-            // `endpoint` only looks at the end, and refuses what is not clear there.
-            int64_t heading = wg_reduced_heading(state->heading + turn);
-            WgSegment here = {state->x, state->y, state->x, state->y};
-            stopped.cell = wg_body_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, footprint, here, heading);
-            stopped.away.x = (double)(state->x - stopped.cell.ix * WG_UNIT) - WG_UNIT / 2;
-            stopped.away.y = (double)(state->y - stopped.cell.iy * WG_UNIT) - WG_UNIT / 2;
-            turned = stopped.cell.found ? 0 : turn;
-        }
-        if (turned != turn) {
-            note_stop(settings, step, &stopped, robot);
-        }
+    if (arena->event_count > 0 && settings->motion == WG_SWEPT && settings->footprint.count > 0 && turn != 0) {
+        turn_through_fire(arena, settings, step, turn, robot);
     }
-    state->heading = wg_reduced_heading(state->heading + turned);
+    robot->carriage->bumped = 0;
+    state->heading = wg_reduced_heading(state->heading + turn);
+}
+
+int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
+    int64_t turned = clear_part(arena, settings, &robot->body->state, turn, &stopped);
+    turn_freely(arena, settings, step, turned, robot);
+    if (turned != turn) {
+        note_stop(settings, step, &stopped, robot);
+    }
     return turned;
 }
 
@@ -191,17 +202,13 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
     int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(drive), wg_abs(turn)) : 1;
     robot->turned = 0;
     for (int64_t leg = 0; leg < legs; leg++) {
-        // Turn by half, so that the leg is a chord of its arc. Where a wall is in the way of that, there
-        // is no arc, and the car keeps its heading: it cannot turn on the spot.
+        // Turn by half, so that the leg is a chord of its arc. Where a wall is in the way of that, the car
+        // first has to drive away from it.
+        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
         int64_t turns = part_of(turn, leg, legs);
         int64_t half = turns / 2;
-        int64_t turned = wg_turn_body(arena, settings, step, half, robot);
-        if (turned != half) {
-            WgNormal stopped = wg_bump_of_turn(arena, robot->carriage);
-            state->heading = wg_reduced_heading(state->heading - turned);
-            robot->carriage->bumped = 0;  // it is sensed in this step
-            return stopped;
-        }
+        half = clear_part(arena, settings, state, half, &stopped) == half ? half : 0;
+        turn_freely(arena, settings, step, half, robot);
         note_turn(settings, step, half, robot);
         if (robot->report.ending != WG_LIMIT) {
             return (WgNormal){0.0, 0.0};
@@ -243,7 +250,7 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
         if (touches) {
             turns = (int64_t)((double)turns * share_made(by, state->x - way.px, state->y - way.py));
         }
-        turned = turn_car(arena, settings, step, turns - half, robot);
+        int64_t turned = turn_car(arena, settings, step, turns - half, robot);
         if (turned != turns - half) {
             contact = wg_bump_of_turn(arena, robot->carriage);
             if (wg_abs(half + turned) > wg_abs(turns)) {

@@ -414,6 +414,19 @@ def _bump(arena: Arena, robot: Robot) -> tuple[float, float]:
     return float(arena.headings[away]), float(arena.headings[(away - TURN // 4) % TURN])
 
 
+def _is_clear_turn(arena: Arena, settings: Ints, turn: int, state: Ints) -> bool:
+    """Whether no wall is in the way of a turn."""
+    body = arena.carriage.body
+    if not body or turn == 0:
+        return True
+    x, y, heading = (int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING))
+    if settings[layout.SET_MOTION] == SWEPT:
+        pose = (x, y, heading)
+        return polygon.clear_turn(arena.cells, arena.headings, body, pose, turn)[0] == turn
+    there = turned(arena.headings, body, (heading + turn) % TURN)
+    return not polygon.first_not_clear(arena.cells, SOLID, there, (x, y, x, y))[0]
+
+
 def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) -> int:
     """Turns a robot as far as its body is clear; returns how far.
 
@@ -504,15 +517,11 @@ def _drive_car(
         return made
 
     for leg in range(legs):
-        # A wall in the way of half the turn stops the car, with its heading as before.
+        # Where a wall is in the way of half the turn, all of it comes after the leg.
         turns = _part(turn, leg, legs)
         half = _truncated(turns, 1, 2)
-        before = int(state[layout.STATE_HEADING])
-        if turn_body(arena, settings, step, half, robot) != half:
-            nx, ny = _bump(arena, robot)
-            state[layout.STATE_HEADING], state[-2] = before, 0
-            return event, count, nx, ny
-        note_turn(half)
+        half = half if _is_clear_turn(arena, settings, half, state) else 0
+        turn_by(half)
         if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
             return event, count, 0.0, 0.0
         x, y = int(state[layout.STATE_X]), int(state[layout.STATE_Y])
