@@ -11,10 +11,18 @@ import base64
 import hashlib
 import html
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
+from urllib.parse import quote
+
+# Characters of a script that its URL contains as they are: others would end the URL, or the JSON or
+# the HTML around it.
+_PLAIN = "".join(chr(code) for code in range(0x20, 0x7F) if chr(code) not in '"#%<\\')
+
+_IMPORT = re.compile(r"""(?:\bfrom|\bimport) ?\(?"(#[^"]+)\"""")
 
 
 def one_file(
@@ -62,7 +70,7 @@ def filled(
     """
     player = files("fuzz.player") / "page"
     styles = (player / "player.css").read_text("utf-8") + styles
-    texts = modules(player, "#player/") | dict(scripts)
+    texts = _imported(start, modules(player, "#player/") | dict(scripts))
     urls = {name: _data_url(text) for name, text in texts.items()}
     contents = {
         "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
@@ -121,6 +129,17 @@ def modules(folder: Traversable, prefix: str) -> dict[str, str]:
     return found
 
 
+def _imported(start: str, texts: Mapping[str, str]) -> dict[str, str]:
+    """Return the modules that a page loads: the one that starts it, and what modules import."""
+    names = {start}
+    left = [start]
+    while left:
+        found = set(_IMPORT.findall(texts[left.pop()])) - names
+        names |= found
+        left += found
+    return {name: text for name, text in texts.items() if name in names}
+
+
 def policy_source(text: str) -> str:
     """Return the SHA-256 by which a Content-Security-Policy names an inline script or style."""
     digest = hashlib.sha256(text.encode("utf-8")).digest()
@@ -133,11 +152,5 @@ def _in_script(value: Mapping[str, Any]) -> str:
 
 
 def _data_url(script: str) -> str:
-    """Return a URL that contains the script, without the characters that URLs drop or end at.
-
-    A browser encodes all others itself. Base64 would be a third longer, and compress badly.
-    """
-    return f"data:text/javascript,{script.translate(_ENCODED)}"
-
-
-_ENCODED = {ord(character): f"%{ord(character):02X}" for character in "%#\t\n\r"}
+    """Return a URL that contains the script, a fifth shorter than in base64."""
+    return f"data:text/javascript,{quote(script, safe=_PLAIN)}"
