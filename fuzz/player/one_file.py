@@ -16,11 +16,6 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
-from urllib.parse import quote
-
-# Characters of a script that its URL contains as they are: others would end the URL, or the JSON or
-# the HTML around it.
-_PLAIN = "".join(chr(code) for code in range(0x20, 0x7F) if chr(code) not in '"#%<\\')
 
 _IMPORT = re.compile(r"""(?:\bfrom|\bimport) ?\(?"(#[^"]+)\"""")
 
@@ -152,5 +147,11 @@ def _in_script(value: Mapping[str, Any]) -> str:
 
 
 def _data_url(script: str) -> str:
-    """Return a URL that contains the script, a fifth shorter than in base64."""
-    return f"data:text/javascript,{quote(script, safe=_PLAIN)}"
+    """Return a URL that contains the script, without the characters that URLs drop or end at.
+
+    A browser encodes all others itself. Base64 would be a third longer, and compress badly.
+    """
+    return f"data:text/javascript,{script.translate(_ENCODED)}"
+
+
+_ENCODED = {ord(character): f"%{ord(character):02X}" for character in "%#\t\n\r"}

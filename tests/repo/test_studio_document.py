@@ -33,12 +33,13 @@ def test_every_option_of_the_command_is_described():
 
 def test_every_tool_is_described_with_its_key():
     text = (DOCS / "howto" / "studio.md").read_text()
-    script = (files("fuzz.studio") / "page" / "draw" / "tools.js").read_text()
+    script = (files("fuzz.player") / "page" / "edit" / "tools.js").read_text()
     keys = re.findall(r'^  \w+: \[\s*"[^"]+",\s*"(\w)",\s*"M', script, re.MULTILINE)
     assert len(keys) == 11 and all(f"`{key}`" in text for key in keys)
 
 
 def test_the_pictures_are_there():
-    text = (DOCS / "howto" / "studio.md").read_text()
+    pages = ("howto/studio.md", "tutorials/studio-walk.md")
+    text = "".join((DOCS / page).read_text() for page in pages)
     pictures = set(re.findall(r"\]\(\.\./(pictures/[^)]+)\)", text))
     assert len(pictures) >= 6 and all((DOCS / picture).exists() for picture in pictures)
