@@ -297,6 +297,10 @@ interface ReportFailure {
   changed: string;
   /** A test that contains the world. */
   test: string;
+  /** What a page needs to judge changes of the world, packed: fuzz/report/live.py. Null if it cannot. */
+  live: string | null;
+  /** Single changes after which the robot arrives: in words, and what to change. */
+  tries: [string, { cell?: CellPlace; heading?: number; radius?: number }][];
   /** Heading, rows of name and value, and whether they are folded away at first. */
   groups: [string, [string, string][], boolean][];
   now: DrawnFailure;
@@ -387,6 +391,8 @@ interface ReportData {
   extras: ReportFailure[];
   campaigns: ReportCampaign[];
   others: number;
+  /** The core, for pages that judge changes; null if there is none. */
+  live?: LiveCore | null;
 }
 
 /** The report's list of failures. */
@@ -406,6 +412,8 @@ interface Detail {
   player(): Player | null;
   /** Switches between the world before and after shrinking. */
   swap(): void;
+  /** Ends what the page leaves. */
+  close(): void;
   redraw(): void;
 }
 
@@ -485,6 +493,8 @@ interface Drawn {
   /** What this page can save: pairs of a label and a function. */
   saves?: [string, () => Promise<string | void>][];
   stopSaving?: () => void;
+  /** Draws instead of the player: the editor's board. */
+  paint?: (player: Player) => void;
   /** Another run that is played at the same time. */
   beside?: Beside | null;
 }
@@ -627,6 +637,8 @@ interface Proof {
   /** Ends and witness of each robot after the first. */
   others?: OtherEnds[];
   error?: string;
+  /** What the page waits for, in words. */
+  waiting?: string;
   /** The witness, unpacked, and those of the other robots. */
   opened?: OpenWorld["witness"];
   openedOthers?: OpenWorld["others"];
@@ -639,6 +651,8 @@ interface Board {
   show: Record<string, boolean>;
   view: View | null;
   proof: Proof | null;
+  /** Parts of the scene that show a run in the world. */
+  run: Pick<Scene, "run" | "step" | "whole" | "sensors" | "show"> | null;
   signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
   /** The moment that is shown of a world that changes, s. */
   time: number;
@@ -665,9 +679,13 @@ interface ToolUse {
   exact: boolean;
   /** Whether Shift is held: lines run straight. */
   straight?: boolean;
+  /** Whether keys use it, at the cursor. */
+  byKeys?: boolean;
 }
 
 interface Tool {
+  /** Whether keys use it from one cell to another. */
+  readonly spans?: boolean;
   begin(point: CellPlace, use: ToolUse): void;
   drag(point: CellPlace, use: ToolUse): void;
   end(use: ToolUse): void;
