@@ -11,7 +11,7 @@ import { radiusField } from "#player/edit/radius.js";
 import { TOOLS, makeTools, toolButton } from "#player/edit/tools.js";
 import { buildPlayer } from "#player/controls.js";
 import { bytesOf } from "#player/decode.js";
-import { el, keyButton, say, verdictSign } from "#player/dom.js";
+import { el, keyButton, say, verdictDot } from "#player/dom.js";
 import { keepsKey } from "#player/keys.js";
 import { openLive } from "#player/live/live.js";
 import { keep } from "#player/saving.js";
@@ -52,13 +52,11 @@ export function makeChange(failure, core, view) {
   /** @type {any} */
   const change = { failure, core, view, isOn: false, session: null, draw: null, asked: 0, timers: { slow: 0, rebuild: 0 }, frame: 0 };
   const parts = (change.parts = partsOf(change));
+  change.element = el("div", { class: "change" }, parts.toggle, parts.help, parts.panel);
   return {
-    element: el("div", { class: "change" }, el("div", { class: "line" }, parts.toggle, parts.help), parts.panel),
+    element: change.element,
     tries: triesPart(change),
     end: () => end(change),
-    get isOn() {
-      return change.isOn;
-    },
   };
 }
 
@@ -71,8 +69,8 @@ function partsOf(change) {
     proof: el("p", { id: "change-proof", class: "proof" }),
     note: el("p", { class: "quiet", hidden: true }),
     tools: USED.map((name) => toolButton(name, () => choose(change, name))),
-    undo: keyButton("Undo", "Undo", "Control+Z", () => step(change, "undo")),
-    redo: keyButton("Redo", "Redo", "Control+Y", () => step(change, "redo")),
+    undo: keyButton("↶", "Undo", "Control+Z", () => step(change, "undo")),
+    redo: keyButton("↷", "Redo", "Control+Y", () => step(change, "redo")),
     reset: el("button", { type: "button", onclick: () => reset(change) }, "Reset"),
     radius: radiusField(() => change.session?.model),
     save: el("button", { type: "button", onclick: () => save(change) }, "Save as .grid"),
@@ -81,18 +79,15 @@ function partsOf(change) {
   const keys = el("span", { class: "away", id: "change-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
   parts.panel = el(
     "div",
-    { id: "change-panel", class: "change-panel", hidden: true, onkeydown: (event) => keyDown(change, event) },
+    { id: "change-panel", class: "change-panel", hidden: true },
     el(
       "div",
-      { class: "change-tools" },
+      { class: "change-tools", onkeydown: (event) => keyDown(change, event) },
       el("div", { class: "palette", role: "toolbar", "aria-label": "Tools" }, parts.tools),
       parts.radius.element,
       el("div", { class: "view" }, parts.undo, parts.redo, parts.reset),
-      el("div", { class: "view" }, parts.save, parts.copy),
     ),
-    parts.verdict,
-    parts.proof,
-    parts.note,
+    el("div", { class: "change-answer" }, el("div", {}, parts.verdict, parts.proof, parts.note), el("div", { class: "view" }, parts.save, parts.copy)),
     keys,
   );
   return parts;
@@ -118,7 +113,7 @@ async function tryIt(change, words, { cell, heading, radius }) {
     start: [first.start[0], first.start[1], heading ?? first.start[2]],
     robot_radius: radius ?? first.robot_radius,
   });
-  change.parts.toggle.scrollIntoView({ block: "nearest" });
+  reveal(change);
 }
 
 // Opens the editor with what was changed before, if anything was.
@@ -131,6 +126,7 @@ async function begin(change) {
   parts.help.hidden = true;
   parts.panel.hidden = false;
   showAnswer(change);
+  reveal(change);
   opened ??= openLive(change.core);
   const [live, packed] = await Promise.all([opened, unpacked(failure.live)]);
   if (!change.isOn) return;
@@ -146,6 +142,11 @@ async function begin(change) {
   change.session.model.changed = () => changed(change);
   openBoard(change);
   changed(change);
+}
+
+// Brings the whole picture into the window, below the verdict.
+function reveal({ element, view }) {
+  if (view.stage.getBoundingClientRect().bottom > innerHeight) element.scrollIntoView();
 }
 
 /** @type {(text: string) => Promise<{question: {world: LiveWorld, run: LiveRecipe | null, why: string}, source: string, label: string}>} */
@@ -237,8 +238,7 @@ function showAnswer(change) {
   const run = answer?.run;
   const verdict = run?.verdict ?? (answer && !session.question.run ? failure.verdict : "");
   const words = run ? runWords(run) : answer ? answer.live.run || "in the recording" : "…";
-  parts.verdict.dataset.verdict = verdict;
-  parts.verdict.replaceChildren(...(verdict ? [verdictSign(verdict), " ", el("b", {}, verdict), " "] : []), words);
+  parts.verdict.replaceChildren(...(verdict ? [verdictDot(verdict), " ", el("b", {}, verdict), " "] : []), words);
   const proof = answer ? proofOf(answer.proof, answer.live.proof, session.model.world.cell_size) : DECIDING;
   const told = proofWords(proof);
   parts.proof.className = `proof ${told.kind}`;
