@@ -691,3 +691,150 @@ interface Tool {
   end(use: ToolUse): void;
   hover?(point: CellPlace): void;
 }
+
+
+// Types of what judges a world in the page itself: live/, and fuzz/player/live.py.
+
+/** The cores and the script of their worker, each as base64 of gzip. */
+interface LiveCore {
+  prover: string;
+  simulator: string;
+  script: string;
+}
+
+interface Live {
+  /** The newest question wins: an earlier one without an answer yet gets null. */
+  judge(question: LiveQuestion): Promise<LiveAnswer | null>;
+  /** Ends the worker. */
+  close(): void;
+}
+
+interface LiveQuestion {
+  world: LiveWorld;
+  /** Null if only the proof is wanted. */
+  run: LiveRecipe | null;
+  /** Whether the run gets the budget that Python gives this world, instead of the recorded one's. */
+  edited: boolean;
+}
+
+/** A world as a reader edits it. Its numbers mean their shortest decimals, as in its file. */
+interface LiveWorld {
+  /** The top row first; "#" is solid. */
+  cells: string[];
+  /** m. */
+  cell_size: number;
+  /** x and y, m; heading, rad. */
+  start: Triple;
+  /** x, y and radius, m. */
+  target: Triple;
+  /** Of the robot's disc, m. */
+  radius: number;
+  /** m/s. */
+  speed: number;
+  /** Corners of a body, m. */
+  footprint?: [number, number][];
+  /** Set if the robot turns by steering. */
+  car?: boolean;
+  /** Set if cells change over time. */
+  changes?: boolean;
+  /** Their number, if there are several. */
+  robots?: number;
+}
+
+/** A number that JSON cannot hold or JavaScript would round is a string. */
+type LiveNumber = number | string;
+
+/** Everything about a run that an edit of its world leaves as it is. */
+interface LiveRecipe {
+  motion: string;
+  /** s. */
+  time_step: number;
+  /** Overlap with a wall that is not reported, cells. */
+  tolerance: number;
+  /** Budget of the recorded run. */
+  steps: number;
+  /** What the budget of an edited world follows from: `step_budget` of sim/options/run.py. */
+  budget: {
+    factor: number;
+    fewest: number;
+    most: number;
+    moved: boolean;
+    drift: number;
+    pushed: number;
+    last_push: number;
+  };
+  /** Whether a recurrence of its state proves a loop. */
+  finds_loops: boolean;
+  /** Changes of cells: step, time within it (not under `stepped`), ix, iy, state. */
+  events: number[][];
+
+  // On the lattice.
+  /** Name by which the core knows it. */
+  controller: string;
+  start_speed: LiveNumber;
+  /** Those at reset that aren't zero. */
+  memory: { size: number; numbers: [number, LiveNumber][] };
+  /** Fields of WgSettings that aren't zero. */
+  settings: Record<string, LiveNumber | LiveNumber[]>;
+  pushes: LiveNumber[][];
+  decoys: LiveNumber[][];
+
+  // Under `stepped`.
+  /** Fields of WgThesisSettings. */
+  setup: Record<string, LiveNumber>;
+  /** Whether the noise filter changes the signal. */
+  noise: boolean;
+  seed: string;
+  /** Random numbers before those of the seed. */
+  draws: number[];
+}
+
+interface LiveAnswer {
+  proof: LiveProof;
+  /** Null without a recipe, and if the run cannot start. */
+  run: LiveRun | null;
+  /** Why there is no proof, or no run, in a sentence; empty if there is one. */
+  live: { proof: string; run: string };
+  /** Time that they took. */
+  ms: { proof: number; run: number };
+}
+
+interface LiveProof {
+  /** Null if it was not decided here. */
+  reachable: boolean | null;
+  reason: string;
+  /** Corners of the path, in s and m; the radius of the largest disc that it lets through, m. */
+  witness: { t: number[]; x: number[]; y: number[]; clearance: number } | null;
+  /** A chain of cells, row 0 the lowest; the radius above which it stops every disc, m. */
+  cut: { cells: CellPlace[]; clearance: number } | null;
+}
+
+interface LiveRun {
+  verdict: string;
+  /** Steps done; of a loop, until the end of its first period. */
+  steps: number;
+  /** s. */
+  time: number;
+  /** Steps that it was allowed. */
+  budget: number;
+  /** Step in which a loop begins; otherwise -1. */
+  entry: number;
+  /** Steps of a loop; otherwise 0. */
+  period: number;
+  /** 16 hex digits. */
+  digest: string;
+  /** m. */
+  path_length: number;
+  collisions: number;
+  last_new_cell: number;
+  /** The wall, fire or contact that decides the verdict. */
+  hit: { step: number; cell: CellPlace } | null;
+  /** What a controller that failed said. */
+  error: string;
+  /** As a failure's record holds it: sim/evidence.py. */
+  evidence?: Record<string, any>;
+  /** Where it really begins. */
+  start: Triple;
+  /** For the player, already open. */
+  drawn: DrawnRun;
+}

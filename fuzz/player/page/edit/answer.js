@@ -40,7 +40,8 @@ export function proofWords(proof) {
  * @param {number} side - Of a cell, m
  * @returns {Proof}
  */
-export function proofOf({ reachable, reason, witness, cut }, missing, side) {
+export function proofOf(proof, missing, side) {
+  const { reachable, reason, witness, cut } = proof;
   const lengthOf = ({ x, y }) => x.reduce((sum, at, k) => (k > 0 ? sum + Math.hypot(at - x[k - 1], y[k] - y[k - 1]) : 0), 0);
   return {
     result: reachable === null ? "undecided" : reachable ? "reachable" : "blocked",
@@ -50,7 +51,7 @@ export function proofOf({ reachable, reason, witness, cut }, missing, side) {
     clearance: (witness ?? cut)?.clearance ?? 0,
     cut: cut?.cells ?? null,
     ring: cut && cut.cells.length > 1 ? cut.cells.length : null,
-    opened: drawnWitness({ witness }, side),
+    opened: drawnWitness(proof, side),
     openedOthers: [],
   };
 }

@@ -113,10 +113,10 @@ function robotLines(table, { start, target, robot_radius }) {
   });
 }
 
-function failureLines(table, { verdict, digest, budget, evidence }) {
+function failureLines(table, { verdict, digest, budget, evidence = {} }) {
   const keeps = (name) => table.filter((line) => line.startsWith(`${name} = `));
   const parameters = keeps("parameters").map((line) => line.replace(/([{ ]steps = )\d+/, `$1${budget}`));
-  const facts = Object.keys(evidence ?? {}).length > 0 ? [`evidence = ${valueText(evidence)}`] : [];
+  const facts = Object.keys(evidence).length > 0 ? [`evidence = ${valueText(evidence)}`] : [];
   return [
     ...["controller", "motion", "seed"].flatMap(keeps),
     `verdict = ${valueText(verdict)}`,
@@ -130,8 +130,9 @@ function eventLines({ times, ix, iy, state }) {
   return times.map((time, k) => `${numberText(time)} ${ix[k]} ${iy[k]} ${STATES[state[k]]}`);
 }
 
-function pointLines({ t, x, y, heading }, prefix) {
-  return t.map((_, k) => prefix + [t, x, y, ...(heading ? [heading] : [])].map((column) => numberText(column[k])).join(" "));
+function pointLines({ t, x, y, heading = null }, prefix) {
+  const columns = [t, x, y, ...(heading ? [heading] : [])];
+  return t.map((_, k) => prefix + columns.map((column) => numberText(column[k])).join(" "));
 }
 
 const listText = (values) => `[${values.map(numberText).join(", ")}]`;
