@@ -48,8 +48,16 @@ def one_file(
     if core is not None:
         data = {**data, "live": core}
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
-    parts = {"styles": styles, "scripts": scripts, "start": start, "data": data}
-    return filled(template, title, **parts, live=core is not None)[0]
+    page, _ = filled(
+        template,
+        title,
+        styles=styles,
+        scripts=scripts,
+        start=start,
+        data=data,
+        live=core is not None,
+    )
+    return page
 
 
 def filled(
@@ -91,7 +99,9 @@ def filled(
     # and equal pages have equal bytes.
     text = "\0".join([template, *contents.values()])
     nonce = hashlib.sha256(text.encode("utf-8")).hexdigest()[:32]
-    scripts_of = f"'nonce-{nonce}' 'wasm-unsafe-eval'; worker-src blob:" if live else f"'nonce-{nonce}'"
+    scripts_of = (
+        f"'nonce-{nonce}' 'wasm-unsafe-eval'; worker-src blob:" if live else f"'nonce-{nonce}'"
+    )
     sources = f"script-src {scripts_of}; style-src {policy_source(styles)}"
     policy = f"default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; {sources}"
     contents |= {"NONCE": nonce, "POLICY": policy}

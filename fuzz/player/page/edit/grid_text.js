@@ -142,7 +142,7 @@ const listText = (values) => `[${values.map(numberText).join(", ")}]`;
  * @param {number} value
  * @returns {string}
  */
-export function numberText(value) {
+function numberText(value) {
   const number = value + 0; // minus zero becomes zero
   const [digits, exponent] = number.toExponential().split("e");
   const power = Number(exponent);
