@@ -66,7 +66,7 @@ const notProved = (reason) => ({ reachable: null, reason, witness: null, cut: nu
  * @param {LiveRecipe} recipe
  * @param {LiveProof} proof
  */
-export function budgetOf(world, recipe, { reachable, witness }) {
+function budgetOf(world, recipe, { reachable, witness }) {
   const { factor, fewest, most, moved, drift, pushed, last_push: last } = recipe.budget;
   // Without a proof of its own, the run has as long as the recorded one.
   if (reachable === null) return recipe.steps;

@@ -1,7 +1,6 @@
 // Judges worlds while a reader edits them: the cores in a worker, behind promises.
 
 import { bytesOf } from "#player/decode.js";
-import { exact, mul, nearest, div, fraction, float } from "#player/live/exact.js";
 
 /**
  * Starts the worker.
@@ -65,16 +64,6 @@ async function start(core) {
 function unpacked(packed) {
   const stream = new Blob([bytesOf(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).arrayBuffer();
-}
-
-/**
- * Returns the nearest coordinate of the lattice of poses, m: use it for what is dragged.
- * @param {number} metres
- * @param {number} cellSize
- */
-export function onLattice(metres, cellSize) {
-  const unit = div(exact(cellSize), fraction(1024));
-  return float(mul(fraction(nearest(div(exact(metres), unit))), unit));
 }
 
 /**
