@@ -37,7 +37,7 @@ _MODULE = "_core.wasm"
 _FOLDER = "live"
 _IMPORT = re.compile(r'^import (\{[^}]*\}) from "#player/live/(\w+)\.js";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) (\w+))", re.MULTILINE)
-_JSDOC = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|//[^\n]*)\n", re.MULTILINE | re.DOTALL)
+_COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|//[^\n]*)\n", re.MULTILINE | re.DOTALL)
 
 
 @functools.cache
@@ -70,6 +70,11 @@ def _packed(data: bytes) -> str:
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
 
 
+def without_comments(script: str) -> str:
+    """Return a script without the comments that fill whole lines, a fifth of it."""
+    return _COMMENT.sub("", script)
+
+
 def worker_script() -> str:
     """Return the modules of the worker as one script.
 
@@ -86,7 +91,7 @@ def worker_script() -> str:
             if other not in texts:
                 take(other)
         exported = ", ".join(_EXPORT.findall(text))
-        own = _EXPORT.sub("", _IMPORT.sub(r"const \1 = of_\2;\n", _JSDOC.sub("", text)))
+        own = _EXPORT.sub("", _IMPORT.sub(r"const \1 = of_\2;\n", without_comments(text)))
         texts[name] = f"const of_{name} = (() => {{\n{own}return {{ {exported} }};\n}})();\n"
 
     take("worker")
@@ -136,6 +141,12 @@ def live_world(world: World) -> dict[str, Any]:
     if world.is_fleet:
         found["robots"] = len(world.robots)
     return found
+
+
+def has_live_proof(world: World) -> bool:
+    """Return True if a page can decide whether the target of an edited world can be reached."""
+    robot = world.robots[0]
+    return robot.is_disc and not (world.is_fleet or world.is_dynamic or robot.drive.is_car)
 
 
 def why_not_live(world: World, controller: Controller, options: RunOptions) -> str:

@@ -17,7 +17,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
-from fuzz.player.live import live_core
+from fuzz.player.live import live_core, without_comments
 
 _IMPORT = re.compile(r"""(?:\bfrom|\bimport) ?\(?"(#[^"]+)\"""")
 
@@ -48,8 +48,16 @@ def one_file(
     if core is not None:
         data = {**data, "live": core}
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
-    parts = {"styles": styles, "scripts": scripts, "start": start, "data": data}
-    return filled(template, title, **parts, live=core is not None)[0]
+    page, _ = filled(
+        template,
+        title,
+        styles=styles,
+        scripts=scripts,
+        start=start,
+        data=data,
+        live=core is not None,
+    )
+    return page
 
 
 def filled(
@@ -165,7 +173,7 @@ def _data_url(script: str) -> str:
 
     A browser encodes all others itself. Base64 would be a third longer, and compress badly.
     """
-    return f"data:text/javascript,{script.translate(_ENCODED)}"
+    return f"data:text/javascript,{without_comments(script).translate(_ENCODED)}"
 
 
 _ENCODED = {ord(character): f"%{ord(character):02X}" for character in "%#\t\n\r"}

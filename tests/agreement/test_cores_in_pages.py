@@ -14,7 +14,7 @@ from sim import simulate
 from sim._core import ffi
 from sim.controllers.catalogue import CONTROLLERS, controller_of
 from sim.controllers.core_act import CoreAct
-from sim.evidence import LoopEvidence
+from sim.evidence import LoopEvidence, evidence_table
 from sim.options.run import options_from
 from tests.helpers.page_scripts import FOLDER, missing_node
 from worldgen import generate
@@ -181,6 +181,10 @@ def runs_agree(seed, count):
             "collisions": episode.collisions,
         }
         assert {name: run[name] for name in expected} == expected, settings
+        evidence = json.loads(json.dumps(evidence_table(episode.evidence)))
+        # What confines a robot takes an analysis of its whole trace.
+        known = None if episode.verdict in ("stalled", "crash", "invalid-command") else evidence
+        assert run.get("evidence") == known, settings
         trail_agrees(run["drawn"], episode, question["world"]["cell_size"])
         verdicts.add(expected["verdict"])
     return verdicts

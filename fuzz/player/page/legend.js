@@ -36,7 +36,7 @@ function marksOf({ world, run, others, number, named }) {
     happens.has(BURNING) && ["square fire", "burning"],
     happens.has(BURNING) && ["square burnt", "burnt floor"],
     (happens.has(BURNING) || happens.has(SOLID)) && ["square burns", "changes later (c)"],
-    world.cut ? ["cut", "the cut that separates start and target"] : world.witness ? ["witness", "a path for this robot (w)"] : false,
+    world.cut ? ["cut", "the cut that separates start and target"] : openWorld(world).witness ? ["witness", "a path for this robot (w)"] : false,
   ];
   return /** @type {[string, string][]} */ (marks.filter(Boolean));
 }

@@ -319,6 +319,10 @@ interface ReportFailure {
   changed: string;
   /** A test that contains the world. */
   test: string;
+  /** What a page needs to judge changes of the world, packed: fuzz/report/live.py. Null if it cannot. */
+  live: string | null;
+  /** Single changes after which the robot arrives: in words, and what to change. */
+  tries: [string, { cell?: CellPlace; heading?: number; radius?: number }][];
   /** Heading, rows of name and value, and whether they are folded away at first. */
   groups: [string, [string, string][], boolean][];
   now: DrawnFailure;
@@ -409,6 +413,8 @@ interface ReportData {
   extras: ReportFailure[];
   campaigns: ReportCampaign[];
   others: number;
+  /** The core, for pages that judge changes; null if there is none. */
+  live?: LiveCore | null;
 }
 
 /** The report's list of failures. */
@@ -428,6 +434,8 @@ interface Detail {
   player(): Player | null;
   /** Switches between the world before and after shrinking. */
   swap(): void;
+  /** Ends what the page leaves. */
+  close(): void;
   redraw(): void;
 }
 
@@ -507,6 +515,8 @@ interface Drawn {
   /** What this page can save: pairs of a label and a function. */
   saves?: [string, () => Promise<string | void>][];
   stopSaving?: () => void;
+  /** Draws instead of the player: the editor's board. */
+  paint?: (player: Player) => void;
   /** Another run that is played at the same time. */
   beside?: Beside | null;
 }
@@ -586,6 +596,124 @@ interface LineLook {
   /** Do not keep a picture of it. */
   once?: boolean;
 }
+
+// Types of the editor: fuzz/player/page/edit.
+
+/** A world that is being edited, in metres. */
+interface EditedWorld {
+  width: number;
+  height: number;
+  /** 1 for solid, row by row from the lowest y. */
+  cells: Uint8Array;
+  cell_size: number;
+  robot_radius: number;
+  robot_speed: number;
+  /** x, y, heading. */
+  start: Triple;
+  /** x, y, radius. */
+  target: Triple;
+  /** Changes of cells, in columns, times in s. */
+  events: { times: number[]; ix: number[]; iy: number[]; state: number[] } | null;
+  /** The robots after the first, which pages show but do not edit. */
+  others: { start: Triple; target: Triple; radius: number }[];
+  /** Text of its file as it was opened, which has what pages do not edit. */
+  source: string | null;
+  /** Name of its file; empty if it has none. */
+  name: string;
+  /** Digest of that file when it was opened or saved. */
+  file: string | null;
+  /** The same for all versions of one drawing. */
+  sheet: symbol;
+}
+
+/** A rectangle of cells: 0 free, 1 solid, 2 unchanged. */
+interface Pattern {
+  width: number;
+  height: number;
+  cells: Uint8Array;
+  /** Its picture, and the colours of the picture. */
+  picture?: OffscreenCanvas;
+  pictured?: string;
+}
+
+/** One step of the history: runs of cells that are inverted, or the worlds before and after. */
+interface HistoryEntry {
+  label: string;
+  runs?: Int32Array;
+  before?: EditedWorld;
+  after?: EditedWorld;
+  together?: string | null;
+}
+
+/** Whether the target can be reached, and the certificate; or a placeholder. */
+interface Proof {
+  result?: "reachable" | "blocked" | "undecided";
+  reason?: string;
+  length: number;
+  duration: number;
+  clearance: number;
+  witness?: PackedWitness | null;
+  cut?: CellPlace[] | null;
+  /** Number of cells of the cut, if they form a ring. */
+  ring?: number | null;
+  /** Ends and witness of each robot after the first. */
+  others?: OtherEnds[];
+  error?: string;
+  /** What the page waits for, in words. */
+  waiting?: string;
+  /** The witness, unpacked, and those of the other robots. */
+  opened?: OpenWorld["witness"];
+  openedOthers?: OpenWorld["others"];
+}
+
+/** Everything on the board except the world. */
+interface Board {
+  canvas: HTMLCanvasElement;
+  model: import("#player/edit/model.js").Model;
+  show: Record<string, boolean>;
+  view: View | null;
+  proof: Proof | null;
+  /** Parts of the scene that show a run in the world. */
+  run: Pick<Scene, "run" | "step" | "whole" | "sensors" | "show"> | null;
+  signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
+  /** The moment that is shown of a world that changes, s. */
+  time: number;
+  /** A preview of what would be put down. */
+  ghost: { pattern: Pattern; at: CellPlace } | null;
+  /** Boxes of cells that would change. */
+  marks: Box[];
+  selection: Box | null;
+  measure: [CellPlace, CellPlace] | null;
+  /** The cell at which keys draw. */
+  cursor: CellPlace | null;
+  draw(): void;
+  now(): View;
+  pointAt(event: { clientX: number; clientY: number }): CellPlace;
+  zoom(factor: number, event?: { clientX: number; clientY: number } | null): void;
+  pan(dx: number, dy: number): void;
+  reveal(cell: CellPlace): void;
+  fit(): void;
+}
+
+/** How a tool is used: whether it erases, acts exactly at the pointer, and draws straight lines. */
+interface ToolUse {
+  erase: boolean;
+  exact: boolean;
+  /** Whether Shift is held: lines run straight. */
+  straight?: boolean;
+  /** Whether keys use it, at the cursor. */
+  byKeys?: boolean;
+}
+
+interface Tool {
+  /** Whether keys use it from one cell to another. */
+  readonly spans?: boolean;
+  begin(point: CellPlace, use: ToolUse): void;
+  drag(point: CellPlace, use: ToolUse): void;
+  end(use: ToolUse): void;
+  hover?(point: CellPlace): void;
+}
+
 
 // Types of what judges a world in the page itself: live/, and fuzz/player/live.py.
 
@@ -725,117 +853,10 @@ interface LiveRun {
   hit: { step: number; cell: CellPlace } | null;
   /** What a controller that failed said. */
   error: string;
+  /** As a failure's record holds it: sim/evidence.py. */
+  evidence?: Record<string, any>;
   /** Where it really begins. */
   start: Triple;
   /** For the player, already open. */
   drawn: DrawnRun;
-}
-
-// Types of the editor: fuzz/player/page/edit.
-
-/** A world that is being edited, in metres. */
-interface EditedWorld {
-  width: number;
-  height: number;
-  /** 1 for solid, row by row from the lowest y. */
-  cells: Uint8Array;
-  cell_size: number;
-  robot_radius: number;
-  robot_speed: number;
-  /** x, y, heading. */
-  start: Triple;
-  /** x, y, radius. */
-  target: Triple;
-  /** Changes of cells, in columns, times in s. */
-  events: { times: number[]; ix: number[]; iy: number[]; state: number[] } | null;
-  /** The robots after the first, which pages show but do not edit. */
-  others: { start: Triple; target: Triple; radius: number }[];
-  /** Text of its file as it was opened, which has what pages do not edit. */
-  source: string | null;
-  /** Name of its file; empty if it has none. */
-  name: string;
-  /** Digest of that file when it was opened or saved. */
-  file: string | null;
-  /** The same for all versions of one drawing. */
-  sheet: symbol;
-}
-
-/** A rectangle of cells: 0 free, 1 solid, 2 unchanged. */
-interface Pattern {
-  width: number;
-  height: number;
-  cells: Uint8Array;
-  /** Its picture, and the colours of the picture. */
-  picture?: OffscreenCanvas;
-  pictured?: string;
-}
-
-/** One step of the history: runs of cells that are inverted, or the worlds before and after. */
-interface HistoryEntry {
-  label: string;
-  runs?: Int32Array;
-  before?: EditedWorld;
-  after?: EditedWorld;
-  together?: string | null;
-}
-
-/** Whether the target can be reached, and the certificate; or a placeholder. */
-interface Proof {
-  result?: "reachable" | "blocked" | "undecided";
-  reason?: string;
-  length: number;
-  duration: number;
-  clearance: number;
-  witness?: PackedWitness | null;
-  cut?: CellPlace[] | null;
-  /** Number of cells of the cut, if they form a ring. */
-  ring?: number | null;
-  /** Ends and witness of each robot after the first. */
-  others?: OtherEnds[];
-  error?: string;
-  /** The witness, unpacked, and those of the other robots. */
-  opened?: OpenWorld["witness"];
-  openedOthers?: OpenWorld["others"];
-}
-
-/** Everything on the board except the world. */
-interface Board {
-  canvas: HTMLCanvasElement;
-  model: import("#player/edit/model.js").Model;
-  show: Record<string, boolean>;
-  view: View | null;
-  proof: Proof | null;
-  signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
-  /** The moment that is shown of a world that changes, s. */
-  time: number;
-  /** A preview of what would be put down. */
-  ghost: { pattern: Pattern; at: CellPlace } | null;
-  /** Boxes of cells that would change. */
-  marks: Box[];
-  selection: Box | null;
-  measure: [CellPlace, CellPlace] | null;
-  /** The cell at which keys draw. */
-  cursor: CellPlace | null;
-  draw(): void;
-  now(): View;
-  pointAt(event: { clientX: number; clientY: number }): CellPlace;
-  zoom(factor: number, event?: { clientX: number; clientY: number } | null): void;
-  pan(dx: number, dy: number): void;
-  reveal(cell: CellPlace): void;
-  fit(): void;
-}
-
-/** How a tool is used: whether it erases, acts exactly at the pointer, and draws straight lines. */
-interface ToolUse {
-  erase: boolean;
-  exact: boolean;
-  /** Whether Shift is held: lines run straight. */
-  straight?: boolean;
-}
-
-interface Tool {
-  begin(point: CellPlace, use: ToolUse): void;
-  drag(point: CellPlace, use: ToolUse): void;
-  end(use: ToolUse): void;
-  hover?(point: CellPlace): void;
 }

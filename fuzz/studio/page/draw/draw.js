@@ -1,16 +1,17 @@
 // The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
-import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
+import { choice, el, grouped, keyButton } from "#player/dom.js";
+import { proofWords } from "#player/edit/answer.js";
 import { makeBoard } from "#player/edit/board.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { makeFiles } from "#studio/draw/files.js";
 import { makeMaker } from "#studio/draw/maker.js";
 import { markAt, robotsIn } from "#player/edit/model.js";
-import { askSignal, proofWords } from "#studio/draw/proof.js";
+import { askSignal } from "#studio/draw/proof.js";
 import { SELECTION, withSelection } from "#player/edit/selection.js";
 import { STAMPS } from "#player/edit/shapes.js";
 import { makeTime } from "#studio/draw/time.js";
-import { TOOLS, makeTools } from "#player/edit/tools.js";
+import { TOOLS, makeTools, toolButton } from "#player/edit/tools.js";
 import { makeWorldPanel } from "#studio/draw/world_panel.js";
 
 const VIEWS = {
@@ -71,12 +72,7 @@ export function makeDraw(section, studio) {
 }
 
 function palette(draw, parts) {
-  const button = (name) => {
-    const [words, key, path] = TOOLS[name];
-    const picture = svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: path }));
-    return keyButton(picture, words, key, () => draw.choose(name), { "data-tool": name });
-  };
-  parts.tools = Object.keys(TOOLS).map(button);
+  parts.tools = Object.keys(TOOLS).map((name) => toolButton(name, () => draw.choose(name)));
   return el(
     "div",
     { class: "palette", role: "toolbar", "aria-label": "Tools", "aria-orientation": "vertical" },
