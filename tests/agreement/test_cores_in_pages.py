@@ -143,6 +143,8 @@ def run_of(rng):
         name = rng.choice(THESIS if motion == "stepped" else IN_CORE)
         own = rng.choice(STEPPED if motion == "stepped" else ON_LATTICE)
         settings = {"motion": motion, "seed": rng.choice((0, 7, 2**63 + 5)), **own}
+        if name in SLOW:
+            settings["steps"] = 500
         try:
             options = options_from(world, None, settings)
             recipe = live_question(
