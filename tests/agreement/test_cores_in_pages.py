@@ -22,10 +22,7 @@ from worldgen.errors import WorldgenError
 from worldgen.lattice import lattice_to_metres
 from worldgen.reach import decide
 
-if missing_node():
-    pytestmark = pytest.mark.skip(reason=missing_node())
-elif live_core() is None:
-    pytestmark = pytest.mark.skip(reason="no cores for pages: pip install ziglang")
+pytestmark = pytest.mark.skipif(bool(missing_node()), reason=missing_node() or "-")
 
 FAMILIES = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 THESIS = ("turn-right", "turn-left", "turn-random")
@@ -63,6 +60,13 @@ STEPPED = (
     {"signal": "blocked", "sensor_noise": 0.1},
     {"draws": (0.5, 0.25)},
 )
+
+
+@pytest.fixture(autouse=True)
+def cores():
+    """The modules, which a checkout compiles when they are first wanted."""
+    if live_core() is None:
+        pytest.skip("no cores for pages: pip install ziglang")
 
 
 def edited(rng, *, everything=True):
