@@ -144,7 +144,7 @@ function drawBoard(board) {
   const { canvas, model, show } = board;
   const world = sceneWorld(model, show.proof ? board.proof : null),
     view = board.now();
-  const { run } = board;
+  const run = show.run === false ? null : board.run;
   const shown = { witness: show.proof, grid: show.grid, changes: true, ...run?.show };
   drawScene(canvas, { world, ms: board.time * 1000, ...run, show: shown }, view);
   // Everything else is drawn on top of the scene, from the lowest layer to the highest.
