@@ -197,7 +197,7 @@ def _on_lattice(world: World, controller: Controller, options: RunOptions) -> di
             "size": len(memory),
             "numbers": [[k, _number(value)] for k, value in enumerate(memory) if value],
         },
-        "settings": _fields(settings[0], ""),
+        "settings": _fields(settings[0]),
         "pushes": _rows(settings.pushes, settings.push_count),
         "decoys": _rows(settings.decoys, settings.decoy_count),
         "events": run.events.tolist(),
@@ -223,8 +223,11 @@ def _stepped(world: World, controller: Controller, options: RunOptions) -> dict[
     }
 
 
-def _fields(struct: Any, prefix: str) -> dict[str, Any]:
-    """Return the fields of a struct that are not zero, without pointers."""
+def _fields(struct: Any, prefix: str = "") -> dict[str, Any]:
+    """Return the fields of a struct that are not zero, without pointers.
+
+    Those of a struct in it have names like ``footprint.count``; an array of structs is a list.
+    """
     found: dict[str, Any] = {}
     for name, field in ffi.typeof(struct).fields:
         value = getattr(struct, name)
@@ -232,7 +235,10 @@ def _fields(struct: Any, prefix: str) -> dict[str, Any]:
         if field.type.kind == "struct":
             found |= _fields(value, f"{path}.")
         elif field.type.kind == "array":
-            found[path] = [_number(item) for item in value]
+            is_plain = field.type.item.kind == "primitive"
+            items: list[Any] = [_number(item) if is_plain else _fields(item) for item in value]
+            if any(items):
+                found[path] = items
         elif field.type.kind == "primitive" and value:
             found[path] = _number(value)
     return found

@@ -39,6 +39,8 @@ def test_a_wheel_has_all_cores_and_needs_nothing_that_its_system_lacks(target, t
     with zipfile.ZipFile(build_wheel(target, tmp_path)) as wheel:
         modules = [name for name in wheel.namelist() if name.endswith((".so", ".pyd"))]
         assert len(modules) == len(CORES)
+        pages = [name for name in wheel.namelist() if name.endswith(".wasm")]
+        assert len(pages) == sum(bool(core.in_pages) for core in CORES)
         for name in modules:
             module = lief.parse(wheel.read(name))
             assert "PyInit__core" in {symbol.name.lstrip("_") if target.is_macos else symbol.name

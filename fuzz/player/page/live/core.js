@@ -3,7 +3,10 @@
 // The module holds its layouts itself, from the compiler: build_tools/wasm.py.
 
 /** @typedef {number | bigint | string} Value of a field; numbers that JSON cannot hold are strings. */
-/** @typedef {Record<string, Value | Value[]>} Fields by name, those of a struct inside a struct as "disc.reach". */
+/**
+ * @typedef {{ [name: string]: Value | Value[] | Fields[] }} Fields by name, those of a struct inside a struct as
+ *   "disc.reach"; an array has its items
+ */
 
 /**
  * @typedef {object} Core
@@ -99,7 +102,8 @@ export async function openCore(bytes) {
         const { offset, kind } = place(struct, field);
         const items = Array.isArray(value) ? value : [value];
         for (const [k, item] of items.entries()) {
-          if (kind === "double") now().setFloat64(at + offset + 8 * k, Number(item), true);
+          if (typeof item === "object") core.set(at + offset + k * core.size(kind), kind, item);
+          else if (kind === "double") now().setFloat64(at + offset + 8 * k, Number(item), true);
           else if (kind.endsWith("int64_t")) now().setBigInt64(at + offset + 8 * k, BigInt(item), true);
           else now().setInt32(at + offset + 4 * k, Number(item), true);
         }
