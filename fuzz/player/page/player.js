@@ -1,7 +1,7 @@
 // The replay: a clock that counts steps, and a canvas that shows the run at that time.
 
 import { poseAt, stepWithin } from "#player/decode.js";
-import { drawScene } from "#player/picture/map.js";
+import { SHOWN, drawScene } from "#player/picture/map.js";
 import { fitView } from "#player/picture/pen.js";
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
@@ -37,7 +37,7 @@ export function makePlayer(canvas, drawn, changed) {
     playing: false,
     period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,
-    show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, cells: true, memory: true },
+    show: { ...SHOWN },
     drawnMore: null, // called after each frame, while both runs are saved to a file
     view: null, // null: the whole world
     follow: false,
