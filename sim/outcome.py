@@ -43,6 +43,23 @@ ENDINGS: Mapping[int, Ending] = {
 
 
 @dataclass(frozen=True)
+class Shortfall:
+    """What keeps the last state of a run from being an arrival; 0 is nothing.
+
+    Args:
+        distance: From the target's disc, m.
+        heading: From the goal's heading, rad.
+        speed: Speed with which the robot moves although it has to stop, m/s.
+        turn_rate: The same for its turns, rad/s.
+    """
+
+    distance: float
+    heading: float
+    speed: float
+    turn_rate: float
+
+
+@dataclass(frozen=True)
 class Outcome:
     """The core's claims about a run; checks of the evidence confirm them from the trace.
 
@@ -75,6 +92,7 @@ class Outcome:
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
         trace: The recording, if requested.
+        shortfall: As in :attr:`Episode.shortfall`.
     """
 
     ending: Ending
@@ -101,6 +119,7 @@ class Outcome:
     complete: bool = True
     fault: FaultEvidence | None = None
     trace: Trace | None = None
+    shortfall: Shortfall | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -170,6 +189,8 @@ class Episode:
         cells_left: Cells that a coverage task still requires; ``None`` for another task.
         area_covered: Area of the cells that its centre was in after a step, including the start's,
             m2.
+        shortfall: What the last state lacks, of a run that did not arrive at a goal with a heading,
+            or at which a step has to end; else ``None``.
     """
 
     verdict: Verdict
@@ -182,6 +203,7 @@ class Episode:
     trace: Trace | None = None
     area_covered: float = 0.0
     cells_left: int | None = None
+    shortfall: Shortfall | None = None
 
     @property
     def went_into_a_wall(self) -> bool:

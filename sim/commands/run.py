@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -344,6 +344,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         **({} if episode.cells_left is None else {"cells_left": episode.cells_left}),
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
+        **({} if episode.shortfall is None else {"shortfall": asdict(episode.shortfall)}),
         **robots,
     }
 

@@ -27,7 +27,7 @@ from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import InvalidParameter, InvalidWorld, Pose, read_world, write_world
-from worldgen.render.marks import hue, rgb
+from worldgen.render.marks import rgb
 from worldgen.render.sheet import series_colour
 from worldgen.support.intervals import interval_95
 from worldgen.world import Robot, Target

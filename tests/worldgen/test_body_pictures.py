@@ -70,7 +70,7 @@ def test_a_few_outlines_lie_along_the_witness():
 
 def test_the_tightest_place_is_marked_with_what_is_to_spare():
     world = hall()
-    x, y, heading = tightest_pose(world.robots[0], world.certificate, world.walls, world.cell_size)
+    x, y, heading = tightest_pose(world, world.certificate)
     assert (y, heading) == (1.05, 0.0) and x + 0.4 > 1.1 and x - 0.2 < 2.5
     assert has_outline(world, (x, y, heading))
     assert "0.05 m to spare at heading 0 degrees" in words(world)
@@ -79,7 +79,7 @@ def test_the_tightest_place_is_marked_with_what_is_to_spare():
 
 def test_a_disc_has_no_tightest_place():
     world = hall(footprint=(), heading=1.0)
-    assert tightest_pose(world.robots[0], world.certificate, world.walls, world.cell_size) is None
+    assert tightest_pose(world, world.certificate) is None
     assert not any("to spare" in text for text in words(world))
 
 

@@ -273,7 +273,7 @@ def _witness(content: Content, mark: Mark) -> list[Primitive]:
     parts: list[Primitive] = []
     for number, (robot, path) in enumerate(zip(world.robots, paths, strict=False)):
         colour = content.colour("start", number)
-        parts += witness_parts(robot, path, world.walls, content.frame, colour)
+        parts += witness_parts(world, robot, path, content.frame, colour)
     return parts
 
 

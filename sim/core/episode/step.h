@@ -460,10 +460,15 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
     if (wg_is_nonzero(command->used_random)) {
         state->draws++;
     }
-    // A turn that a wall cut short, or that swept over fire, may have ended the run before.
-    if (settings->arrival == WG_ARRIVAL_STOP && robot->report.ending == WG_LIMIT && wg_abs(state->speed) <= settings->arrival_speed
-        && wg_abs(wg_is_car(settings) ? robot->turned : turn) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
-        robot->report.ending = WG_REACHED;
+    if (settings->arrival == WG_ARRIVAL_STOP) {
+        if (!wg_is_car(settings)) {
+            robot->turned = turn;
+        }
+        // A turn that a wall cut short, or that swept over fire, may have ended the run before.
+        if (robot->report.ending == WG_LIMIT && wg_abs(state->speed) <= settings->arrival_speed
+            && wg_abs(robot->turned) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
+            robot->report.ending = WG_REACHED;
+        }
     }
 }
 
