@@ -40,7 +40,7 @@ def page_module() -> str:
     """Return the text of the module."""
     marks = {
         name: {key: value for key, value in msgspec.to_builtins(mark).items() if key != "label"}
-        | ({"label": mark.label} if mark.label else {})
+        | {"label": mark.label}
         for name, mark in SPECIFICATION.marks.items()
     }
     rows = ",\n".join(f"  {json.dumps(name)}: {json.dumps(mark)}" for name, mark in marks.items())
@@ -50,7 +50,7 @@ def page_module() -> str:
     return f"""\
 // {_HEAD}
 
-/** By name, the lowest first. @type {{Record<string, Mark>}} */
+/** By name, the lowest first. @type {{Record<string, MarkLook>}} */
 export const MARKS = {{
 {rows},
 }};

@@ -148,7 +148,9 @@ def trails_of(episode: Episode, world: World) -> list[Trail]:
 def drives_of(episode: Episode, world: World) -> list[Drive]:
     """Return what each robot did and when."""
     return [
-        drive_of(one, world.alone(number), f"robot {number}" if world.is_fleet else "")
+        drive_of(
+            one, world.alone(number), f"robot {number}: {one.verdict}" if world.is_fleet else ""
+        )
         for number, one in enumerate(episode.robots, start=1)
     ]
 

@@ -9,7 +9,7 @@ import { drawManyCells } from "#player/picture/many_cells.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { drawScene, drawSmall, pictureLabel } from "#player/picture/map.js";
 import { drawMemory, drawRemembered, memoryFacts } from "#player/picture/memory.js";
-import { drawEnd, drawRobot } from "#player/picture/body.js";
+import { drawRobot } from "#player/picture/body.js";
 import { drawHeadings, drawStart, drawTarget } from "#player/picture/ends.js";
 import { drawNumbers } from "#player/picture/numbers.js";
 import { penFor } from "#player/picture/pen.js";

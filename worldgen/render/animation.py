@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
 from worldgen.render.body_parts import BodyPose, body_shapes, front_mark
-from worldgen.render.caption import printable, text_width
+from worldgen.render.caption import printable, text_width, wrapped
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.frame import Frame
 from worldgen.render.marks import MARKS, hue, mix, rgb, robot_colours
@@ -36,6 +36,9 @@ SECONDS = 9.0
 BLINK = 0.2
 # Time that the last frame is shown, ms.
 HELD = 1500
+# Lines of the title, and of the names of several robots.
+_MOST_TITLE = 2
+_MOST_NAMES = 8
 # Marks whose insides have a tint.
 _TINTED = ("fire", "start", "target")
 # Sizes, px.
@@ -106,9 +109,12 @@ class _Stage:
         self.world = world
         self.frame = frame
         self.drives = drives
-        self.title = title
         self.line = 19.0 * frame.unit
-        height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
+        self.type = 14.0 * frame.unit
+        room = frame.picture_width - 2.0 * frame.margin
+        self.title_lines = wrapped(printable(title), room, self.type, _MOST_TITLE)
+        lines = len(self.title_lines) + len(self._named()) + 1.4
+        height = frame.bottom + frame.top + round(lines * self.line)
         self.size = frame.picture_width, height
         # Add the marks in the cells.
         self.changes = 0
@@ -206,25 +212,21 @@ class _Stage:
         ]
 
     def _words(self, time: float) -> list[Primitive]:
+        """Return the title, the time, and of several robots the name of each on a line of its own."""
         left = float(self.frame.margin)
         top = self.frame.bottom + self.frame.top + 0.75 * self.line
-        size = 14.0 * self.frame.unit
-        words = f"{time:.2f} s"
         parts: list[Primitive] = []
-        if self.title:
+        lines = [(line, hue("ink")) for line in self.title_lines]
+        lines.append((f"{time:.2f} s", hue("quiet")))
+        lines += [(drive.name, self._colour(k)) for k, drive in enumerate(self._named())]
+        for words, colour in lines:
             room = self.size[0] - 2.0 * left
-            parts.append(Text(left, top, size, _fitted(self.title, room, size), hue("ink")))
+            parts.append(Text(left, top, self.type, _fitted(words, room, self.type), colour))
             top += self.line
-        parts.append(Text(left, top, size, words, hue("quiet")))
-        left += text_width("00000.00 s", size) + 12.0 * self.frame.unit
-        for k, drive in enumerate(self.drives if len(self.drives) > 1 else ()):
-            name = _fitted(drive.name, self.size[0] / len(self.drives), size)
-            # Names that don't fit on the line are dropped.
-            if left + text_width(name, size) > self.size[0]:
-                break
-            parts.append(Text(left, top, size, name, self._colour(k)))
-            left += text_width(name, size) + 12.0 * self.frame.unit
         return parts
+
+    def _named(self) -> Sequence[Drive]:
+        return self.drives[:_MOST_NAMES] if len(self.drives) > 1 else ()
 
 
 class _GrowingTrail:

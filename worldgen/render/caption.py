@@ -14,7 +14,7 @@ from worldgen.render.marks import MARKS, SPECIFICATION, Mark, hue, mix, robot_co
 from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.robot_parts import colour_of, start_disc, target_mark
+from worldgen.render.robot_parts import start_disc, target_mark
 from worldgen.render.trail_parts import arrow, arrow_head, breach_cross, heading_tick, stays_put
 from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
@@ -177,7 +177,7 @@ def _place(
 def _keys(content: Content) -> list[tuple[str, Sample]]:
     """Return the words and the samples of the marks in a picture, in the order of ``marks.json``."""
     shown = _shown(content)
-    fleet = _fleet_keys(content) if content.world.is_fleet else []
+    fleet = _robot_keys(content) if content.has_several else []
     marks = [
         (MARKS[name].label, _sample(name, content))
         for name in SPECIFICATION.legend
@@ -211,15 +211,15 @@ def _shown(content: Content) -> set[str]:
         if getattr(content.changes, name).any():
             names.add(name)
     for number, trail in enumerate(content.trails):
-        names |= _of_trail(trail, is_fleet=world.is_fleet)
+        names |= _of_trail(trail, is_one=not content.has_several)
         if stays_put(trail, content.frame, content.robot(number)):
             names.add("spot")
-    if "spot" in names and not world.is_fleet:
+    if "spot" in names and not content.has_several:
         names.discard("loop")
     return names
 
 
-def _of_trail(trail: Trail, *, is_fleet: bool) -> set[str]:
+def _of_trail(trail: Trail, *, is_one: bool) -> set[str]:
     kinds = {mark.kind for mark in trail.marks}
     disturbances = trail.disturbances
     memory = trail.memory
@@ -227,7 +227,7 @@ def _of_trail(trail: Trail, *, is_fleet: bool) -> set[str]:
         "trail": trail.loop_from is None,
         "approach": trail.loop_from is not None and trail.loop_from > 0,
         "loop": trail.loop_from is not None,
-        "end": not is_fleet,
+        "end": is_one,
         "touched": "bump" in kinds,
         "pierced": bool(trail.pierced),
         "overlap": "overlap" in kinds and not trail.pierced,
@@ -243,18 +243,19 @@ def _of_trail(trail: Trail, *, is_fleet: bool) -> set[str]:
     return {name for name, is_there in present.items() if is_there}
 
 
-def _fleet_keys(content: Content) -> list[tuple[str, Sample]]:
-    """Return the colours of several robots, as long as they differ."""
-    shown = min(len(content.world.robots), len(robot_colours()))
+def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
+    """Return the names and colours of several robots, as long as the colours differ."""
+    names = [trail.name for trail in content.trails] or [""] * len(content.world.robots)
     return [
-        (f"robot {number + 1}", _line(MARKS["trail"], colour_of(number))) for number in range(shown)
+        (f"{number + 1}: {name}" if name else f"robot {number + 1}", _line(MARKS["trail"], colour))
+        for number, (name, colour) in enumerate(zip(names, robot_colours(), strict=False))
     ]
 
 
 def _sample(name: str, content: Content) -> Sample:
     """Return the sample of a mark; of one of several robots in a colour of none."""
     mark = MARKS[name]
-    grey = hue("quiet") if content.world.is_fleet else ""
+    grey = hue("quiet") if content.has_several else ""
     robot = content.robot(0)
     if name in ("start", "end") and not robot.is_disc:
         return _body_sample(mark)

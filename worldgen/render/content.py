@@ -78,7 +78,12 @@ class Content:
     @property
     def trail(self) -> Trail | None:
         """The run of a single robot, which is drawn with more of its details."""
-        return self.trails[0] if self.trails and not self.world.is_fleet else None
+        return self.trails[0] if self.trails and not self.has_several else None
+
+    @property
+    def has_several(self) -> bool:
+        """Whether there are several robots, or several runs of one, each in a colour of its own."""
+        return self.world.is_fleet or len(self.trails) > 1
 
     def robot(self, number: int) -> Robot:
         """Return the robot of a trail; several trails of one robot show several runs."""
@@ -87,6 +92,6 @@ class Content:
 
     def colour(self, name: str, number: int) -> str:
         """Return the colour of a mark of one robot, given its index: its own among several."""
-        if self.world.is_fleet:
+        if self.world.is_fleet or (self.has_several and name not in ("start", "target")):
             return robot_colours()[number % len(robot_colours())]
         return hue(MARKS[name].colour)

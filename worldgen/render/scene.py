@@ -239,7 +239,8 @@ def _opens(content: Content, mark: Mark) -> list[Primitive]:
 
 def _touched(content: Content, mark: Mark) -> list[Primitive]:
     solid = content.world.walls | content.changes.closes
-    return touched_parts(content.trails, solid, content.world.robots, content.frame)
+    robots = [content.robot(number) for number in range(len(content.trails))]
+    return touched_parts(content.trails, solid, robots, content.frame)
 
 
 def _cut(content: Content, mark: Mark) -> list[Primitive]:
@@ -353,15 +354,15 @@ def _blocked(content: Content, mark: Mark) -> list[Primitive]:
 
 
 def _numbers(content: Content, mark: Mark) -> list[Primitive]:
-    if not content.world.is_fleet:
+    if not content.has_several:
         return []
     parts: list[Primitive] = []
-    for number, robot in enumerate(content.world.robots):
+    for number, robot in enumerate(content.world.robots if content.world.is_fleet else ()):
         parts += target_number(robot, number, content.frame)
-        if number < len(content.trails):
-            parts += end_number(content.trails[number], number, content.frame)
-        else:
+        if not content.trails:
             parts += start_number(robot, number, content.frame)
+    for number, trail in enumerate(content.trails):
+        parts += end_number(trail, number, content.frame)
     return parts
 
 

@@ -47,7 +47,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     named: Boolean(named?.length),
   };
   const robots = all.length > 1 ? all.map((one) => ({ name: "trail", words: `robot ${one.number}`, number: one.number ?? undefined })) : [];
-  return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label }))];
+  return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "" }))];
 }
 
 /**

@@ -14,7 +14,7 @@ const INSET = 0.3; // radii from the centres to the arrow's ends, at most a quar
 /**
  * Draws the arrows once the repeating part of the run has begun.
  * @param {Pen} pen
- * @param {DrivenRobot[]} robots
+ * @param {SceneRobot[]} robots
  */
 export function drawBlocked(pen, robots) {
   for (const { run, step, pose, radius } of robots) {

@@ -1,6 +1,6 @@
 // The robot at a time, where its run ends, and its outlines along the path.
 
-import { drawTick, shownRadius } from "#player/picture/ends.js";
+import { drawFront, shownRadius } from "#player/picture/ends.js";
 import { bodyPath, fillMark, frontOf, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf } from "#player/picture/scene_robots.js";
 import { MARKS } from "#player/picture/marks.js";
@@ -11,7 +11,7 @@ const APART = 1.3; // radii between two of them
 /**
  * Draws a robot where it is now.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  */
 export function drawRobot(pen, one) {
   const { pose, footprint } = one,
@@ -30,7 +30,7 @@ export function drawRobot(pen, one) {
 /**
  * Draws a robot where its run ended, below its path.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  */
 export function drawEnd(pen, { pose, footprint, radius, number }) {
   const colour = colourOf(pen, "end", number),
@@ -38,13 +38,13 @@ export function drawEnd(pen, { pose, footprint, radius, number }) {
   bodyPath(pen, footprint, pose, shown);
   fillMark(pen, "end", colour);
   strokeMark(pen, "end", colour);
-  drawTick(pen, pose, frontOf(footprint, shown), colour);
+  drawFront(pen, pose, footprint, shown, colour);
 }
 
 /**
  * Draws a few outlines of a body along its period, or along all of its path.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  */
 export function drawOutlines(pen, { open, entry, until, footprint, radius, number }) {
   if (!footprint) return;

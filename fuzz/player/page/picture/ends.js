@@ -1,7 +1,7 @@
 // The starts and the targets.
 
 import { MARKS } from "#player/picture/marks.js";
-import { bodyPath, fillMark, frontOf, stroke, strokeMark } from "#player/picture/pen.js";
+import { bodyPath, disc, fillMark, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf, endsOf } from "#player/picture/scene_robots.js";
 
 /**
@@ -43,7 +43,7 @@ export function drawTargetMark(pen, left, top, radius, colour) {
 /**
  * Draws the heading of a goal as a wedge, and a body that stands there, dashed.
  * @param {Pen} pen
- * @param {RobotEnds} ends
+ * @param {SceneEnds} ends
  * @param {string} colour
  */
 function drawGoal(pen, { target: [x, y, radius], aim = 0, footprint }, colour) {
@@ -84,7 +84,7 @@ export function drawStart(pen, world) {
 export function drawHeadings(pen, world) {
   for (const { start, radius, footprint, number } of endsOf(world)) {
     const [x, y, heading] = start;
-    drawTick(pen, { x, y, heading }, frontOf(footprint, shownRadius(pen, "start", radius)), colourOf(pen, "start", number));
+    drawFront(pen, { x, y, heading }, footprint, shownRadius(pen, "start", radius), colourOf(pen, "start", number));
   }
 }
 
@@ -101,6 +101,34 @@ export function drawBody(pen, name, pose, footprint, radius, colour) {
   bodyPath(pen, footprint, pose, shownRadius(pen, name, radius));
   fillMark(pen, name, colour);
   strokeMark(pen, name, colour);
+}
+
+/**
+ * Draws where a robot is ahead: a tick on a disc's rim; in a polygon a wedge, and a dot at its axle.
+ * @param {Pen} pen
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {[number, number][] | undefined} footprint
+ * @param {number} radius
+ * @param {string} colour
+ */
+export function drawFront(pen, pose, footprint, radius, colour) {
+  if (!footprint) {
+    drawTick(pen, pose, radius, colour);
+    return;
+  }
+  const ahead = footprint.map(([along]) => along),
+    aside = footprint.map(([, across]) => across);
+  const extent = (/** @type {number[]} */ values) => Math.max(...values) - Math.min(...values);
+  const front = Math.max(...ahead),
+    size = 0.38 * Math.min(extent(ahead), extent(aside)),
+    ends = aside.filter((_, k) => ahead[k] > front - 1e-9),
+    middle = ends.reduce((sum, value) => sum + value, 0) / ends.length;
+  /** @type {[number, number][]} */
+  const wedge = [[front - 0.25 * size, middle], [front - 1.25 * size, middle + 0.6 * size], [front - 1.25 * size, middle - 0.6 * size]];
+  bodyPath(pen, wedge, pose, 0);
+  pen.context.fillStyle = colour;
+  pen.context.fill();
+  disc(pen, pose.x, pose.y, Math.max((1.6 * pen.unit) / pen.scale, 0.07 * size), colour);
 }
 
 /**

@@ -23,7 +23,7 @@ import { drawOff, eventView } from "#player/picture/view.js";
 
 /**
  * What is on by default: the path that exists as much as the one that is driven.
- * @type {Shown}
+ * @type {Record<Layer | "cells", boolean>}
  */
 export const SHOWN = { trail: true, witness: true, touched: true, sensors: true, signal: true, changes: true, cells: true, memory: true };
 
@@ -35,7 +35,8 @@ const GRID = 9; // pixels per cell above which the cells' borders are drawn
  */
 const DRAWN = {
   floor: ({ pen, world }) => drawFloor(pen, world),
-  signal: ({ pen, world, show, sensors }) => show.signal && sensors?.signal && drawSignal(pen, world),
+  // The floor cannot show the signals of several targets.
+  signal: ({ pen, world, show, sensors }) => show.signal && sensors?.signal && !world.others?.length && drawSignal(pen, world),
   grid: ({ pen, world, show }) => pen.scale > GRID && show.grid !== false && drawGrid(pen, world),
   remembered: ({ pen, front, show }) => front && show.memory && drawRemembered(pen, front.run, front.within),
   burnt: ({ pen, world, cells }) => drawBurnt(pen, world, cells),
@@ -68,7 +69,7 @@ const DRAWN = {
   bearing: ({ pen, scene, front, show, sensors }) => scene && front && show.sensors && sensors && drawBearing(pen, scene, front.pose),
   driving: ({ pen, robots, whole }) => !whole && robots.forEach((one) => drawRobot(pen, one)),
   blocked: ({ pen, robots }) => drawBlocked(pen, robots),
-  number: ({ pen, world, robots, show }) => drawNumbers(pen, world, robots, show.trail),
+  number: ({ pen, world, robots, show }) => show.numbers !== false && drawNumbers(pen, world, robots, Boolean(show.trail)),
   named: ({ pen, world, show, named, run }) => {
     if (!show.cells) return;
     drawNamed(pen, named);
@@ -86,7 +87,7 @@ const DRAWN = {
  */
 export function drawScene(canvas, scene, view = null) {
   const { world, run, show, sensors, named = [], whole = false, isCard = false } = scene;
-  const pen = penFor(canvas, view, world);
+  const pen = penFor(canvas, view, world, scene.size);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
   const ms = run ? step * run.dt * 1000 : (scene.ms ?? 0);
@@ -121,7 +122,7 @@ function runScene(scene, run) {
 export function drawSmall(canvas, drawn, more = {}) {
   const { world } = drawn;
   if (!world) return;
-  const scene = stillOf(drawn, { ...SHOWN, cells: false, ...more });
+  const scene = stillOf({ ...drawn, world }, { ...SHOWN, cells: false, ...more });
   const driven = scene.run ? runScene(scene, scene.run) : null;
   drawScene(canvas, { ...scene, isCard: true }, driven && eventView(driven, canvas.clientWidth, canvas.clientHeight));
 }

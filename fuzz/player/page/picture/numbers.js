@@ -37,7 +37,7 @@ function numberedRows(run, number) {
  * Draws the numbers of several robots: at their targets, where they are, and along their paths.
  * @param {Pen} pen
  * @param {SceneWorld} world
- * @param {DrivenRobot[]} robots
+ * @param {SceneRobot[]} robots
  * @param {boolean} hasTrails
  */
 export function drawNumbers(pen, world, robots, hasTrails) {

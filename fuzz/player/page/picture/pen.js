@@ -47,12 +47,12 @@ export function rimOf(pen) {
  * @param {HTMLCanvasElement} canvas
  * @param {View | null} view
  * @param {SceneWorld} world
+ * @param {Size | null} [size] - If the canvas is not on the page
  * @returns {Pen}
  */
-export function penFor(canvas, view, world) {
-  const ratio = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth,
-    height = canvas.clientHeight;
+export function penFor(canvas, view, world, size = null) {
+  const ratio = size?.ratio ?? (window.devicePixelRatio || 1);
+  const { width, height } = size ?? { width: canvas.clientWidth, height: canvas.clientHeight };
   const wide = Math.round(width * ratio),
     high = Math.round(height * ratio);
   if (canvas.width !== wide || canvas.height !== high) {
@@ -264,3 +264,18 @@ export function frontOf(footprint, radius) {
  * @returns {string}
  */
 export const robotColour = (number) => `robot-${(number - 1) % ROBOTS}`;
+
+/**
+ * Returns the radius of the largest disc about the axle in a robot's body, which is sure to be in
+ * what the body covers.
+ * @param {{radius: number, footprint?: [number, number][]}} body
+ * @returns {number}
+ */
+export function innerRadius({ radius, footprint }) {
+  if (!footprint) return radius;
+  const distances = footprint.map(([x, y], k) => {
+    const [u, v] = footprint[(k + 1) % footprint.length];
+    return (x * (v - y) - y * (u - x)) / Math.hypot(u - x, v - y);
+  });
+  return Math.max(0, Math.min(...distances));
+}

@@ -3,7 +3,7 @@
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
 import { MARKS } from "#player/picture/marks.js";
-import { stroke, strokeMark } from "#player/picture/pen.js";
+import { innerRadius, stroke, strokeMark } from "#player/picture/pen.js";
 
 const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found
 const LIGHTER = 0.6; // share of the floor's colour in a wall that the robot entered, below the stripes
@@ -50,17 +50,6 @@ function cutAt(cells, world, tolerance, x, y) {
     }
   }
   return found;
-}
-
-// Returns the radius of the largest disc about the axle in the robot's body, which is sure to be in
-// what the body covers.
-function innerRadius({ radius, footprint }) {
-  if (!footprint) return radius;
-  const distances = footprint.map(([x, y], k) => {
-    const [u, v] = footprint[(k + 1) % footprint.length];
-    return (x * (v - y) - y * (u - x)) / Math.hypot(u - x, v - y);
-  });
-  return Math.max(0, Math.min(...distances));
 }
 
 // Returns the walls that the centre passes between a row and the previous one.

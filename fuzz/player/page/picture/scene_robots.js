@@ -7,7 +7,7 @@ import { robotColour } from "#player/picture/pen.js";
 /**
  * Returns start, target and body of each robot of a world, with its number if there are several.
  * @param {SceneWorld} world
- * @returns {RobotEnds[]}
+ * @returns {SceneEnds[]}
  */
 export function endsOf(world) {
   const { start, target, radius, footprint, aim, others } = world;
@@ -19,7 +19,7 @@ export function endsOf(world) {
 /**
  * Returns what is drawn of each run, those in front last.
  * @param {RunScene} scene
- * @returns {DrivenRobot[]}
+ * @returns {SceneRobot[]}
  */
 export function drivenIn(scene) {
   const { world, run, step, number, others = [] } = scene;

@@ -5,7 +5,7 @@ import { drawHeads } from "#player/picture/arrows.js";
 import { shownRadius } from "#player/picture/ends.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { MARKS } from "#player/picture/marks.js";
-import { addBody, circle, fillMark, line, stroke, strokeMark } from "#player/picture/pen.js";
+import { addBody, circle, fillMark, innerRadius, line, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf } from "#player/picture/scene_robots.js";
 
 const RECENT = 300; // rows of a long path, while it plays, that fade
@@ -16,7 +16,7 @@ const SPOT = 3; // units: a smaller period is drawn as a spot
 /**
  * Draws the path that is still to be driven.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  */
 export function drawAhead(pen, { open, number }) {
   const { width, opacity } = MARKS.ahead;
@@ -26,7 +26,7 @@ export function drawAhead(pen, { open, number }) {
 /**
  * Draws the path up to the period, or all of it: it fades in.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  * @param {boolean} isWhole - Whether this is a still picture of a whole run
  */
 export function drawApproach(pen, one, isWhole) {
@@ -62,7 +62,7 @@ function evenly({ x, y }, to, count) {
 /**
  * Draws the floor that the robot's body covers in its period: the gaps that it does not fit through.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  * @param {boolean} isWhole
  */
 export function drawBand(pen, one, isWhole) {
@@ -90,17 +90,17 @@ export function drawBand(pen, one, isWhole) {
 /**
  * Draws the period as a closed line with one arrow.
  * @param {Pen} pen
- * @param {DrivenRobot} one
+ * @param {SceneRobot} one
  * @param {boolean} isWhole
  */
 export function drawLoop(pen, one, isWhole) {
-  const { open, entry, until, pose, number, radius } = one,
+  const { open, entry, until, pose, number } = one,
     { width, casing } = MARKS.loop,
     colour = colourOf(pen, "loop", number),
     { unit } = pen;
   if (entry >= until) return;
   if (isWhole && isSpot(pen, one)) {
-    drawSpot(pen, open.x[entry], open.y[entry], radius, colour);
+    drawSpot(pen, open.x[entry], open.y[entry], innerRadius(one), colour);
     return;
   }
   for (const [layer, hue, wide, alpha] of [["loop-casing", pen.colours.floor, casing, 0.8], ["loop", colour, width, 1]])
@@ -115,13 +115,14 @@ export function drawLoop(pen, one, isWhole) {
 /**
  * Returns whether a period is too small to see as a line.
  * @param {Pen} pen
- * @param {Pick<DrivenRobot, "open" | "entry" | "run" | "radius">} one
+ * @param {Pick<SceneRobot, "open" | "entry" | "run" | "radius" | "footprint">} one
  * @returns {boolean}
  */
-export function isSpot(pen, { open, entry, run, radius }) {
+export function isSpot(pen, one) {
+  const { open, entry, run } = one;
   const beyond = run.loop ? Math.min(open.at.length, rowAt(run, run.loop[0] + run.loop[1]) + 1) : open.at.length;
   const spread = Math.max(extent(open.x, entry, beyond), extent(open.y, entry, beyond));
-  return spread < Math.max((SPOT * pen.unit) / pen.scale, 0.1 * radius);
+  return spread < Math.max((SPOT * pen.unit) / pen.scale, 0.1 * innerRadius(one));
 }
 
 function extent(values, from, to) {
