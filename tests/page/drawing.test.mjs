@@ -82,15 +82,17 @@ test("a robot that stays out of walls marks none, however near it comes", () => 
   assert.equal(framed(pen, "pierced", 10).size, 0);
 });
 
-test("at a bump, the nearest walls are marked, from then on", () => {
+test("at a bump, the sides of the nearest walls that face the robot are marked, from then on", () => {
   const run = runOf({ at: [0, 1, 2], x: [6.3, 6.3, 6.3], y: [3.5, 4.5, 5.5], bump: [0, 1, 0] });
   const touched = (step, whole = false) => {
     const pen = penOf(room);
-    drawTouched(pen, { world: room, run, step, whole });
-    return framed(pen, "touched", 10);
+    drawTouched(pen, room, drivenIn({ world: room, run, step, number: null, show: SHOW }), whole);
+    const { calls } = pen.context;
+    assert.ok(calls.every(({ name, strokeStyle }) => name !== "stroke" || strokeStyle === "touched"));
+    return pen.context.of("moveTo").map(({ given: [x, y] }) => [Math.floor(x / pen.scale), room.height - 1 - Math.floor(y / pen.scale)].join());
   };
-  assert.deepEqual([touched(0).size, touched(1), touched(2)], [0, new Set(["7,4"]), new Set(["7,4"])]);
-  assert.deepEqual(touched(0, true), new Set(["7,4"]));
+  assert.deepEqual([touched(0), touched(1), touched(2)], [[], ["7,4"], ["7,4"]]);
+  assert.deepEqual(touched(0, true), ["7,4"]);
 });
 
 test("a beam ends at the first wall, or at its range", () => {

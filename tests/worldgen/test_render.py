@@ -147,13 +147,14 @@ def test_a_run_ends_in_a_ring_below_its_path():
     assert near(pixel(small_world(), 0.9, 1.1 + 0.07, trail=trail), hue("robot"), 60)
 
 
-def test_a_bump_frames_the_walls_that_the_robot_touches():
+def test_a_bump_marks_the_sides_of_walls_that_the_robot_touches():
     trail = square_trail(marks=[EventMark(0.93, 0.35, "bump")])
     world = small_world()
-    assert near(pixel(world, 1.0056, 0.35, trail=trail), hue("touched"), 20)
-    # Walls that it does not touch have no frame, nor has the middle of one that it does.
+    assert near(pixel(world, 1.0045, 0.35, trail=trail), hue("touched"), 20)
+    # Walls that it does not touch have no line, nor have the other sides.
     assert near(pixel(world, 1.05, 0.35, trail=trail), hue("wall"))
-    assert near(pixel(world, 1.0056, 0.45, trail=trail), hue("wall"))
+    assert near(pixel(world, 1.0955, 0.35, trail=trail), hue("wall"))
+    assert near(pixel(world, 1.0045, 0.45, trail=trail), hue("wall"))
 
 
 def test_the_border_is_marked_where_a_robot_touches_it():

@@ -194,7 +194,6 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
 
 def _shown(content: Content) -> set[str]:
     """Return the names of the marks in a picture that its legend explains."""
-    world = content.world
     proof = content.world.certificate
     view = content.view
     names = {
@@ -375,11 +374,8 @@ def _spot_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _touched_sample(x: float, y: float, unit: float) -> list[Primitive]:
     mark = MARKS["touched"]
-    inner = np.array(((7.0, -3.5), (19.0, -3.5), (19.0, 3.5), (7.0, 3.5))) * unit
-    return [
-        _square(x, y, unit, Paint(fill=hue("wall"))),
-        DrawnLine(np.array((x, y)) + inner, mark.line(unit), closed=True),
-    ]
+    ends = np.array(((x + 6.0 * unit, y - 4.0 * unit), (x + 20.0 * unit, y - 4.0 * unit)))
+    return [_square(x, y, unit, Paint(fill=hue("wall"))), DrawnLine(ends, mark.line(unit))]
 
 
 def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:

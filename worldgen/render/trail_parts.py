@@ -125,7 +125,7 @@ def body_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Pr
 def touched_parts(
     trails: Sequence[Trail], walls: Bools, robots: Sequence[Robot], frame: Frame
 ) -> list[Primitive]:
-    """Return a frame in each wall cell that a robot touches where the trails have bumps.
+    """Return a line along each side of a wall cell that a robot touches where the trails have bumps.
 
     Args:
         trails: A path of each robot.
@@ -134,36 +134,32 @@ def touched_parts(
         frame: The map's place in the picture.
     """
     mark = MARKS["touched"]
-    side = frame.cell / frame.scale
-    cells: dict[tuple[int, int], None] = {}
+    cell_size = frame.cell / frame.scale
+    sides: dict[tuple[int, int, int, int], None] = {}
     for trail, robot in zip(trails, robots, strict=False):
         bumps = [one for one in trail.marks if one.kind == "bump"]
         for one in bumps[:: max(1, -(-len(bumps) // MOST_DOTS))]:
             pose = BodyPose(one.x, one.y, one.heading or 0.0)
-            cells.update(dict.fromkeys(nearest_cells(walls, robot, pose, side)))
+            for cell in nearest_cells(walls, robot, pose, cell_size):
+                sides.update(dict.fromkeys(_facing(cell, one.x / cell_size, one.y / cell_size)))
     width = min(mark.width * frame.unit, 0.4 * frame.cell)
-    inset = 0.5 * width / frame.cell + min(0.08, 1.0 / frame.cell)
-    square = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
-    inner = inset + (1.0 - 2.0 * inset) * square
     paint = Paint(stroke=hue(mark.colour), width=width)
-    height, across = walls.shape
+    inset = 0.5 * width / frame.cell
     parts: list[Primitive] = []
-    for ix, iy in cells:
-        if 0 <= ix < across and 0 <= iy < height:
-            parts.append(DrawnLine(frame.corners(inner + np.array((ix, iy))), paint, closed=True))
-            continue
-        ends: tuple[tuple[float, float], ...]
-        # Outside the grid there are no cells to frame, so the border is marked.
-        if 0 <= iy < height:
-            x = -0.5 * width / frame.cell if ix < 0 else across + 0.5 * width / frame.cell
-            ends = ((x, iy), (x, iy + 1))
-        elif 0 <= ix < across:
-            y = -0.5 * width / frame.cell if iy < 0 else height + 0.5 * width / frame.cell
-            ends = ((ix, y), (ix + 1, y))
-        else:
-            continue
-        parts.append(DrawnLine(frame.corners(ends), paint))
+    for ix, iy, dx, dy in sides:
+        # Just inside the wall, from one of its corners to the next.
+        middle = np.array((ix + 0.5 + (0.5 - inset) * dx, iy + 0.5 + (0.5 - inset) * dy))
+        along = (0.5 - inset) * np.array((abs(dy), abs(dx)))
+        parts.append(DrawnLine(frame.corners((middle - along, middle + along)), paint))
     return parts
+
+
+def _facing(cell: tuple[int, int], x: float, y: float) -> list[tuple[int, int, int, int]]:
+    """Return the sides of a cell that face a place: its indices, and the side's direction."""
+    ix, iy = cell
+    across = -1 if x < ix else int(x > ix + 1)
+    up = -1 if y < iy else int(y > iy + 1)
+    return [(ix, iy, dx, dy) for dx, dy in ((across, 0), (0, up)) if dx or dy]
 
 
 def overlap_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:

@@ -10,6 +10,9 @@ import { circle, disc, fillMark, palette, robotColour, stroke, strokeMark } from
 
 export const SAMPLE = { width: 26, height: 14 }; // pixels
 
+// Marks that each of several robots has in its own colour.
+const OWN = new Set(["start", "target", "witness", "approach", "loop", "trail", "end"]);
+
 /** @typedef {{name: string, words: string, number?: number}} LegendItem */
 
 /**
@@ -27,7 +30,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   const present = {
     start: true,
     target: true,
-    signal: Boolean(sensors?.signal),
+    signal: Boolean(sensors?.signal) && !world.others?.length,
     witness: Boolean(world.witness),
     cut: Boolean(world.cut),
     "cut-poses": Boolean(world.cut_poses),
@@ -47,7 +50,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     named: Boolean(named?.length),
   };
   const robots = all.length > 1 ? all.map((one) => ({ name: "trail", words: `robot ${one.number}`, number: one.number ?? undefined })) : [];
-  return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "" }))];
+  return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "", number: all.length > 1 && OWN.has(name) ? 0 : undefined }))];
 }
 
 /**
@@ -97,13 +100,13 @@ export function drawSamples(place) {
  * @param {string} name
  * @param {number} left - pixels
  * @param {number} top
- * @param {number | null} number - Of a robot
+ * @param {number | null} number - Of a robot; 0 for any of several
  */
 export function drawSample(context, colours, name, left, top, number) {
   const { width, height } = SAMPLE,
     [x, y] = [left + width / 2, top + height / 2],
     mark = MARKS[name],
-    colour = colours[number ? robotColour(number) : mark.colour];
+    colour = colours[number === null ? mark.colour : number > 0 ? robotColour(number) : "quiet"];
   const same = (/** @type {number} */ value) => value;
   /** @type {Pen} */
   const pen = { context, colours, width, height, scale: 1, unit: 1, px: same, py: same, snap: same };
@@ -128,7 +131,9 @@ export function drawSample(context, colours, name, left, top, number) {
       square();
       context.fillStyle = colours.wall;
       context.fill();
-      square(2.5);
+      context.beginPath();
+      context.moveTo(x - 7, top + 3);
+      context.lineTo(x + 7, top + 3);
       strokeMark(pen, name);
     },
     breach: () => crossed(pen, x, y, 4),
@@ -163,7 +168,7 @@ export function drawSample(context, colours, name, left, top, number) {
       stroke(pen, colour, mark.width);
       context.globalAlpha = 1;
     } else strokeMark(pen, name, colour);
-    if (name === "loop" || (name === "trail" && !number)) drawHead(pen, x, y, 0, mark.size, colour);
+    if (name === "loop" || (name === "trail" && !(number && number > 0))) drawHead(pen, x, y, 0, mark.size, colour);
   }
   if (name === "start" || name === "end") drawTick(pen, { x, y, heading: 0 }, 6, colour);
   context.restore();

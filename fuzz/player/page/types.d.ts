@@ -140,7 +140,7 @@ interface OpenRun {
   bump: Uint8Array;
   active: Float64Array | null | undefined;
   pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean }>;
-  touched?: Map<string, { ix: number; iy: number; step: number; last: number }>;
+  touched?: Map<string, { ix: number; iy: number; dx: number; dy: number; step: number; last: number }>;
   numbered?: number[];
   series?: { name: string; unit: string; most: number; values: Float64Array; capped: boolean }[];
 }
@@ -616,6 +616,8 @@ interface Camera {
   fit(): void;
   /** Follows the robot. */
   robot(): void;
+  /** Shows what happens at the end: the period, or the robots that block each other. */
+  event(): void;
   move(dx: number, dy: number): void;
 }
 

@@ -28,7 +28,8 @@ export function composed(player) {
     { ...drawn, step, view: beside ? null : view, words: beside ? beside.words[1] : "" },
   ];
   const wide = Math.floor((WIDTH - EDGE * (maps.length + 1)) / maps.length);
-  const high = Math.round(Math.min(TALLEST, Math.max(240, ...maps.map(({ world }) => wide * ((world.height + 0.5) / (world.width + 0.5)) + 18))));
+  const seen = view && !beside ? player.canvas : null; // what the player shows of the world
+  const high = Math.round(seen ? (wide * seen.clientHeight) / seen.clientWidth : Math.min(TALLEST, Math.max(240, ...maps.map(({ world }) => wide * ((world.height + 0.5) / (world.width + 0.5)) + 18))));
   // First the words, because they say how tall the picture is.
   const canvas = document.createElement("canvas");
   const [head, ...rest] = drawn.says ?? [drawn.name ?? ""];
@@ -60,7 +61,7 @@ export function composed(player) {
   maps.forEach((one, k) => {
     const map = document.createElement("canvas");
     Object.assign(map, { width: wide * RATIO, height: high * RATIO });
-    drawScene(map, { ...one, show, whole: isWhole, size: { width: wide, height: high, ratio: RATIO } }, one.view && scaled(one.view, player.canvas, wide, high));
+    drawScene(map, { ...one, show, whole: isWhole, size: { width: wide, height: high, ratio: RATIO } }, one.view && { ...one.view, scale: (one.view.scale * wide) / player.canvas.clientWidth });
     const left = EDGE + k * (wide + EDGE);
     context.drawImage(map, left, top, wide, high);
     if (!one.words) return;
@@ -77,11 +78,6 @@ export function composed(player) {
     context.fillText(item.words, left + SAMPLE.width + 6, at + 11);
   }
   return canvas;
-}
-
-// Returns a view with the same middle and width in another size.
-function scaled(view, canvas, width, height) {
-  return { ...view, scale: view.scale * Math.min(width / (canvas.clientWidth || width), height / (canvas.clientHeight || height)) };
 }
 
 /** @param {CanvasRenderingContext2D} context */

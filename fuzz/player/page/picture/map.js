@@ -42,7 +42,7 @@ const DRAWN = {
   burnt: ({ pen, world, cells }) => drawBurnt(pen, world, cells),
   wall: ({ pen, world, cells }) => drawWalls(pen, world, cells),
   burns: ({ pen, world, cells, show }) => show.changes && drawComing(pen, world, cells),
-  touched: ({ pen, scene, show }) => scene && show.touched && drawTouched(pen, scene),
+  touched: ({ pen, world, robots, show, whole }) => show.touched && drawTouched(pen, world, robots, whole),
   cut: ({ pen, world, show }) => show.witness && drawCut(pen, world),
   "cut-poses": ({ pen, world, show }) => show.witness && drawCutPoses(pen, world),
   band: ({ pen, robots, show, whole }) => show.trail && robots.forEach((one) => drawBand(pen, one, whole)),
@@ -108,7 +108,7 @@ export function drawScene(canvas, scene, view = null) {
  * @param {DrawnRun} run
  * @returns {RunScene}
  */
-function runScene(scene, run) {
+export function runScene(scene, run) {
   // In a world of several robots, the first is in front.
   return { ...scene, run, step: scene.step ?? 0, number: scene.number ?? (scene.others?.length ? 1 : null) };
 }

@@ -1,15 +1,15 @@
-// The wall cells that the robot touches, and the step of the first touch.
+// The sides of walls that the robots touch, and the step of the first touch.
 
-import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
+import { SOLID, cellsAt, openRun, openWorld, stateAt } from "#player/decode.js";
 import { MARKS } from "#player/picture/marks.js";
 import { stroke } from "#player/picture/pen.js";
 
 const SAME = 0.03; // cells: walls whose distances differ by less are touched together
 const NEAR = 0.5; // cells: a wall farther away is not touched
 
-// Returns the wall cells that the robot touches: those nearest to its body at a bump,
-// each with the first and the last such step.
-function touchedCells(world, run) {
+// Returns the sides of wall cells that the robot touches: of those nearest to its body at a bump
+// the sides that face it, each with the first and the last such step.
+function touchedSides(world, run) {
   const open = openRun(run);
   if (open.touched) return open.touched;
   open.touched = new Map();
@@ -17,10 +17,15 @@ function touchedCells(world, run) {
     if (!open.bump[row]) continue;
     const cells = cellsAt(world, open.at[row] * run.dt * 1000);
     for (const [ix, iy] of nearestWalls(cells, world, open.x[row], open.y[row], open.heading[row])) {
-      const key = `${ix},${iy}`;
-      const known = open.touched.get(key);
-      if (known) known.last = open.at[row];
-      else open.touched.set(key, { ix, iy, step: open.at[row], last: open.at[row] });
+      const across = open.x[row] < ix ? -1 : Number(open.x[row] > ix + 1),
+        up = open.y[row] < iy ? -1 : Number(open.y[row] > iy + 1);
+      for (const [dx, dy] of [[across, 0], [0, up]]) {
+        if (dx === 0 && dy === 0) continue;
+        const key = `${ix},${iy},${dx},${dy}`,
+          known = open.touched.get(key);
+        if (known) known.last = open.at[row];
+        else open.touched.set(key, { ix, iy, dx, dy, step: open.at[row], last: open.at[row] });
+      }
     }
   }
   return open.touched;
@@ -66,31 +71,29 @@ function gapOfBody(footprint, x, y, heading) {
 }
 
 /**
- * Draws a frame in each wall that is touched: in a still picture of a loop, of those that it repeats.
+ * Draws a line along each side of a wall that is touched: in a still picture of a loop, of those
+ * that it repeats.
  * @param {Pen} pen
- * @param {RunScene} scene
+ * @param {SceneWorld} world
+ * @param {SceneRobot[]} robots
+ * @param {boolean} isWhole
  */
-export function drawTouched(pen, scene) {
-  const { context, px, py, colours } = pen,
-    { world, run, whole } = scene;
+export function drawTouched(pen, world, robots, isWhole) {
+  const { context, px, py, colours } = pen;
   const width = Math.min(MARKS.touched.width * pen.unit, 0.4 * pen.scale),
-    inset = width / 2 + Math.min(1, 0.08 * pen.scale);
-  const touched = [...touchedCells(world, run).values()],
-    entry = whole && run.loop ? run.loop[0] : 0;
-  const repeated = touched.filter(({ last }) => last > entry);
-  for (const { ix, iy, step } of repeated.length > 0 ? repeated : touched) {
-    if (!whole && step > scene.step) continue;
-    const isAcross = ix >= 0 && ix < world.width,
-      isUp = iy >= 0 && iy < world.height;
-    context.beginPath();
-    if (isAcross && isUp) context.rect(px(ix) + inset, py(iy + 1) + inset, pen.scale - 2 * inset, pen.scale - 2 * inset);
-    else if (isAcross || isUp) {
-      // Outside the grid there are no cells to frame, so the border is marked.
-      const x = ix < 0 ? px(0) - width / 2 : px(world.width) + width / 2,
-        y = iy < 0 ? py(0) + width / 2 : py(world.height) - width / 2;
-      context.moveTo(isUp ? x : px(ix), isUp ? py(iy) : y);
-      context.lineTo(isUp ? x : px(ix + 1), isUp ? py(iy + 1) : y);
+    reach = 0.5 - width / 2 / pen.scale;
+  for (const { run, step: now, radius, footprint } of robots) {
+    const touched = [...touchedSides({ ...world, open: openWorld(world), radius, footprint }, run).values()],
+      entry = isWhole && run.loop ? run.loop[0] : 0,
+      repeated = touched.filter(({ last }) => last > entry);
+    for (const { ix, iy, dx, dy, step } of repeated.length > 0 ? repeated : touched) {
+      if (!isWhole && step > now) continue;
+      // Just inside the wall, from one of its corners to the next.
+      const [x, y] = [ix + 0.5 + reach * dx, iy + 0.5 + reach * dy];
+      context.beginPath();
+      context.moveTo(px(x - reach * Math.abs(dy)), py(y - reach * Math.abs(dx)));
+      context.lineTo(px(x + reach * Math.abs(dy)), py(y + reach * Math.abs(dx)));
+      stroke(pen, colours[MARKS.touched.colour], width);
     }
-    stroke(pen, colours[MARKS.touched.colour], width);
   }
 }

@@ -12,14 +12,15 @@ const LAST = 12; // radii: the last part of a path without a period that is part
  * @param {RunScene} scene - A whole run
  * @param {number} width - pixels
  * @param {number} height
+ * @param {number} [least] - Diameter of the robot, pixels, from which on the whole world is shown
  * @returns {View | null}
  */
-export function eventView(scene, width, height) {
+export function eventView(scene, width, height, least = CARD.robot) {
   const { world } = scene;
   const robots = drivenIn(scene),
     radius = Math.max(...robots.map((one) => one.radius));
   const whole = fitView(world, width, height);
-  if (2 * radius * whole.scale >= CARD.robot) return null;
+  if (2 * radius * whole.scale >= least) return null;
   const named = new Set(robots.flatMap(({ run }) => run.blocked_by ?? []));
   const involved = robots.filter(({ run, number }) => run.blocked_by?.length || (number && named.has(number)));
   // The box of the period, or of the last part of the path.
@@ -37,7 +38,7 @@ export function eventView(scene, width, height) {
   }
   const around = 2 * CARD.around * radius,
     room = height - BAR_ROOM;
-  const scale = Math.max(whole.scale, Math.min(CARD.robot / (2 * radius), width / (right - left + around), room / (high - low + around)));
+  const scale = Math.max(whole.scale, Math.min(least / (2 * radius), width / (right - left + around), room / (high - low + around)));
   // Within the world, so that no space is lost on what is outside.
   const within = (middle, size, side) => (size >= side ? side / 2 : Math.min(side - size / 2, Math.max(size / 2, middle)));
   return {
