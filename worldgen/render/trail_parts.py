@@ -146,7 +146,11 @@ def touched_parts(
     paint = Paint(stroke=hue(mark.colour), width=width)
     inset = 0.5 * width / frame.cell
     parts: list[Primitive] = []
+    height, across = walls.shape
     for ix, iy, dx, dy in sides:
+        # Between two walls there is nothing to touch.
+        if not (0 <= ix + dx < across and 0 <= iy + dy < height) or walls[iy + dy, ix + dx]:
+            continue
         # Just inside the wall, from one of its corners to the next.
         middle = np.array((ix + 0.5 + (0.5 - inset) * dx, iy + 0.5 + (0.5 - inset) * dy))
         along = (0.5 - inset) * np.array((abs(dy), abs(dx)))

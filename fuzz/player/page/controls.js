@@ -94,7 +94,7 @@ function robotButtons({ drawn }, bring) {
  * @param {Player} player
  * @param {number} number
  */
-export function bringToFront({ drawn }, number) {
+function bringToFront({ drawn }, number) {
   const { run, others = [] } = drawn,
     next = others.find((one) => one.number === number);
   if (!run || !next) return;

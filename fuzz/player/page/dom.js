@@ -147,7 +147,7 @@ export function say(text) {
  * @param {string} verdict
  * @returns {string}
  */
-export const signOf = (verdict) => ({ ...SIGNS, "still driving": "…", "stopped by you": "■" })[verdict] ?? "✗";
+const signOf = (verdict) => ({ ...SIGNS, "still driving": "…", "stopped by you": "■" })[verdict] ?? "✗";
 
 /**
  * Returns a cause in words: `stands still`. The reason of an error names places in code, so it

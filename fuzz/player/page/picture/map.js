@@ -133,7 +133,7 @@ export function drawSmall(canvas, drawn, more = {}) {
  * @param {Shown} show
  * @returns {Scene}
  */
-export function stillOf({ world, run, sensors, number, others, named }, show) {
+function stillOf({ world, run, sensors, number, others, named }, show) {
   const last = Math.max(...[run, ...(others ?? []).map((other) => other.run)].map((one) => one?.steps ?? 0));
   return { world, run, sensors, number, others, named, show, whole: true, step: last };
 }

@@ -85,7 +85,7 @@ function drawAlong(pen, one, places) {
  * @param {number} across
  * @param {number} down
  */
-export function drawNumber(pen, number, across, down) {
+function drawNumber(pen, number, across, down) {
   const { context, colours, unit } = pen,
     { size, casing } = MARKS.number;
   context.save();

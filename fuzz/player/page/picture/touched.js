@@ -20,7 +20,8 @@ function touchedSides(world, run) {
       const across = open.x[row] < ix ? -1 : Number(open.x[row] > ix + 1),
         up = open.y[row] < iy ? -1 : Number(open.y[row] > iy + 1);
       for (const [dx, dy] of [[across, 0], [0, up]]) {
-        if (dx === 0 && dy === 0) continue;
+        // Between two walls there is nothing to touch.
+        if ((dx === 0 && dy === 0) || stateAt(cells, world, ix + dx, iy + dy) === SOLID) continue;
         const key = `${ix},${iy},${dx},${dy}`,
           known = open.touched.get(key);
         if (known) known.last = open.at[row];

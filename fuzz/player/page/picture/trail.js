@@ -118,7 +118,7 @@ export function drawLoop(pen, one, isWhole) {
  * @param {Pick<SceneRobot, "open" | "entry" | "run" | "radius" | "footprint">} one
  * @returns {boolean}
  */
-export function isSpot(pen, one) {
+function isSpot(pen, one) {
   const { open, entry, run } = one;
   const beyond = run.loop ? Math.min(open.at.length, rowAt(run, run.loop[0] + run.loop[1]) + 1) : open.at.length;
   const spread = Math.max(extent(open.x, entry, beyond), extent(open.y, entry, beyond));
