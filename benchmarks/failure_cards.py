@@ -20,7 +20,7 @@ from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from sim.controllers.catalogue import CONTROLLERS
 from tests.helpers.browser import chromium_browser
 
-_SIDE = 190
+SIDE = 190
 _CORPORA = Path(__file__).parents[1] / "corpora"
 _FAILURES = (
     "failures/bug1/swept/circles-an-obstacle.grid",
@@ -47,7 +47,7 @@ _FAILURES = (
 _STYLE = (
     "body { margin: 8px; width: 1010px; } "
     ".cards { display: grid; grid-template-columns: repeat(5, 190px); gap: 12px; } "
-    f"canvas {{ width: {_SIDE}px; height: {_SIDE}px; }}"
+    f"canvas {{ width: {SIDE}px; height: {SIDE}px; }}"
 )
 _SCRIPT = """
 import { byId, el } from "#player/dom.js";

@@ -76,7 +76,7 @@ export function drawCutPoses(pen, world) {
 // Makes a path of the places that are set, row by row, joined.
 function placesPath({ context, px, py }, bits, width, height, fineness) {
   context.beginPath();
-  const isSet = (k) => (bits[k >> 3] >> (7 - (k & 7))) & 1;
+  const isSet = (k) => (bits[k >> 3] >> (k & 7)) & 1;
   for (let row = 0; row < height; row += 1)
     for (let column = 0; column < width; column += 1) {
       if (!isSet(row * width + column)) continue;

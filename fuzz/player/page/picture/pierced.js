@@ -133,7 +133,7 @@ function stripe(pen, ix, iy, over, named) {
   }
   context.beginPath();
   context.rect(left, top, scale, scale);
-  stroke(pen, colours[MARKS.pierced.colour], MARKS.pierced.width * pen.unit * (named ? 1.5 : 1), over ? [] : [4, 3]);
+  stroke(pen, colours[MARKS.pierced.colour], MARKS.pierced.width * pen.unit * (over ? (named ? 1.5 : 1) : 0.75), over ? [] : [4, 3]);
 }
 
 function crossAt(pen, x, y) {
