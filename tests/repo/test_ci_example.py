@@ -21,7 +21,7 @@ pytestmark = pytest.mark.gate
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "ci"
 WORKFLOW = ".github/workflows/worldgen.yml"
-GUIDE = (ROOT / "docs" / "tutorials" / "ci.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs" / "reference" / "ci.md").read_text(encoding="utf-8")
 QUICK = {
     "controller": "./robot.py:Robot",
     "families": "rooms",

@@ -403,7 +403,7 @@ def test_every_shipped_map_is_credited():
 
 
 def test_the_page_names_every_option():
-    page = (Path(__file__).parents[2] / "docs" / "howto" / "import-maps.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "import-formats.md").read_text()
     options = [
         f"`{option}"
         for parameter in cli.get_command(None, "import").params
