@@ -1,7 +1,9 @@
 // The drawing board: a canvas that shows the world, the current edit, the world's proof, and a run.
 
 import { openWitness } from "#player/decode.js";
+import { pixelOf } from "#player/picture/many_cells.js";
 import { drawScene } from "#player/picture/map.js";
+import { MARKS } from "#player/picture/marks.js";
 import { bodyPath, disc, fitView, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
 import { drawnOf, headingTip, kindOf, othersOf } from "#player/edit/drawn_world.js";
 import { pictureOf } from "#player/edit/pattern_picture.js";
@@ -144,7 +146,7 @@ function drawBoard(board) {
   const { canvas, model, show } = board;
   const world = sceneWorld(model, show.proof ? board.proof : null),
     view = board.now();
-  const { run } = board;
+  const run = show.run === false ? null : board.run;
   const shown = { witness: show.proof, grid: show.grid, changes: true, ...run?.show };
   drawScene(canvas, { world, ms: board.time * 1000, ...run, show: shown }, view);
   // Everything else is drawn on top of the scene, from the lowest layer to the highest.
@@ -182,18 +184,17 @@ function drawSignal(pen, { signal, model }) {
   const { width, height } = model.world;
   if (signal.values.length !== width * height) return;
   if (!signal.picture) {
-    const [red, green, blue] = pen.colours.signal.split(" ").map(Number);
     signal.picture = new OffscreenCanvas(width, height);
     const context = signal.picture.getContext("2d"),
       image = context.createImageData(width, height);
     const pixels = new Uint32Array(image.data.buffer),
-      colour = (blue << 16) | (green << 8) | red,
+      colour = pixelOf(pen.colours[MARKS.signal.colour], 0),
       most = Math.log1p(signal.most);
     for (let k = 0; k < signal.values.length; k += 1) {
       if (signal.values[k] < 0) continue;
       const strength = 1 - Math.log1p(signal.values[k]) / most;
       const row = height - 1 - Math.floor(k / width);
-      pixels[row * width + (k % width)] = (Math.round(20 + 180 * strength) << 24) | colour;
+      pixels[row * width + (k % width)] = ((Math.round(20 + 180 * strength) << 24) | colour) >>> 0;
     }
     context.putImageData(image, 0, 0);
   }

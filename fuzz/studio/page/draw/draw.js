@@ -1,7 +1,7 @@
 // The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
-import { choice, el, grouped, keyButton } from "#player/dom.js";
-import { proofWords } from "#player/edit/answer.js";
+import { choice, el, grouped, keyButton, shortName, verdictDot } from "#player/dom.js";
+import { proofWords, runWords } from "#player/edit/answer.js";
 import { makeBoard } from "#player/edit/board.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { makeFiles } from "#studio/draw/files.js";
@@ -18,6 +18,7 @@ const VIEWS = {
   grid: ["Grid", "#"],
   ruler: ["Ruler", "u"],
   proof: ["Path", "w"],
+  run: ["Run", "v"],
   signal: ["Signal", "i"],
   noise: ["Noise", "n"],
 };
@@ -38,7 +39,7 @@ export function makeDraw(section, studio) {
     "aria-label": "Drawing board",
     "aria-describedby": "place proof board-keys",
   });
-  const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
+  const show = { grid: true, ruler: true, proof: true, run: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { studio, say: studio.say, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
@@ -60,6 +61,7 @@ export function makeDraw(section, studio) {
     redraw: () => (board.draw(), parts.bodies.maker.redraw()),
     where: (point) => showPlace(draw, parts, point),
     senseSignal: () => senseSignal(draw),
+    showRun: (run, robot, why) => showRun(draw, parts, run, robot, why),
     bring: (dropped) => {
       draw.panel("files");
       parts.bodies.files.bring(dropped);
@@ -307,10 +309,20 @@ function showPlace(draw, parts, point) {
   parts.proof.replaceChildren(el("b", {}, head), words);
 }
 
+// Shows how a robot's run in the drawing ends, or why there is none. Play runs it with everything
+// that can be seen of it.
+function showRun({ board }, parts, run, robot, why) {
+  const name = shortName(robot);
+  board.run = run && { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } };
+  const words = run ? [`${name}: `, verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)}`] : [why && `${name}: ${why}`];
+  parts.run.replaceChildren(...words);
+}
+
 // Makes the status below the board; it also describes the board to screen readers.
 function statusParts() {
   const where = el("span", { class: "place", id: "place" }),
+    run = el("span", { class: "drawn-run", id: "drawn-run" }),
     proof = el("span", { class: "proof", id: "proof", role: "status" }),
     keys = el("span", { class: "away", id: "board-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
-  return { where, proof, status: el("div", { class: "status" }, where, proof, keys) };
+  return { where, run, proof, status: el("div", { class: "status" }, el("div", {}, where, run), proof, keys) };
 }

@@ -46,21 +46,26 @@ export async function askSignal(studio, noise, about) {
  * Makes a function that asks for the proof after each change; its `widest` searches for the widest
  * robot on request.
  * @param {Studio} studio - Its model and connection
- * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a
- *   placeholder if it takes a while
+ * @param {() => boolean} judge - Judges the drawing in the page; returns whether that will tell the
+ *   proof
+ * @param {(proof: Proof | null) => void} proved - Called with the proof of the current drawing, or a
+ *   placeholder if it takes a while; null while it is unknown
  * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that
  *   passes, m;
  *     null while it is unknown, LOOKING during a search on request
  * @returns {{(): void, widest: () => Promise<void>}}
  */
-export function makeProver(studio, proved, widest) {
+export function makeProver(studio, judge, proved, widest) {
   const state = { soon: 0, later: 0, version: -1 };
   const prove = () => {
     clearTimeout(state.soon);
     clearTimeout(state.later);
     if (state.version !== studio.model.version) widest(null); // saving does not change the result
     state.version = studio.model.version;
-    state.soon = setTimeout(() => decide(studio, proved), robotsIn(studio.model.world) > 1 ? LATER : SOON);
+    if (!judge()) {
+      proved(null);
+      state.soon = setTimeout(() => decide(studio, proved), robotsIn(studio.model.world) > 1 ? LATER : SOON);
+    }
     if (!isWidestByHand(studio.model.world)) state.later = setTimeout(() => measure(studio, widest), LATER);
   };
   prove.widest = () => {
