@@ -21,13 +21,13 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "21e44922d4cb1c78",
+        "da504c7a32f78e41",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "4ac52739e46889b6"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "49ea9048bb400eb6"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "6c7498c009f5a96b",
+        "1e153305dfa38d8e",
     ),
 }
 

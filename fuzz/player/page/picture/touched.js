@@ -89,11 +89,11 @@ export function drawTouched(pen, world, robots, isWhole) {
       repeated = touched.filter(({ last }) => last > entry);
     for (const { ix, iy, dx, dy, step } of repeated.length > 0 ? repeated : touched) {
       if (!isWhole && step > now) continue;
-      // Just inside the wall, from one of its corners to the next.
+      // Just inside the wall, from one of its corners to the next, so that sides in a row join.
       const [x, y] = [ix + 0.5 + reach * dx, iy + 0.5 + reach * dy];
       context.beginPath();
-      context.moveTo(px(x - reach * Math.abs(dy)), py(y - reach * Math.abs(dx)));
-      context.lineTo(px(x + reach * Math.abs(dy)), py(y + reach * Math.abs(dx)));
+      context.moveTo(px(x - 0.5 * Math.abs(dy)), py(y - 0.5 * Math.abs(dx)));
+      context.lineTo(px(x + 0.5 * Math.abs(dy)), py(y + 0.5 * Math.abs(dx)));
       stroke(pen, colours[MARKS.touched.colour], width);
     }
   }
