@@ -21,13 +21,13 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "da504c7a32f78e41",
+        "4a540cf683b83f0d",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "49ea9048bb400eb6"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "874633bd1dec9747"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "1e153305dfa38d8e",
+        "3d6f48ee5c3e05cf",
     ),
 }
 
