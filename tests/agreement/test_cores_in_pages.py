@@ -136,7 +136,7 @@ def proofs_agree(seed, count):
     return [proof["reachable"] for proof in found]
 
 
-def run_of(rng):
+def run_of(rng, *, record):
     """A question about an edited world with the recipe of the world before, and Python's episode."""
     while True:
         before, world = edited(rng, everything=False)
@@ -154,7 +154,7 @@ def run_of(rng):
             recipe = live_question(
                 before, controller_of(name), options_from(before, None, settings)
             )
-            episode = simulate(world, name, options, record=True)
+            episode = simulate(world, name, options, record=record)
         except WorldgenError:
             continue
         question = live_question(world, None, None)
@@ -167,7 +167,8 @@ def run_of(rng):
 
 def runs_agree(seed, count):
     rng = random.Random(seed)
-    asked = [run_of(rng) for _ in range(count)]
+    # Recording takes longer than the run, so one in five is enough to compare the paths.
+    asked = [run_of(rng, record=k % 5 == 0) for k in range(count)]
     verdicts = set()
     for (question, episode, settings), answer in zip(
         asked, judged(question for question, _, _ in asked), strict=True
@@ -191,7 +192,8 @@ def runs_agree(seed, count):
         # What confines a robot takes an analysis of its whole trace.
         known = None if episode.verdict in ("stalled", "crash", "invalid-command") else evidence
         assert run.get("evidence") == known, settings
-        trail_agrees(run["drawn"], episode, question["world"]["cell_size"])
+        if episode.trace is not None:
+            trail_agrees(run["drawn"], episode, question["world"]["cell_size"])
         verdicts.add(expected["verdict"])
     return verdicts
 
