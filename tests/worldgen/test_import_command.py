@@ -402,17 +402,6 @@ def test_every_shipped_map_is_credited():
         assert f"`{file.name}`" in text or file.name == "README.md", file.name
 
 
-def test_the_page_names_every_option():
-    page = (Path(__file__).parents[2] / "docs" / "reference" / "import-formats.md").read_text()
-    options = [
-        f"`{option}"
-        for parameter in cli.get_command(None, "import").params
-        for option in parameter.opts[:1]
-        if option.startswith("--")
-    ]
-    assert [word for word in options if word not in page] == []
-
-
 YAML = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 
 
