@@ -73,7 +73,8 @@ class NaturalRun(NamedTuple):
         family: The family that made the world.
         verdict: Its verdict.
         cause: Why the robot does not arrive; ``None`` if it does.
-        clearance: How wide the path is, a name in :data:`CLEARANCES`; empty if no path is proved.
+        clearance: How wide the path is, in radii, or widths of a footprint; a name in
+            :data:`CLEARANCES`, empty if no path is proved.
         turns: How winding it is, a name in :data:`TURNS`; as above.
     """
 
@@ -341,7 +342,12 @@ def _path_in(world: World) -> tuple[str, str]:
     witness = world.certificate
     if not isinstance(witness, Witness):
         return "", ""
-    share = bottleneck(world, world.walls) / world.robot_radius
+    robot = world.robots[0]
+    if robot.is_disc:
+        share = bottleneck(world, world.walls) / robot.radius
+    else:
+        # As for a disc that is as wide as the footprint: what its path leaves to spare on both sides.
+        share = 1.0 + witness.clearance / (0.5 * float(np.ptp(robot.footprint, axis=0).min()))
     turns = _quarter_turns(witness)
     return (
         CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)],

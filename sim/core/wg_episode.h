@@ -201,7 +201,7 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
 // Words of the WgCarriage that follows a robot's memory; 0 if it has none.
 int64_t wg_carriage_words(const WgSettings *settings);
 
-// Returns how many straight legs a step may have: one, or several for a car.
+// Returns how many straight moves a step may have: one, or several for a car.
 int64_t wg_most_legs(const WgSettings *settings);
 
 // Runs at most this many steps, at least one, and for about a tenth of a second.
