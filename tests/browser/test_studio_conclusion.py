@@ -46,7 +46,7 @@ def campaign(tmp_path_factory):
 def test_an_ended_campaign_ends_with_the_answer_of_the_terminal(browser, campaign):
     result = read_overview(campaign)
     with studio_of(campaign.parent) as gate, opened(browser, gate, until=None) as page:
-        page.keyboard.press("3")
+        page.locator("#tabs").get_by_role("link", name="Campaign").click()
         told = page.locator("#conclusion")
         told.locator("li").first.wait_for()
         answer = answer_of(msgspec.structs.replace(result, summary=read_summary(campaign)))
@@ -68,7 +68,7 @@ def test_a_failure_is_drawn_as_soon_as_its_file_is_there(browser, campaign, tmp_
     for path in (first, *others):
         path.unlink()
     with studio_of(tmp_path) as gate, running(folder), opened(browser, gate, until=None) as page:
-        page.keyboard.press("3")
+        page.locator("#tabs").get_by_role("link", name="Campaign").click()
         page.locator("#campaign-state").wait_for()
         assert page.locator(".card").count() == 0
         first.write_bytes(kept)
