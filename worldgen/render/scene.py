@@ -354,7 +354,8 @@ def _blocked(content: Content, mark: Mark) -> list[Primitive]:
 
 
 def _numbers(content: Content, mark: Mark) -> list[Primitive]:
-    if not content.has_several:
+    # A small picture of a world without a run shows its walls.
+    if not content.has_several or (content.view.is_card and not content.trails):
         return []
     parts: list[Primitive] = []
     for number, robot in enumerate(content.world.robots if content.world.is_fleet else ()):
