@@ -23,7 +23,7 @@ export function makeStatus(campaign) {
     strategies: el("tbody", {}),
     fault: el("p", { class: "notice", role: "alert", hidden: true }),
     best: el("p", { class: "best-line", id: "best-so-far" }),
-    conclusion: el("section", { class: "conclusion", id: "conclusion", "aria-label": "What it found out", hidden: true }),
+    conclusion: el("section", { class: "conclusion", id: "conclusion", tabindex: "0", "aria-label": "What it found out", hidden: true }),
   };
   const table = (title, names, body) =>
     el(
