@@ -1,6 +1,7 @@
 """A report opened in Chromium, from disk."""
 
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -499,3 +500,16 @@ def test_lines_of_code_need_no_scrolling_sideways(browser, python_address):
 def test_a_compiled_controller_has_reactions_and_no_lines(page):
     assert page.locator("#answer .reactions").first.is_visible()
     assert page.locator(".code").count() == 0
+
+
+@pytest.mark.gate
+def test_a_report_of_several_controllers_begins_with_a_table_of_them(browser, tmp_path):
+    for name in ("thesis-1-loop-104", "thesis-2-corner-tunnel"):
+        shutil.copy(CORPUS / f"{name}.grid", tmp_path)
+    write_report([tmp_path], tmp_path / "report.html")
+    with page_in(browser) as page:
+        page.goto((tmp_path / "report.html").as_uri())
+        rows = page.locator(".controllers tbody tr")
+        assert rows.count() == page.locator(".answer").count() == 2
+        assert "goes through a wall" in rows.first.inner_text()  # the worst comes first
+        assert page.complaints == []
