@@ -406,7 +406,7 @@ def test_a_picture_on_paper_keeps_its_proportions_and_its_theme_is_light(page):
 
 def test_the_scale_bar_is_below_the_world(page):
     """The solid ground around a world is in one colour to its last corner."""
-    canvas = page.locator(".card canvas").first
+    canvas = page.locator(".answer canvas[data-which=now]").first
     canvas.scroll_into_view_if_needed()
     page.wait_for_timeout(500)
     assert canvas.evaluate(LOWER_CORNERS) is True
