@@ -12,7 +12,8 @@ from setuptools.command.build_ext import build_ext
 sys.path.insert(0, str(Path(__file__).parent))  # setuptools may run this file from elsewhere
 
 from build_tools.cores import CORES, ROOT, compile_core, replace_module, suffix
-from build_tools.targets import chosen_target
+from build_tools.targets import chosen_target, zig
+from build_tools.wasm import NAME, compile_module, module_of
 
 TARGET = chosen_target()
 
@@ -34,6 +35,13 @@ class BuildCores(build_ext):
         in_place = ROOT / self.get_ext_filename(ext.name)
         if TARGET is None and made.resolve() != in_place:
             replace_module(made, in_place)
+        # The modules for pages take as long again and a compiler of 90 MB, so they are made where
+        # that compiler is anyway: for wheels, and on machines without another one.
+        if core.in_pages and zig():
+            module = made.with_name(NAME)
+            compile_module(core, module, Path(self.build_temp) / f"{ext.name}.wasm")
+            if TARGET is None and module.resolve() != module_of(core):
+                replace_module(module, module_of(core))
 
 
 wheel = {"py_limited_api": "cp311"} | ({} if TARGET is None else {"plat_name": TARGET.platform})

@@ -72,12 +72,15 @@ class Core:
         sources: Folders of C files.
         headers: Files whose declarations Python sees, in order.
         interfaces: Folders of headers that other packages share with this one.
+        in_pages: Functions that pages call, in the module that ``build_tools/wasm.py`` makes of
+            it; none if pages have no use for this core.
     """
 
     module: str
     sources: tuple[str, ...]
     headers: tuple[str, ...]
     interfaces: tuple[str, ...]
+    in_pages: tuple[str, ...] = ()
 
     @property
     def exists(self) -> bool:
@@ -141,6 +144,31 @@ CORES = (
             "worldgen/core/car/wg_car.h",
         ),
         ("worldgen/include",),
+        in_pages=(
+            "wg_still_decide",
+            "wg_still_free",
+            "wg_cut_search_new",
+            "wg_cut_search_advance",
+            "wg_cut_length",
+            "wg_cut_cells",
+            "wg_cut_search_free",
+            "wg_chain_around",
+            "wg_chain_gap_sq",
+            "wg_disc_rasters",
+            "wg_flood",
+            "wg_search_new",
+            "wg_search_advance",
+            "wg_search_be_content",
+            "wg_search_path_length",
+            "wg_search_path",
+            "wg_search_free",
+            "wg_shorten",
+            "wg_poses_new",
+            "wg_poses_count",
+            "wg_poses_describe",
+            "wg_poses_next",
+            "wg_poses_free",
+        ),
     ),
     Core(
         "sim._core",
@@ -156,6 +184,28 @@ CORES = (
             "sim/core/thesis/wg_thesis.h",
         ),
         ("worldgen/include", "sim/include", _STABLE_ABI),
+        in_pages=(
+            "wg_heading_table",
+            "wg_near_masks",
+            "wg_chessboard_clearance",
+            "wg_ray_table",
+            "wg_beam_spread",
+            "wg_free_runs",
+            "wg_robot_is_clear",
+            "wg_library_act",
+            "wg_carriage_words",
+            "wg_most_legs",
+            "wg_episode_new",
+            "wg_episode_record",
+            "wg_episode_run",
+            "wg_episode_entry",
+            "wg_episode_free",
+            "wg_run_begin",
+            "wg_run_goes_on",
+            "wg_thesis_add_noise",
+            "wg_thesis_begin",
+            "wg_thesis_run",
+        ),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are
     # compiled into it.
@@ -222,29 +272,15 @@ def compile_core(
     Raises:
         subprocess.CalledProcessError: If the compiler rejects something; it has printed the reason.
     """
-    # Write the binding, and collect all headers.
     command = compiler(target)
     work.mkdir(parents=True, exist_ok=True)
     binding = work / "binding.c"
     _write_binding(core, binding)
-    includes = [f"-I{ROOT / folder}" for folder in core.includes]
-    headers = sorted(
-        file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h")
-    )
-    # Compile what has changed: the name of an object has a digest of all that it depends on.
-    objects = []
-    jobs = []
-    for source in [*core.c_files(), binding]:
-        own = BINDING if source == binding else ()
-        line = [*command, *FLAGS, *flags, *own, *includes]
-        digest = hashlib.sha256(repr(line).encode())
-        for file in [source, *headers]:
-            digest.update(file.read_bytes())
-        compiled = work / f"{source.stem}-{digest.hexdigest()[:16]}.o"
-        objects.append(str(compiled))
-        if not compiled.exists():
-            jobs.append([*line, "-c", str(source), "-o", str(compiled)])
-    _run_side_by_side(jobs)
+    line = [*command, *FLAGS, *flags]
+    objects = [
+        *compile_files(core, core.c_files(), line, work),
+        *compile_files(core, [binding], [*line, *BINDING], work),
+    ]
 
     # Link the module next to its place first.
     made.parent.mkdir(parents=True, exist_ok=True)
@@ -256,8 +292,39 @@ def compile_core(
     replace_module(fresh, made)
 
 
+def compile_files(
+    core: Core, sources: Sequence[Path], line: Sequence[str], work: Path
+) -> list[str]:
+    """Compile those C files of a core that have changed, and return all their objects.
+
+    The name of an object has a digest of everything that it depends on.
+
+    Args:
+        core: The core, whose headers they include.
+        sources: The C files.
+        line: The compiler's command with its flags.
+        work: Folder for the objects.
+    """
+    line = [*line, *(f"-I{ROOT / folder}" for folder in core.includes)]
+    headers = sorted(
+        file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h")
+    )
+    objects = []
+    jobs = []
+    for source in sources:
+        digest = hashlib.sha256(repr(line).encode())
+        for file in [source, *headers]:
+            digest.update(file.read_bytes())
+        compiled = work / f"{source.stem}-{digest.hexdigest()[:16]}.o"
+        objects.append(str(compiled))
+        if not compiled.exists():
+            jobs.append([*line, "-c", str(source), "-o", str(compiled)])
+    _run_side_by_side(jobs)
+    return objects
+
+
 def replace_module(fresh: Path, made: Path) -> None:
-    """Copy a new extension module to its place.
+    """Copy a new module to its place.
 
     A running process may have the old module open; a rename leaves that one intact.
     """

@@ -17,6 +17,8 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
+from fuzz.player.live import live_core, without_comments
+
 _IMPORT = re.compile(r"""(?:\bfrom|\bimport) ?\(?"(#[^"]+)\"""")
 
 
@@ -28,6 +30,7 @@ def one_file(
     scripts: Mapping[str, str],
     start: str,
     data: Mapping[str, Any],
+    live: bool = False,
 ) -> bytes:
     """Return the page, which allows a browser to run only these scripts and to load nothing.
 
@@ -38,9 +41,23 @@ def one_file(
         scripts: Text of each module other than the player's, by the name used in imports.
         start: Name of the module that starts the page.
         data: Data that the scripts read as JSON.
+        live: True to let the page judge worlds itself: ``data["live"]`` gets the cores, if this
+            installation has them.
     """
+    core = live_core() if live else None
+    if core is not None:
+        data = {**data, "live": core}
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
-    return filled(template, title, styles=styles, scripts=scripts, start=start, data=data)[0]
+    page, _ = filled(
+        template,
+        title,
+        styles=styles,
+        scripts=scripts,
+        start=start,
+        data=data,
+        live=core is not None,
+    )
+    return page
 
 
 def filled(
@@ -51,6 +68,7 @@ def filled(
     scripts: Mapping[str, str],
     start: str,
     data: Mapping[str, Any],
+    live: bool = False,
 ) -> tuple[bytes, str]:
     """Return a template with all that its page needs, and the policy that allows nothing else.
 
@@ -62,6 +80,7 @@ def filled(
         scripts: Text of each module other than the player's.
         start: Name of the module that starts the page.
         data: Data that the scripts read as JSON.
+        live: True if the policy should let the page compile the cores and run them in a worker.
     """
     player = files("fuzz.player") / "page"
     parts = [(player / name).read_text("utf-8") for name in ("marks.css", "player.css")]
@@ -81,7 +100,10 @@ def filled(
     # and equal pages have equal bytes.
     text = "\0".join([template, *contents.values()])
     nonce = hashlib.sha256(text.encode("utf-8")).hexdigest()[:32]
-    sources = f"script-src 'nonce-{nonce}'; style-src {policy_source(styles)}"
+    scripts_of = (
+        f"'nonce-{nonce}' 'wasm-unsafe-eval'; worker-src blob:" if live else f"'nonce-{nonce}'"
+    )
+    sources = f"script-src {scripts_of}; style-src {policy_source(styles)}"
     policy = f"default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; {sources}"
     contents |= {"NONCE": nonce, "POLICY": policy}
     page = "".join(contents.get(piece, piece) for piece in template.split("@@"))
@@ -152,7 +174,7 @@ def _data_url(script: str) -> str:
 
     A browser encodes all others itself. Base64 would be a third longer, and compress badly.
     """
-    return f"data:text/javascript,{script.translate(_ENCODED)}"
+    return f"data:text/javascript,{without_comments(script).translate(_ENCODED)}"
 
 
 _ENCODED = {ord(character): f"%{ord(character):02X}" for character in "%#\t\n\r"}

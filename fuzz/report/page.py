@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import gzip
+import json
+import math
 import shlex
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -16,9 +20,10 @@ import msgspec
 from fuzz.corpus import Corpus, places
 from fuzz.failure import Failure
 from fuzz.layouts.variation import changes_on_map
-from fuzz.overview.counterfactual import named_cells
+from fuzz.overview.counterfactual import Change, named_cells
 from fuzz.overview.result import CauseResult
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
+from fuzz.player.live import has_live_proof, live_question
 from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for
 from fuzz.report.gather import ReplayedFailure, ReportedCampaign, gather, look_at
@@ -28,12 +33,16 @@ from fuzz.triage.diagnosis import diagnosis_of
 from fuzz.triage.reactions import Reactions
 from fuzz.triage.run_facts import RunFacts, run_facts
 from sim.controllers import CONTROLLERS
+from sim.options.run import RunOptions
 from worldgen.errors import WorldgenError
+from worldgen.files.grid import dumps
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.files.worlds import Skip
 from worldgen.support.plain_text import counted
+from worldgen.world import World
 
+_MOST_TRIES = 6
 _ID_DIGITS = 12  # hex digits of a failure's digest, used as its address in the page
 
 
@@ -172,11 +181,48 @@ def _failure(
         "shrinking": failure.shrinking.value,
         "changed": campaign.change if campaign is not None and is_same_robot else "",
         "test": snippet(failure),
+        "live": _live(seen),
+        "tries": [] if example is None else _tries(example.changes, world),
         "groups": groups(seen),
         "now": _drawn(seen)
         | {"named": [] if example is None else named_cells(example.changes, world)},
         "before": None if seen.original is None else _drawn(seen.original),
     }
+
+
+def _live(seen: ReplayedFailure) -> str | None:
+    """Return what the page needs to judge changes of the world; ``None`` if it can judge nothing.
+
+    That is the question for the core, the text of the file that an edited world is based on, and
+    the controller's name for a test, as gzip of JSON in base64.
+    """
+    failure = seen.failure
+    world = failure.world
+    controller = None if seen.shown is None else CONTROLLERS.get(failure.record.controller)
+    question = live_question(world, controller, None if controller is None else failure.options)
+    if question["run"] is None and not has_live_proof(world):
+        return None
+    record = replace(failure.record, details={})
+    source = replace(failure.stored, provenance=None, certificate=None, failure=record)
+    label = failure.scenario.label(RunOptions.motion, RunOptions.time_step)
+    table = {"question": question, "source": dumps(source).decode("utf-8"), "label": label}
+    packed = gzip.compress(json.dumps(table, separators=(",", ":")).encode("utf-8"), mtime=0)
+    return base64.b64encode(packed).decode("ascii")
+
+
+def _tries(changes: Sequence[Change], world: World) -> list[tuple[str, dict[str, Any]]]:
+    """Return the changes that the page's editor can make: in words, and with their values."""
+    found: list[tuple[str, dict[str, Any]]] = []
+    cells = named_cells(changes, world)
+    for change in changes:
+        match change:
+            case Change("cell", [int(ix), int(iy)]) if (ix, iy) in cells:
+                found.append((change.describe(), {"cell": [ix, iy]}))
+            case Change("heading", int() | float()):
+                found.append((change.describe(), {"heading": math.radians(change.value)}))
+            case Change("radius", int() | float()):
+                found.append((change.describe(), {"radius": change.value}))
+    return found[:_MOST_TRIES]
 
 
 def _add_reactions(reported: ReplayedFailure, to: Reactions) -> None:
@@ -243,5 +289,5 @@ def _page(title: str, data: dict[str, Any]) -> bytes:
     styles = (folder / "style.css").read_text("utf-8")
     scripts = modules(folder, "#report/")
     return one_file(
-        body, title, styles=styles, scripts=scripts, start="#report/start.js", data=data
+        body, title, styles=styles, scripts=scripts, start="#report/start.js", data=data, live=True
     )

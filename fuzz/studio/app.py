@@ -39,6 +39,7 @@ def _page() -> tuple[bytes, str]:
         scripts=modules(folder, "#studio/"),
         start="#studio/start.js",
         data=msgspec.to_builtins(Given()),
+        live=True,
     )
 
 

@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
 from fuzz.overview.describe import run_to_draw
 from fuzz.player import drawn_robots, drawn_world, replay_page, sensors_of
+from fuzz.player.live import live_core, live_question
 from fuzz.studio.driving import HandDriven
 from fuzz.studio.requests.folder import Opened, answer
 from fuzz.studio.requests.limits import MOST_STEPS
@@ -18,11 +21,13 @@ from fuzz.studio.requests.messages import restored
 from fuzz.studio.requests.protocol import (
     Before,
     Check,
+    Core,
     Drive,
     DrivenRobot,
     FoundRun,
     Picture,
     RanRobot,
+    Recipe,
     RobotFault,
     Run,
     RunBegins,
@@ -98,6 +103,23 @@ def _drive(request: Drive, opened: Opened, part: object) -> DrivenRobot:
 @answer.register
 def _check(request: Check, opened: Opened, part: object) -> None:
     CONTROLLERS.get(scenario_of(request.controller, request, opened).controller)
+
+
+@answer.register
+def _core(request: Core, opened: Opened, part: object) -> dict[str, str] | None:
+    return live_core()
+
+
+@answer.register
+def _recipe(request: Recipe, opened: Opened, part: object) -> dict[str, Any]:
+    world = restored(request.world).bare
+    if request.still:
+        world = replace(world, timeline=Timeline())
+    # The page edits the walls, so they may be anywhere now, even at the start.
+    world = replace(world, walls=np.zeros_like(world.walls))
+    scenario = scenario_of(request.controller, request, opened)
+    options = scenario.options(world, request.steps)
+    return live_question(world, CONTROLLERS.get(scenario.controller), options)
 
 
 @answer.register

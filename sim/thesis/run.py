@@ -102,7 +102,7 @@ class ThesisRun:
         solid = self._solid()
         target = self._target_cell(solid)
         self._cells, self._light = self._signal(solid, *target)
-        self._setup = self._robot(rule, *target)
+        self.setup = self._robot(rule, *target)
         self._events = self._event_rows()
         self._start = self._start_pose()
 
@@ -242,12 +242,12 @@ class ThesisRun:
         ), episode
 
     def _episode(self, steps: int, **fields: int) -> ThesisEpisode:
-        setup = self._setup._replace(steps=steps, **fields)
+        setup = self.setup._replace(steps=steps, **fields)
         return ThesisEpisode(self._cells, self._light, self._events, self._start, setup)
 
     def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
         """Continue until the run is decided or a step is done, with as many draws as that takes."""
-        count = _FIRST_DRAWS if self._setup.rule == lib.WG_RULE_RANDOM else 0
+        count = _FIRST_DRAWS if self.setup.rule == lib.WG_RULE_RANDOM else 0
         while not episode.go(until, self._draws(count), rows, first_row):
             count *= 4
 

@@ -431,3 +431,15 @@ def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, 
     assert page.complaints == []
     assert "mode: scale" in (folder / "world.yaml").read_text()
     assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
+
+
+@pytest.mark.gate
+def test_the_first_run_of_a_new_user_shows_a_loop_and_no_fault_of_a_motion_model(browser, gate):
+    with opened(browser, gate, is_new=True) as page:
+        page.locator("#start-menu summary").click()
+        page.locator("[data-example=trap]").first.click()
+        page.locator("#name", has_text="not saved").wait_for()
+        page.keyboard.press("2")
+        result = page.locator(".result[data-controller=turn-left]")
+        result.get_by_text("loop", exact=True).wait_for()
+        assert page.locator("#play .motion select").input_value() == "swept"

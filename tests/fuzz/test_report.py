@@ -159,7 +159,8 @@ def test_a_page_names_no_address_and_lets_nothing_load(page):
     text = page.read_text()
     assert not re.search("https?:", text)
     assert "default-src 'none'" in text
-    assert "unsafe" not in text
+    # The cores in the page may be compiled, which makes no text run as a script.
+    assert "unsafe" not in text.replace("'wasm-unsafe-eval'; worker-src blob:", "")
 
 
 def test_a_title_is_text_whatever_it_holds(page, tmp_path):

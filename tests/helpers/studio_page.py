@@ -4,6 +4,15 @@ import contextlib
 
 from tests.helpers.browser import page_in
 
+# The page of somebody who has last run the thesis's robot, under its own motion model.
+_USED = """() => {
+  const get = Storage.prototype.getItem;
+  Storage.prototype.getItem = function (name) {
+    const kept = get.call(this, name);
+    const isFirst = kept === null && this === localStorage && name.startsWith("worldgen-studio-kept-play-");
+    return isFirst ? '{"motion":"stepped","chosen":["thesis-2"],"named":[]}' : kept;
+  };
+}"""
 SECONDS = 180  # the first run on a machine compiles its kernels
 CAMPAIGN = 180_000  # ms for a campaign, because its process has to start and to compile
 
@@ -19,10 +28,15 @@ def opened(browser, gate, **how):
 
 
 @contextlib.contextmanager
-def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
-    """Do the same for the address that a studio printed."""
+def opened_at(browser, address, *, until="#proof.good, #proof.bad", is_new=False, **how):
+    """Do the same for the address that a studio printed.
+
+    Its user has last run the thesis's robot, unless ``is_new`` is set.
+    """
     with page_in(browser, **({"viewport": {"width": 1280, "height": 720}} | how)) as page:
         page.set_default_timeout(SECONDS * 1000)
+        if not is_new:
+            page.add_init_script(f"({_USED})()")
         page.goto(address)
         if until:
             page.wait_for_selector(until)

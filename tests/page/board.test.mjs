@@ -264,3 +264,43 @@ test("the wheel zooms in at the pointer", () => {
   const after = page.board.pointAt(at);
   assert.ok(page.board.now().scale > 10 && Math.hypot(after[0] - before[0], after[1] - before[1]) < 1e-9);
 });
+
+test("Change draws where it begins on the floor, and erases where it begins on a wall", () => {
+  const page = drawing("change");
+  drag(page, [10, 10], [14, 10]);
+  assert.equal(page.model.solid, BORDER + 5);
+  drag(page, [12, 10], [20, 10]);
+  assert.equal(page.model.solid, BORDER + 2);
+  page.model.undo();
+  page.model.undo();
+  assert.equal(page.model.solid, BORDER);
+});
+
+test("Change drags the start, the tip of its heading, and the target, one step each", () => {
+  const page = drawing("change"),
+    { world } = page.model;
+  Object.assign(world, { start: [1.03, 1.05, 0], target: [3.05, 3.05, 0.05] });
+  drag(page, [10, 10], [10, 10]); // a click moves nothing
+  assert.deepEqual(page.model.past, []);
+  drag(page, [10, 10], [12, 14]);
+  assert.deepEqual(page.model.world.start, [1.25, 1.45, 0]);
+  // the tip is 0.7 cells of radius and 0.6 further to the right
+  point(page.canvas, "pointerdown", pixel([12 + 1.3, 14]));
+  point(page.canvas, "pointermove", pixel([12, 18]));
+  point(page.canvas, "pointerup", pixel([12, 18]));
+  assert.ok(Math.abs(page.model.world.start[2] - Math.PI / 2) < 1e-6);
+  drag(page, [30, 30], [31, 20]);
+  assert.deepEqual(page.model.world.target, [3.15, 2.05, 0.05]);
+  assert.equal(page.model.solid, BORDER);
+  assert.deepEqual(page.model.past.map(({ label }) => label), ["start", "start heading", "target"]);
+});
+
+test("with keys, Change takes what is in the cursor's cell and puts it down with Space", () => {
+  const page = drawing("change");
+  Object.assign(page.model.world, { start: [2.05, 2.05, 0], target: [3.05, 3.05, 0.05] });
+  keys(page, "ArrowUp"); // shows the cursor, in the middle
+  keys(page, "Space", "ArrowUp", "ArrowUp", "Space");
+  assert.deepEqual(page.model.world.start, [2.05, 2.25, 0]);
+  keys(page, "ArrowUp", "Space");
+  assert.equal(page.model.solid, BORDER + 1);
+});

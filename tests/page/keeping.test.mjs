@@ -6,7 +6,7 @@ import "./stand_in.mjs";
 import { keep, keepInTab, keptInTab, keptOf } from "#studio/shared/kept.js";
 import { Model } from "#player/edit/model.js";
 import { messageOf } from "#studio/shared/world_message.js";
-import { proofWords } from "#studio/draw/proof.js";
+import { proofWords } from "#player/edit/answer.js";
 import { Recent } from "#studio/shared/recent.js";
 import { blank } from "./samples.mjs";
 

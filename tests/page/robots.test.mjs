@@ -32,24 +32,30 @@ const MOTIONS = [
 
 let panels = 0; // each has a folder of its own, so that no set-up is kept for the next one
 
-function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
+function panel({ controllers = CONTROLLERS, answer = async () => ({}), thesis = true } = {}) {
   const asked = [];
   const model = new Model(blank(9, 9), () => {});
   const ask = (kind, message) => {
     asked.push([kind, message]);
     return answer(kind, message);
   };
-  const studioPart = { model, folder: `folder ${(panels += 1)}`, showLink: () => {}, connection: { ask }, offered: { controllers, motions: MOTIONS, time_step: 0.015 }, limits: LIMITS };
+  const studioPart = { model, folder: `folder ${(panels += 1)}`, showLink: () => {}, connection: { ask }, offered: { controllers, motions: MOTIONS, motion: "swept", time_step: 0.015 }, limits: LIMITS };
   const runs = [];
   const robots = makeRobots(studioPart, () => runs.push(robots.message()));
   document.body.append(robots.element);
   robots.refresh();
+  if (thesis && controllers === CONTROLLERS) robots.follow({ robots: ["thesis-2"], motion: "stepped", seed: 0 }, {});
   const labels = () => robots.element.querySelectorAll(".robots label").map((label) => label.textContent);
   const box = (name) => robots.element.querySelector(`.robots input[value=${name}]`);
   return { robots, labels, box, asked, runs, model, studio: studioPart, part: (selector) => robots.element.querySelector(selector) };
 }
 
 const next = () => new Promise((done) => setImmediate(done));
+
+test("the first run is the thesis's robot under the usual motion model, which has no faults of its own", () => {
+  const { robots } = panel({ thesis: false });
+  assert.deepEqual([robots.message().motion, robots.message().controllers], ["swept", ["turn-left"]]);
+});
 
 test("a robot with two names is offered once under the thesis's model, with both", () => {
   assert.deepEqual(panel().labels(), ["thesis-1 (turn-right)", "thesis-2 (turn-left)"]);

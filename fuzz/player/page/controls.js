@@ -1,5 +1,6 @@
 // The controls below the stage: timeline, clock buttons, layers and camera.
 
+import { openWorld } from "#player/decode.js";
 import { choice, el, grouped, icon, keyButton } from "#player/dom.js";
 import { legendOf } from "#player/legend.js";
 import { hasMap } from "#player/picture/memory.js";
@@ -221,7 +222,7 @@ function layers(player, parts) {
       sensors: drawn.sensors,
       signal: drawn.sensors && drawn.sensors.signal,
       memory: hasMap(drawn.run),
-      witness: drawn.world.witness || drawn.world.cut,
+      witness: openWorld(drawn.world).witness || drawn.world.cut,
       changes: drawn.world.events || drawn.world.open?.events,
     };
   const names = Object.keys(LAYERS).filter((name) => !(name in has) || has[name]);

@@ -34,7 +34,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     start: true,
     target: true,
     signal: Boolean(sensors?.signal) && !world.others?.length,
-    witness: Boolean(world.witness),
+    witness: Boolean(openWorld(world).witness),
     cut: Boolean(world.cut),
     "cut-poses": Boolean(world.cut_poses),
     approach: loops,

@@ -50,7 +50,8 @@ export function makePlayer(canvas, drawn, changed) {
         const { x, y } = poseAt(run, stepWithin(run, player.step));
         player.view = { ...player.view, x, y };
       }
-      drawScene(canvas, { ...player.drawn, world, run, step: player.step, show: player.show }, player.view);
+      if (drawn.paint) drawn.paint(player);
+      else drawScene(canvas, { ...player.drawn, world, run, step: player.step, show: player.show }, player.view);
       const { beside } = drawn;
       if (beside) drawBeside(player, beside);
       if (player.drawnMore) player.drawnMore();

@@ -319,6 +319,10 @@ interface ReportFailure {
   changed: string;
   /** A test that contains the world. */
   test: string;
+  /** What a page needs to judge changes of the world, packed: fuzz/report/live.py. Null if it cannot. */
+  live: string | null;
+  /** Single changes after which the robot arrives: in words, and what to change. */
+  tries: [string, { cell?: CellPlace; heading?: number; radius?: number }][];
   /** Heading, rows of name and value, and whether they are folded away at first. */
   groups: [string, [string, string][], boolean][];
   now: DrawnFailure;
@@ -409,6 +413,8 @@ interface ReportData {
   extras: ReportFailure[];
   campaigns: ReportCampaign[];
   others: number;
+  /** The core, for pages that judge changes; null if there is none. */
+  live?: LiveCore | null;
 }
 
 /** The report's list of failures. */
@@ -428,6 +434,8 @@ interface Detail {
   player(): Player | null;
   /** Switches between the world before and after shrinking. */
   swap(): void;
+  /** Ends what the page leaves. */
+  close(): void;
   redraw(): void;
 }
 
@@ -581,6 +589,8 @@ interface Drawn {
   /** What this page can save: pairs of a label and a function. */
   saves?: [string, () => Promise<string | void>][];
   stopSaving?: () => void;
+  /** Draws instead of the player: the editor's board. */
+  paint?: (player: Player) => void;
   /** Another run that is played at the same time. */
   beside?: Beside | null;
 }
@@ -725,6 +735,8 @@ interface Proof {
   /** Ends and witness of each robot after the first. */
   others?: OtherEnds[];
   error?: string;
+  /** What the page waits for, in words. */
+  waiting?: string;
   /** The witness, unpacked, and those of the other robots. */
   opened?: OpenWorld["witness"];
   openedOthers?: OpenWorld["others"];
@@ -737,6 +749,8 @@ interface Board {
   show: Record<string, boolean>;
   view: View | null;
   proof: Proof | null;
+  /** Parts of the scene that show a run in the world. */
+  run: Pick<Scene, "run" | "step" | "whole" | "sensors" | "show"> | null;
   signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
   /** The moment that is shown of a world that changes, s. */
   time: number;
@@ -763,11 +777,162 @@ interface ToolUse {
   exact: boolean;
   /** Whether Shift is held: lines run straight. */
   straight?: boolean;
+  /** Whether keys use it, at the cursor. */
+  byKeys?: boolean;
 }
 
 interface Tool {
+  /** Whether keys use it from one cell to another. */
+  readonly spans?: boolean;
   begin(point: CellPlace, use: ToolUse): void;
   drag(point: CellPlace, use: ToolUse): void;
   end(use: ToolUse): void;
   hover?(point: CellPlace): void;
+}
+
+
+// Types of what judges a world in the page itself: live/, and fuzz/player/live.py.
+
+/** The cores and the script of their worker, each as base64 of gzip. */
+interface LiveCore {
+  prover: string;
+  simulator: string;
+  script: string;
+}
+
+interface Live {
+  /** The newest question wins: an earlier one without an answer yet gets null. */
+  judge(question: LiveQuestion): Promise<LiveAnswer | null>;
+  /** Ends the worker. */
+  close(): void;
+}
+
+interface LiveQuestion {
+  world: LiveWorld;
+  /** Null if only the proof is wanted. */
+  run: LiveRecipe | null;
+  /** Whether the run gets the budget that Python gives this world, instead of the recorded one's. */
+  edited: boolean;
+}
+
+/** A world as a reader edits it. Its numbers mean their shortest decimals, as in its file. */
+interface LiveWorld {
+  /** The top row first; "#" is solid. */
+  cells: string[];
+  /** m. */
+  cell_size: number;
+  /** x and y, m; heading, rad. */
+  start: Triple;
+  /** x, y and radius, m. */
+  target: Triple;
+  /** Of the robot's disc, m. */
+  radius: number;
+  /** m/s. */
+  speed: number;
+  /** Corners of a body, m. */
+  footprint?: [number, number][];
+  /** Set if the robot turns by steering. */
+  car?: boolean;
+  /** Set if cells change over time. */
+  changes?: boolean;
+  /** Their number, if there are several. */
+  robots?: number;
+}
+
+/** A number that JSON cannot hold or JavaScript would round is a string. */
+type LiveNumber = number | string;
+
+/** Everything about a run that an edit of its world leaves as it is. */
+interface LiveRecipe {
+  motion: string;
+  /** s. */
+  time_step: number;
+  /** Overlap with a wall that is not reported, cells. */
+  tolerance: number;
+  /** Budget of the recorded run. */
+  steps: number;
+  /** What the budget of an edited world follows from: `step_budget` of sim/options/run.py. */
+  budget: {
+    factor: number;
+    fewest: number;
+    most: number;
+    moved: boolean;
+    drift: number;
+    pushed: number;
+    last_push: number;
+  };
+  /** Whether a recurrence of its state proves a loop. */
+  finds_loops: boolean;
+  /** Changes of cells: step, time within it (not under `stepped`), ix, iy, state. */
+  events: number[][];
+
+  // On the lattice.
+  /** Name by which the core knows it. */
+  controller: string;
+  start_speed: LiveNumber;
+  /** Those at reset that aren't zero. */
+  memory: { size: number; numbers: [number, LiveNumber][] };
+  /** Fields of WgSettings that aren't zero. */
+  settings: Record<string, LiveNumber | LiveNumber[] | Record<string, LiveNumber>[]>;
+  pushes: LiveNumber[][];
+  decoys: LiveNumber[][];
+
+  // Under `stepped`.
+  /** Fields of WgThesisSettings. */
+  setup: Record<string, LiveNumber>;
+  /** Whether the noise filter changes the signal. */
+  noise: boolean;
+  seed: string;
+  /** Random numbers before those of the seed. */
+  draws: number[];
+}
+
+interface LiveAnswer {
+  proof: LiveProof;
+  /** Null without a recipe, and if the run cannot start. */
+  run: LiveRun | null;
+  /** Why there is no proof, or no run, in a sentence; empty if there is one. */
+  live: { proof: string; run: string };
+  /** Time that they took. */
+  ms: { proof: number; run: number };
+}
+
+interface LiveProof {
+  /** Null if it was not decided here. */
+  reachable: boolean | null;
+  reason: string;
+  /** Corners of the path, in s and m; the radius of the largest disc that it lets through, m. */
+  witness: { t: number[]; x: number[]; y: number[]; clearance: number } | null;
+  /** A chain of cells, row 0 the lowest; the radius above which it stops every disc, m. */
+  cut: { cells: CellPlace[]; clearance: number } | null;
+}
+
+interface LiveRun {
+  verdict: string;
+  /** Steps done; of a loop, until the end of its first period. */
+  steps: number;
+  /** s. */
+  time: number;
+  /** Steps that it was allowed. */
+  budget: number;
+  /** Step in which a loop begins; otherwise -1. */
+  entry: number;
+  /** Steps of a loop; otherwise 0. */
+  period: number;
+  /** 16 hex digits. */
+  digest: string;
+  /** m. */
+  path_length: number;
+  collisions: number;
+  last_new_cell: number;
+  /** The wall, fire or contact that decides the verdict. */
+  hit: { step: number; cell: CellPlace } | null;
+  /** What a controller that failed said. */
+  error: string;
+  /** As a failure's record holds it: sim/evidence.py. */
+  evidence?: Record<string, any>;
+  /** Where it really begins. */
+  start: Triple;
+  /** For the player, already open. */
+  drawn: DrawnRun;
 }

@@ -7,13 +7,13 @@ const SHOWN = 1500; // ms for which the button confirms what it did
 /**
  * Returns a button that copies a text, or reports that it could not.
  * @param {string} words
- * @param {() => string} text
+ * @param {() => string | Promise<string>} text
  * @returns {HTMLButtonElement}
  */
 export function copyButton(words, text) {
   const button = el("button", { type: "button" }, words);
   button.addEventListener("click", async () => {
-    button.textContent = (await copied(text())) ? "Copied" : "Not copied";
+    button.textContent = (await copied(await text())) ? "Copied" : "Not copied";
     say(button.textContent);
     setTimeout(() => {
       button.textContent = words;

@@ -6,15 +6,17 @@ import { byId, causeWords, el, grouped, plural, say, verdictDot } from "#player/
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { besideIn } from "#player/pair.js";
 import { copyButton } from "#report/copy.js";
+import { canChange, makeChange } from "#report/change.js";
 import { insidePart, reactionsPart } from "#report/inside.js";
 
 /**
  * @param {HTMLElement} section
  * @param {ReportFailure} failure
  * @param {Neighbours} neighbours
+ * @param {LiveCore | null | undefined} core
  * @returns {Detail}
  */
-export function makeDetail(section, failure, neighbours) {
+export function makeDetail(section, failure, neighbours, core) {
   const canvas = el("canvas", { id: "stage", role: "img" });
   const under = el("div"),
     stage = el("div", { class: "stage" }, canvas),
@@ -23,6 +25,7 @@ export function makeDetail(section, failure, neighbours) {
   const state = { player: null, shown: null };
   const load = (drawn, words, other = null) => {
     if (state.player) state.player.play(false);
+    change?.end();
     canvas.setAttribute("aria-label", `${words}. ${pictureLabel(drawn)}`);
     const beside = besideIn(stage, other, ["As found", "Shrunk"]);
     state.player = buildPlayer(canvas, under, { ...drawn, beside, says: sentencesOf(failure) }, state.player);
@@ -33,15 +36,17 @@ export function makeDetail(section, failure, neighbours) {
       button.setAttribute("aria-pressed", String(here));
     }
   };
+  const restore = () => load(failure.now, causeWords(failure.group));
+  const change = core && canChange(core, failure) ? makeChange(failure, core, { canvas, stage, under, state, restore }) : null;
   section.replaceChildren(
-    topOf(failure, neighbours),
+    topOf(failure, neighbours, change?.tries),
     el(
       "div",
       { class: "two" },
       el(
         "div",
         {},
-        failure.now.world ? [stage, under] : tooLarge(failure.now),
+        failure.now.world ? [change?.element, stage, under] : tooLarge(failure.now),
         insidePart(failure.inside),
         reactionsPart(failure.reactions),
         pairPart(failure, pair, load),
@@ -52,7 +57,7 @@ export function makeDetail(section, failure, neighbours) {
   const drawPair = () => {
     for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""], { touched: true, cells: true });
   };
-  if (failure.now.world) load(failure.now, causeWords(failure.group));
+  if (failure.now.world) restore();
   drawPair();
   dragToMove(stage, state);
   return {
@@ -60,8 +65,9 @@ export function makeDetail(section, failure, neighbours) {
     swap: () => {
       if (!state.player || !failure.before || !failure.before.world) return;
       if (state.shown === failure.now) load(failure.before, "As found");
-      else load(failure.now, causeWords(failure.group));
+      else restore();
     },
+    close: () => change?.end(),
     redraw: () => {
       if (state.player) state.player.draw();
       drawPair();
@@ -69,7 +75,7 @@ export function makeDetail(section, failure, neighbours) {
   };
 }
 
-function topOf(failure, [before, after]) {
+function topOf(failure, [before, after], tries) {
   const step = (id, words, key) =>
     id
       ? el("a", { class: "button", href: `#${id}`, "aria-keyshortcuts": key }, words)
@@ -91,6 +97,7 @@ function topOf(failure, [before, after]) {
     failure.why
       ? el("p", { class: "words why" }, `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.`)
       : null,
+    tries,
     el("p", { class: "words quiet" }, `${failure.controller} under ${failure.motion}${failure.sentence ? `: ${failure.words}` : ""}.`),
     failure.shrinking === "done"
       ? null

@@ -87,6 +87,7 @@ function route() {
   const before = page.id;
   if (!views.overview.hidden) page.scroll = scrollY;
   page.detail?.player()?.play(false);
+  page.detail?.close();
   page.detail = null;
   page.id = failure ? name : "";
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
@@ -94,7 +95,7 @@ function route() {
   showTabs(view);
   document.title = failure ? `${causeWords(failure.group)} - ${data.title}` : data.title;
   if (failure) {
-    page.detail = makeDetail(views.detail, failure, neighboursOf(name));
+    page.detail = makeDetail(views.detail, failure, neighboursOf(name), data.live);
     scrollTo(0, 0);
     views.detail.querySelector("h2").focus({ preventScroll: true });
   } else if (view === "overview" && before) {

@@ -603,6 +603,10 @@ interface Messages {
   drive: { request: { motion: string; time_step: number; seed: number; options: Record<string, any>; steps?: number | null; still?: boolean; world: WorldMessage; commands: [number, number, number][]; }; part: never; answer: DrivenRobot };
   /** Check that a controller may run under this name with its options. */
   check: { request: { motion: string; time_step: number; seed: number; options: Record<string, any>; steps?: number | null; still?: boolean; controller: string; }; part: never; answer: null };
+  /** Return the core with which the page judges worlds itself; null if there is none here. */
+  core: { request: { }; part: never; answer: Record<string, string> | null };
+  /** Return what the page needs to run a controller itself, in any world of this size and robot. */
+  recipe: { request: { motion: string; time_step: number; seed: number; options: Record<string, any>; steps?: number | null; still?: boolean; world: WorldMessage; controller: string; }; part: never; answer: Record<string, any> };
   /** Run each controller in each world; each cell is a part. */
   compare: { request: { motion: string; time_step: number; seed: number; options: Record<string, any>; steps?: number | null; still?: boolean; controllers: string[]; worlds: ComparedWorld[]; seeds: number; }; part: RowPart | CellPart; answer: ComparisonMessage };
   /** Report the files whose code the studio runs, at first and after each edit. */

@@ -18,6 +18,7 @@ import { Model, emptyWorld } from "#player/edit/model.js";
 import { worldOf } from "#studio/shared/world_message.js";
 import { makePlay } from "#studio/play/play.js";
 import { listenToBoard } from "#player/edit/pointer.js";
+import { makeJudge } from "#studio/draw/judge.js";
 import { makeProver } from "#studio/draw/proof.js";
 import { linkTo, madeIn, madeOf, readLink } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
@@ -60,7 +61,8 @@ const studio = {
   save,
   run: () => (studio.page() === "play" ? studio.play.run() : studio.go("play")),
 };
-const prove = makeProver(studio, setProof, setWidest);
+const judge = makeJudge(studio, showJudged, () => prove());
+const prove = makeProver(studio, judge.judge, setProof, setWidest);
 let scheduled = 0;
 let keeping = 0;
 /** @type {Map<string, string>} */
@@ -72,7 +74,6 @@ let misled = false; // whether a message about the last link is visible
 // Redraws everything after changes, at most once per frame.
 function changed() {
   if (!studio.draw) return;
-  studio.draw.board.proof = null;
   if (!scheduled)
     scheduled = requestAnimationFrame(() => {
       scheduled = 0;
@@ -93,8 +94,19 @@ function step(what, label) {
 }
 
 function setProof(proof) {
+  if (!proof) {
+    studio.draw.board.run = null; // a run of another world
+    if (studio.draw.board.proof === null) return;
+  }
   studio.draw.board.proof = proof;
-  studio.draw.refresh();
+  if (proof) studio.draw.refresh();
+}
+
+// Shows what the page itself has found out about the drawing.
+function showJudged(proof, run, robot, why) {
+  studio.draw.showRun(run, robot, why);
+  if (proof) setProof(proof);
+  else studio.draw.refresh();
 }
 
 function setWidest(widest) {
@@ -248,7 +260,10 @@ function route() {
   if (page === "play") studio.play.begin();
   else if (page === "campaign") studio.campaign.begin();
   else if (page === "compare") studio.compare.begin();
-  else studio.draw.refresh();
+  else {
+    studio.draw.refresh();
+    judge.judge(); // other robots may have been chosen
+  }
   showName();
 }
 
@@ -302,6 +317,7 @@ async function begun(begins) {
   studio.compare.refresh();
   changed();
   if (studio.page() === "play") studio.play.begin();
+  judge.open();
 }
 
 /**

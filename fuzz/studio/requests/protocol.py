@@ -351,6 +351,21 @@ class Check(RunRequest, kw_only=True):
     controller: str
 
 
+class Core(Request):
+    """Return the core with which the page judges worlds itself; null if there is none here."""
+
+    worker = "looks"
+
+
+class Recipe(RunRequest, kw_only=True):
+    """Return what the page needs to run a controller itself, in any world of this size and robot."""
+
+    worker = "looks"
+    is_replaced = True
+    world: WorldMessage
+    controller: str
+
+
 class ComparedWorld(Struct, forbid_unknown_fields=True):
     """A world of a comparison: sent along, a file of the folder, or made by a family."""
 
@@ -496,7 +511,7 @@ REQUESTS: dict[str, type[Request]] = {
     str(kind.__struct_config__.tag): kind
     for kind in (
         Hello, Files, Open, Before, Save, Bring, Export, Decide, Widest, Signal, Measure, Generate,
-        Preview, Shift, Run, Picture, Drive, Check, Compare, Edits, Campaigns, Begin, Command,
+        Preview, Shift, Run, Picture, Drive, Check, Core, Recipe, Compare, Edits, Campaigns, Begin, Command,
         Resume, Watch, Stop, Elite, Failures, Look, Snippet, Know, Cancel,
     )
 }  # fmt: skip

@@ -1,13 +1,14 @@
-// The drawing board: a canvas that shows the world, the current edit, and the world's proof.
+// The drawing board: a canvas that shows the world, the current edit, the world's proof, and a run.
 
 import { openWitness } from "#player/decode.js";
 import { pixelOf } from "#player/picture/many_cells.js";
 import { drawScene } from "#player/picture/map.js";
 import { MARKS } from "#player/picture/marks.js";
-import { bodyPath, frontOf, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
-import { drawnOf, kindOf, othersOf } from "#player/edit/drawn_world.js";
+import { bodyPath, disc, fitView, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
+import { drawnOf, headingTip, kindOf, othersOf } from "#player/edit/drawn_world.js";
 import { pictureOf } from "#player/edit/pattern_picture.js";
 
+const HANDLE = 4; // pixels: radius of the handle of the heading
 const NEAREST = 200; // pixels per cell at the highest zoom
 const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
 
@@ -25,7 +26,8 @@ export function makeBoard(canvas, model, show) {
     model,
     show,
     view: null, // null: the whole world
-    proof: null, // the server's, for this version of the world
+    proof: null, // for this version of the world
+    run: null, // parts of the scene that show a run in it
     signal: null, // the robot's reading in each cell
     time: 0, // s: the moment to show of a world that changes
     ghost: null, // { pattern, at }: a preview of what would be put down
@@ -40,9 +42,10 @@ export function makeBoard(canvas, model, show) {
 }
 
 function cameraOf(board) {
-  const { canvas, model } = board;
+  const { canvas, model, show } = board;
   const whole = () => {
     const { width, height } = model.world;
+    if (!("ruler" in show)) return fitView(model.world, canvas.clientWidth, canvas.clientHeight);
     const scale = Math.min((canvas.clientWidth - 2 * MARGIN.across) / width, (canvas.clientHeight - 2 * MARGIN.up) / height);
     return { x: width / 2, y: height / 2, scale: Math.max(scale, 0.05) };
   };
@@ -143,13 +146,14 @@ function drawBoard(board) {
   const { canvas, model, show } = board;
   const world = sceneWorld(model, show.proof ? board.proof : null),
     view = board.now();
-  const scene = { world, ms: board.time * 1000, show: { witness: show.proof, grid: show.grid, changes: true } };
-  drawScene(canvas, scene, view);
+  const run = show.run === false ? null : board.run;
+  const shown = { witness: show.proof, grid: show.grid, changes: true, ...run?.show };
+  drawScene(canvas, { world, ms: board.time * 1000, ...run, show: shown }, view);
   // Everything else is drawn on top of the scene, from the lowest layer to the highest.
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
   if (show.signal && board.signal) drawSignal(pen, board);
-  drawFootprint(pen, world);
+  drawFootprint(pen, world, headingTip(model.world));
   // The floor that a body covers depends on its headings.
   if (show.proof && board.proof?.result === "reachable" && !world.footprint) drawTube(pen, board);
   drawMarks(pen, board);
@@ -160,18 +164,18 @@ function drawBoard(board) {
   if (show.ruler) drawRulers(pen, board);
 }
 
-// Draws the robot's body at the start, with its heading.
-function drawFootprint(pen, world) {
+// Draws the robot's body at the start, and its heading as a line with a handle.
+function drawFootprint(pen, world, [tipX, tipY]) {
   const [x, y, heading] = world.start;
   const colour = pen.colours[world.others.length > 0 ? robotColour(1) : "start"];
   bodyPath(pen, world.footprint, { x, y, heading }, world.radius);
   stroke(pen, colour, 1.5);
   const { context, px, py } = pen;
-  const front = frontOf(world.footprint, world.radius) + 0.6;
   context.beginPath();
   context.moveTo(px(x), py(y));
-  context.lineTo(px(x + Math.cos(heading) * front), py(y + Math.sin(heading) * front));
+  context.lineTo(px(tipX), py(tipY));
   stroke(pen, colour, 2.5);
+  disc(pen, tipX, tipY, HANDLE / pen.scale, colour);
 }
 
 // Draws the signal in colours, stronger where it is stronger,

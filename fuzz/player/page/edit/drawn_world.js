@@ -1,4 +1,6 @@
-// The drawn world as the player draws it, so that it is visible before the server has answered.
+// The edited world as the player draws it.
+
+import { frontOf } from "#player/picture/pen.js";
 
 /**
  * Returns start, target and radius of the robots after the first, in cells.
@@ -29,6 +31,18 @@ export function kindOf({ source, cell_size: side }) {
     ...(corners && { footprint: JSON.parse(corners[1]).map(([x, y]) => [x / side, y / side]) }),
     ...(heading && { aim: Number(heading[1]) }),
   };
+}
+
+/**
+ * Returns the end of the line that shows the start's heading, in cells.
+ * @param {EditedWorld} world
+ * @returns {CellPlace}
+ */
+export function headingTip(world) {
+  const [x, y, heading] = world.start,
+    side = world.cell_size,
+    far = frontOf(kindOf(world).footprint, world.robot_radius / side) + 0.6;
+  return [x / side + Math.cos(heading) * far, y / side + Math.sin(heading) * far];
 }
 
 /**

@@ -402,12 +402,13 @@ function eventsIn({ events }, [right, up], width, height) {
  * Returns which of start and target is at a point, in cells; empty if neither is.
  * @param {EditedWorld} world
  * @param {CellPlace | null} point
+ * @param {number} [least] - Distance within which it counts, in cells, however small it is
  * @returns {string}
  */
-export function markAt(world, point) {
+export function markAt(world, point, least = 0.5) {
   if (!point) return "";
   /** @type {(place: Triple, reach: number) => boolean} */
-  const near = ([x, y], reach) => Math.hypot(point[0] - x / world.cell_size, point[1] - y / world.cell_size) <= Math.max(0.5, reach / world.cell_size);
+  const near = ([x, y], reach) => Math.hypot(point[0] - x / world.cell_size, point[1] - y / world.cell_size) <= Math.max(least, reach / world.cell_size);
   if (near(world.start, world.robot_radius)) return "Start";
   return near(world.target, world.target[2]) ? "Target" : "";
 }

@@ -186,7 +186,7 @@ function cellWords(world, [ix, iy]) {
 function useTool(draw, state, point, erase) {
   if (!state.stroke) {
     begin(draw, state, point, { erase, exact: false, byKeys: true });
-    if (["line", "rectangle", "select", "measure", "start"].includes(draw.tool)) return;
+    if (state.stroke.tool.spans) return;
   }
   stopStroke(state);
 }

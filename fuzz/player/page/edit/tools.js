@@ -10,10 +10,17 @@ import {
   rectangleBoxes,
   rectangleOf,
 } from "#player/edit/shapes.js";
-import { round } from "#player/edit/model.js";
+import { keyButton, svg } from "#player/dom.js";
+import { headingTip } from "#player/edit/drawn_world.js";
+import { markAt, round } from "#player/edit/model.js";
 
 /** Every tool: its name, its key, its icon in a square of 16. */
 export const TOOLS = {
+  change: [
+    "Change",
+    "c",
+    "M6 1.5a1.2 1.2 0 0 1 2.4 0V7l4.2.8a1.7 1.7 0 0 1 1.4 1.9l-.6 3.7a2.4 2.4 0 0 1-2.4 2H8.4a3 3 0 0 1-2.3-1L2.2 9.7a1.2 1.2 0 0 1 1.7-1.6L6 10z",
+  ],
   brush: ["Brush", "b", "M10.5 1.5l4 4-7 7-4.5.5.5-4.5zM1 15.5h14v-1.5H1z"],
   erase: ["Eraser", "e", "M6 13l-4-4 7-7 5 5-6 6zm-4 1.5h12v1H2z"],
   line: ["Line", "l", "M2 12.6L12.6 2 14 3.4 3.4 14z"],
@@ -44,6 +51,18 @@ export const TOOLS = {
 };
 
 /**
+ * Makes the button of a tool.
+ * @param {string} name
+ * @param {() => void} choose
+ * @returns {HTMLButtonElement}
+ */
+export function toolButton(name, choose) {
+  const [words, key, path] = TOOLS[name];
+  const picture = svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: path }));
+  return keyButton(picture, words, key, choose, { "data-tool": name });
+}
+
+/**
  * @param {CellPlace} point
  * @returns {CellPlace}
  */
@@ -61,6 +80,7 @@ export function makeTools(board, setting, said) {
   const kit = { board, model: board.model, setting, said, clipboard: null, turns: [] };
   return {
     kit,
+    change: changer(kit),
     brush: painter(kit, 1),
     erase: painter(kit, 0),
     line: spanned(kit, "line", () => setting.size, (from, to) => thick(lineCells(from, to), setting.size)),
@@ -142,6 +162,7 @@ function spanned(kit, label, width, cellsOf) {
     kit.board.draw();
   };
   return {
+    spans: true,
     begin(point) {
       from = to = cellOf(point);
       show();
@@ -195,6 +216,7 @@ function selector(kit) {
   /** @type {{box: Box, pattern: Pattern} | null} */
   let moving = null;
   return {
+    spans: true,
     begin(point) {
       from = cellOf(point);
       moving = holds(board.selection, from)
@@ -271,29 +293,105 @@ function stamper(kit) {
 }
 
 /**
+ * Drags the start, the tip of its heading, or the target; elsewhere it draws walls, or erases them if
+ * it begins on one.
+ * @param {any} kit
+ * @returns {Tool}
+ */
+function changer(kit) {
+  const { board, model, setting } = kit,
+    walls = painter(kit, 1),
+    move = { Start: moveStart, Target: moveTarget, Heading: turnStart };
+  /** @type {CellPlace} */
+  let from = [0, 0];
+  let held = "", // what is being dragged; empty while drawing or erasing
+    erases = false;
+  return {
+    get spans() {
+      return held !== "";
+    },
+    begin(point, use) {
+      from = cellOf(point);
+      held = handleAt(board, point, use.byKeys);
+      model.mark(); // one drag is one step of the history
+      if (held) return;
+      erases = isSolid(model.world, from);
+      walls.begin(point, { ...use, erase: erases });
+    },
+    drag(point, use) {
+      if (!held) return walls.drag(point, { ...use, erase: erases });
+      // a click, within the cell, leaves it exactly where it is
+      if (!use.exact && held !== "Heading" && isSame(cellOf(point), from)) return;
+      move[held](kit, point, use.exact);
+      from = [NaN, NaN];
+    },
+    end(use) {
+      if (!held) walls.end(use);
+      held = "";
+    },
+    hover(point) {
+      const handle = handleAt(board, point);
+      board.canvas.dataset.over = handle.toLowerCase();
+      board.marks = handle ? [] : [brushBox(cellOf(point), setting.size)];
+    },
+  };
+}
+
+/** @type {(a: CellPlace, b: CellPlace) => boolean} */
+const isSame = ([x0, y0], [x1, y1]) => x0 === x1 && y0 === y1;
+const isSolid = ({ cells, width, height }, [x, y]) => x >= 0 && y >= 0 && x < width && y < height && cells[y * width + x] === 1;
+
+const NEAR = 12; // pixels around a handle within which the pointer takes it
+
+// Returns what can be dragged at a point: Start, Heading or Target; empty if nothing can. With keys,
+// it has to be in the cursor's cell.
+function handleAt(board, point, byKeys = false) {
+  const { world } = board.model,
+    side = world.cell_size;
+  if (byKeys) {
+    const isThere = ([x, y]) => isSame(cellOf([x / side, y / side]), cellOf(point));
+    return isThere(world.start) ? "Start" : isThere(world.target) ? "Target" : "";
+  }
+  const far = ([x, y]) => Math.hypot(point[0] - x, point[1] - y),
+    least = NEAR / board.now().scale,
+    tip = far(headingTip(world));
+  return tip < far([world.start[0] / side, world.start[1] / side]) && tip < Math.max(0.4, least) ? "Heading" : markAt(world, point, Math.max(0.5, least));
+}
+
+function moveStart(kit, point, exact) {
+  kit.model.change("start", { start: [...placed(kit, point, exact), kit.model.world.start[2]] }, true);
+}
+
+function moveTarget(kit, point, exact) {
+  kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, true);
+}
+
+// Turns the start's heading to a point, in steps of five degrees, which are easy to hit.
+function turnStart(kit, point, exact) {
+  const { start, cell_size: side } = kit.model.world,
+    dx = point[0] * side - start[0],
+    dy = point[1] * side - start[1];
+  if (Math.hypot(dx, dy) < 0.6 * side) return;
+  const degrees = (Math.atan2(dy, dx) * 180) / Math.PI,
+    shown = exact ? degrees : Math.round(degrees / 5) * 5;
+  kit.model.change("start heading", { start: [start[0], start[1], round((shown * Math.PI) / 180)] }, true);
+}
+
+/**
  * Moves the start to the middle of a cell, or with Alt to the exact place; dragging away from it
  * turns it.
  * @param {any} kit
  * @returns {Tool}
  */
 function starter(kit) {
-  /** @type {CellPlace} */
-  let at = [0, 0];
   return {
+    spans: true,
     begin(point, { exact }) {
-      at = placed(kit, point, exact);
-      kit.model.change("start", { start: [...at, kit.model.world.start[2]] });
+      kit.model.mark();
+      moveStart(kit, point, exact);
+      kit.model.mark(); // turning it is another step of the history
     },
-    drag(point) {
-      const side = kit.model.world.cell_size;
-      const dx = point[0] * side - at[0],
-        dy = point[1] * side - at[1];
-      if (Math.hypot(dx, dy) < 0.6 * side) return;
-      const heading = Math.atan2(dy, dx),
-        // steps of five degrees are easy to hit
-        steps = Math.round((heading * 180) / Math.PI / 5) * 5;
-      kit.model.change("start heading", { start: [...at, round((steps * Math.PI) / 180)] }, true);
-    },
+    drag: (point, { exact }) => turnStart(kit, point, exact),
     end() {},
   };
 }
@@ -304,16 +402,12 @@ function starter(kit) {
  * @returns {Tool}
  */
 function targeter(kit) {
-  const move = (together) => (point, { exact }) =>
-    kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, together);
-  const begin = move(false),
-    drag = move(true);
   return {
-    begin(point, how) {
-      begin(point, how);
-      kit.model.past.at(-1).together = "target";
+    begin(point, { exact }) {
+      kit.model.mark();
+      moveTarget(kit, point, exact);
     },
-    drag,
+    drag: (point, { exact }) => moveTarget(kit, point, exact),
     end() {},
   };
 }
@@ -340,6 +434,7 @@ function placed(kit, [x, y], exact) {
  */
 function measurer(kit) {
   return {
+    spans: true,
     begin(point) {
       kit.board.measure = [point, point];
       kit.board.draw();

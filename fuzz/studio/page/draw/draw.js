@@ -1,22 +1,24 @@
 // The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
-import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
+import { choice, el, grouped, keyButton, shortName, verdictDot } from "#player/dom.js";
+import { proofWords, runWords } from "#player/edit/answer.js";
 import { makeBoard } from "#player/edit/board.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { makeFiles } from "#studio/draw/files.js";
 import { makeMaker } from "#studio/draw/maker.js";
 import { markAt, robotsIn } from "#player/edit/model.js";
-import { askSignal, proofWords } from "#studio/draw/proof.js";
+import { askSignal } from "#studio/draw/proof.js";
 import { SELECTION, withSelection } from "#player/edit/selection.js";
 import { STAMPS } from "#player/edit/shapes.js";
 import { makeTime } from "#studio/draw/time.js";
-import { TOOLS, makeTools } from "#player/edit/tools.js";
+import { TOOLS, makeTools, toolButton } from "#player/edit/tools.js";
 import { makeWorldPanel } from "#studio/draw/world_panel.js";
 
 const VIEWS = {
   grid: ["Grid", "#"],
   ruler: ["Ruler", "u"],
   proof: ["Path", "w"],
+  run: ["Run", "v"],
   signal: ["Signal", "i"],
   noise: ["Noise", "n"],
 };
@@ -37,7 +39,7 @@ export function makeDraw(section, studio) {
     "aria-label": "Drawing board",
     "aria-describedby": "place proof board-keys",
   });
-  const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
+  const show = { grid: true, ruler: true, proof: true, run: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { studio, say: studio.say, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
@@ -59,6 +61,7 @@ export function makeDraw(section, studio) {
     redraw: () => (board.draw(), parts.bodies.maker.redraw()),
     where: (point) => showPlace(draw, parts, point),
     senseSignal: () => senseSignal(draw),
+    showRun: (run, robot, why) => showRun(draw, parts, run, robot, why),
     bring: (dropped) => {
       draw.panel("files");
       parts.bodies.files.bring(dropped);
@@ -71,12 +74,7 @@ export function makeDraw(section, studio) {
 }
 
 function palette(draw, parts) {
-  const button = (name) => {
-    const [words, key, path] = TOOLS[name];
-    const picture = svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: path }));
-    return keyButton(picture, words, key, () => draw.choose(name), { "data-tool": name });
-  };
-  parts.tools = Object.keys(TOOLS).map(button);
+  parts.tools = Object.keys(TOOLS).map((name) => toolButton(name, () => draw.choose(name)));
   return el(
     "div",
     { class: "palette", role: "toolbar", "aria-label": "Tools", "aria-orientation": "vertical" },
@@ -311,10 +309,20 @@ function showPlace(draw, parts, point) {
   parts.proof.replaceChildren(el("b", {}, head), words);
 }
 
+// Shows how a robot's run in the drawing ends, or why there is none. Play runs it with everything
+// that can be seen of it.
+function showRun({ board }, parts, run, robot, why) {
+  const name = shortName(robot);
+  board.run = run && { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } };
+  const words = run ? [`${name}: `, verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)}`] : [why && `${name}: ${why}`];
+  parts.run.replaceChildren(...words);
+}
+
 // Makes the status below the board; it also describes the board to screen readers.
 function statusParts() {
   const where = el("span", { class: "place", id: "place" }),
+    run = el("span", { class: "drawn-run", id: "drawn-run" }),
     proof = el("span", { class: "proof", id: "proof", role: "status" }),
     keys = el("span", { class: "away", id: "board-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
-  return { where, proof, status: el("div", { class: "status" }, where, proof, keys) };
+  return { where, run, proof, status: el("div", { class: "status" }, el("div", {}, where, run), proof, keys) };
 }

@@ -5,6 +5,7 @@ import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isGood, labelled, number, words } from "#studio/shared/fields.js";
 import { round } from "#player/edit/model.js";
+import { radiusSlider } from "#player/edit/radius.js";
 import { messageOf } from "#studio/shared/world_message.js";
 import { LOOKING, isWidestByHand } from "#studio/draw/proof.js";
 import { Refused } from "#studio/shared/refusals.js";
@@ -47,18 +48,9 @@ export function makeWorldPanel(studio, draw) {
 function radiusPart(studio, parts) {
   const { model } = studio;
   const change = (value) => model.change("radius", { robot_radius: round(value) }, true);
-  parts.radius = el("input", {
-    type: "range",
-    step: "any",
-    min: 0,
-    id: "radius",
-    "aria-label": "Robot radius",
-    "aria-describedby": "widest",
-    oninput: (event) => {
-      const cell = model.world.cell_size;
-      change(Math.max(cell / 100, Math.round((event.target.valueAsNumber / cell) * 100) * (cell / 100)));
-    },
-  });
+  const slider = radiusSlider(() => model, { id: "radius", "aria-describedby": "widest" });
+  parts.radius = slider.input;
+  parts.showRadius = slider.refresh;
   parts.radiusNumber = lengthField(studio, parts, change);
   parts.widest = el("p", { class: "quiet widest", id: "widest" });
   parts.find = el("button", { type: "button", id: "find-widest", onclick: () => studio.askWidest() }, "Find the widest robot that passes");
@@ -218,9 +210,7 @@ function refresh(world, parts) {
     x.max = round(world.width * world.cell_size);
     y.max = round(world.height * world.cell_size);
   }
-  parts.radius.max = Math.max(2.5 * world.cell_size, 1.2 * world.robot_radius);
-  parts.radius.value = world.robot_radius;
-  parts.radius.setAttribute("aria-valuetext", `${world.robot_radius} m`);
+  parts.showRadius();
   show(parts.radiusNumber, world.robot_radius, world);
   show(parts.speed, world.robot_speed, world);
   show(parts.cell, world.cell_size, world);

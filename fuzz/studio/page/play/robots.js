@@ -25,8 +25,8 @@ const WIDE = 15; // letters of a name that fill half a line
  */
 export function makeRobots(studio, run, drive, more) {
   const state = {
-    motion: "stepped",
-    chosen: ["thesis-2"],
+    motion: "", // the server's default, once it is known
+    chosen: ["turn-left"], // in an example world, it shows a loop
     own: [], // robots with their own options, NAME+option=value
     seed: 0,
     time_step: 0, // the default, once it is known
@@ -223,7 +223,7 @@ function takeOffered(robots) {
   // the studio was restarted and offers something else, or code was edited
   const again = before !== null;
   robots.offered = studio.offered;
-  if (!again) Object.assign(state, { time_step: studio.offered.time_step }, setupIn(studio.folder, studio.offered));
+  if (!again) Object.assign(state, { motion: studio.offered.motion, time_step: studio.offered.time_step }, setupIn(studio.folder, studio.offered));
   else followMended(robots, before);
   if (!motionOf(robots)) Object.assign(state, { motion: studio.offered.motions[0].name, options: {} });
   parts.motionList = motionField(studio.offered.motions, state.motion, (name) => setMotion(robots, name));

@@ -25,7 +25,7 @@ const DRAWING = [
   ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
   ["Enter, Delete", "Fill, clear the selection"],
   ["Escape", "Cancel the current stroke"],
-  ["# u w i n", "Grid, ruler, path or cut, signal, its noise filter"],
+  ["# u w v i n", "Grid, ruler, path or cut, the robot's run, signal, its noise filter"],
   ["+ − 0", "Zoom; show the whole world; drag with the middle button to move it"],
 ];
 const PLAYING = [
@@ -148,6 +148,7 @@ function drawKeys(draw) {
     "#": () => draw.toggle("grid"),
     u: () => draw.toggle("ruler"),
     w: () => draw.toggle("proof"),
+    v: () => draw.toggle("run"),
     i: () => draw.toggle("signal"),
     n: () => draw.toggle("noise"),
     x: () => draw.act("mirror"),

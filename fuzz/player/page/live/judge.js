@@ -1,0 +1,83 @@
+// Answers a page's question about a world: does a path exist, and what does the robot do?
+
+import { add, ceil, div, exact, fraction, least, mul, sub } from "#player/live/exact.js";
+import { prove } from "#player/live/prove.js";
+import { runOnLattice } from "#player/live/run.js";
+import { runStepped } from "#player/live/stepped.js";
+
+/** @typedef {import("#player/live/core.js").Core} Core */
+/** @typedef {{ prover: Core, simulator: Core }} Cores */
+
+/** Steps of a run without a witness. */
+const STEPS_WITHOUT_WITNESS = 20_000;
+/** A budget grows at most this many times for a drift. */
+const MOST_OF_A_DRIFT = fraction(10);
+
+/**
+ * @param {Cores} cores
+ * @param {LiveQuestion} question
+ * @param {() => Promise<void>} pause throws if a newer question has come
+ * @returns {Promise<LiveAnswer>}
+ */
+export async function judge({ prover, simulator }, { world, run: recipe, edited }, pause) {
+  try {
+    const began = performance.now();
+    const elsewhere = whyNotProved(world);
+    const proof = elsewhere ? notProved(elsewhere) : await prove(prover, world, pause);
+    await pause();
+    const proved = performance.now();
+    /** @type {LiveRun | null} */
+    let run = null;
+    let why = "";
+    if (recipe) {
+      const budget = edited ? budgetOf(world, recipe, proof) : recipe.steps;
+      const runs = recipe.motion === "stepped" ? runStepped : runOnLattice;
+      const found = await runs(simulator, world, recipe, proof.witness, budget, pause);
+      if (typeof found === "string") why = found;
+      else run = found;
+    }
+    const ms = { proof: proved - began, run: performance.now() - proved };
+    return { proof, run, live: { proof: proof.reachable === null ? proof.reason : "", run: why }, ms };
+  } finally {
+    prover.release();
+    simulator.release();
+  }
+}
+
+/**
+ * Returns why the proof of a world isn't made in a page, in a sentence; empty if it is.
+ * @param {LiveWorld} world
+ */
+function whyNotProved(world) {
+  const kind = (world.robots ?? 1) > 1 ? "several robots" : world.footprint ? "a body" : world.car ? "a car" : "";
+  if (kind) return `The proof for ${kind} is made by \`worldgen verify\`.`;
+  return world.changes ? "The proof for a world that changes is made by `worldgen verify`." : "";
+}
+
+/**
+ * @param {string} reason
+ * @returns {LiveProof}
+ */
+const notProved = (reason) => ({ reachable: null, reason, witness: null, cut: null });
+
+/**
+ * Returns the steps that an edited world's run gets: sim.options.run.step_budget.
+ * @param {LiveWorld} world
+ * @param {LiveRecipe} recipe
+ * @param {LiveProof} proof
+ */
+function budgetOf(world, recipe, { reachable, witness }) {
+  const { factor, fewest, most, moved, drift, pushed, last_push: last } = recipe.budget;
+  // Without a proof of its own, the run has as long as the recorded one.
+  if (reachable === null) return recipe.steps;
+  if (!witness) return STEPS_WITHOUT_WITNESS;
+  let duration = exact(witness.t.at(-1) ?? 0);
+  if (moved) {
+    const speed = exact(world.speed);
+    const left = sub(speed, exact(drift));
+    const slower = left.over > 0n ? div(speed, left) : fraction(1);
+    duration = add(mul(least(slower, MOST_OF_A_DRIFT), duration), exact(last + pushed / world.speed));
+  }
+  const wanted = ceil(div(mul(fraction(factor), duration), exact(recipe.time_step)));
+  return Math.min(Math.max(Number(wanted), fewest), most);
+}
