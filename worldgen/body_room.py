@@ -136,7 +136,8 @@ def with_room(world: World, robot: Robot) -> World:
     """Return a family's world with a robot, which fits at its start and somewhere in its target.
 
     If the body is in a wall at the start, it gets another heading. If it fits with none, at the start
-    or the target, walls make way until it can turn there.
+    or the target, walls make way until it can turn there. So do they at its waypoints, which stay where
+    they are; only the border is in the way there.
 
     Args:
         world: The world; its robot says where start and target are.
@@ -161,7 +162,17 @@ def with_room(world: World, robot: Robot) -> World:
         if fits is None or (target.heading is not None and fits != wanted):
             walls, place = _cleared(world, walls, robot, place)
             target = replace(target, x=place[0], y=place[1])
+    for goal in robot.waypoints:
+        walls = _without_cells_at(world, walls, robot, goal)
     return replace(world.bare, walls=walls, robots=(replace(robot, start=start, target=target),))
+
+
+def _without_cells_at(world: World, walls: Bools, robot: Robot, goal: Target) -> Bools:
+    """Return walls without the cells nearer to a goal than the robot's radius, except at the border."""
+    near = _is_near(world, (goal.x / world.cell_size, goal.y / world.cell_size), robot)
+    near[[0, -1], :] = False
+    near[:, [0, -1]] = False
+    return walls & ~near
 
 
 def with_fitting_heading(world: World) -> World:
@@ -258,9 +269,17 @@ def _cleared(
             )
         middle.append(min(max(round(2.0 * at / side), low), high) / 2.0)
     x, y = middle
+    walls = walls & ~_is_near(world, (x, y), robot)
+    return walls, (round(x * side, 9), round(y * side, 9))
+
+
+def _is_near(world: World, place: tuple[float, float], robot: Robot) -> Bools:
+    """Return (height, width) bool, the cells nearer to a place, cells, than the robot's radius."""
+    x, y = place
+    reach = robot.radius / world.cell_size
     columns = np.arange(world.width)
     rows = np.arange(world.height)
     across = np.maximum(np.maximum(columns - x, x - columns - 1.0), 0.0)
     up = np.maximum(np.maximum(rows - y, y - rows - 1.0), 0.0)
-    walls = walls & ~(across[None, :] ** 2 + up[:, None] ** 2 < reach * reach)
-    return walls, (round(x * side, 9), round(y * side, 9))
+    near: Bools = across[None, :] ** 2 + up[:, None] ** 2 < reach * reach
+    return near
