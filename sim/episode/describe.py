@@ -18,6 +18,7 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.verdict import Verdict
+from worldgen.robot_overrides import describe_waypoint
 from worldgen.support.plain_text import Styled, joined, shown
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
@@ -79,6 +80,17 @@ def describe_evidence(episode: Episode) -> str:
         case FaultEvidence() as fault:
             return f" ({_of_robot(fault.robot)}{shown(_fault(episode.verdict, fault))})"
     return ""
+
+
+def describe_missed_goal(world: World, episode: Episode) -> str:
+    """Return which goal a robot with waypoints never reached, after a comma; empty if it has none."""
+    robot = world.robots[0]
+    reached = episode.goals_reached
+    if reached is None or reached >= len(robot.goals):
+        return ""
+    # Only a loop shows that the robot would not have arrived later.
+    verb = "never reaches" if episode.verdict == Verdict.LOOP else "has not reached"
+    return f", {verb} {describe_waypoint(robot, reached)}"
 
 
 def _joint(joint: JointLoopEvidence) -> str:
