@@ -1,7 +1,7 @@
 """Measure how many worlds per second a campaign tries against controllers that users bring.
 
 These are classes and programs. ``python -m benchmarks.classes`` prints a table; ``--json`` prints
-one object; ``--document docs/explanation/search.md`` also writes it to that page. Rates are per
+one object; ``--document docs/notes/search.md`` also writes it to that page. Rates are per
 second of one core's processor time, without compilation. For a program they are per second of wall
 time, because most of its time is spent in another process.
 
@@ -46,7 +46,7 @@ SHORT = 60
 BEAMS = 36
 PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
 MARKS = (
-    "<!-- table: python -m benchmarks.classes --document docs/explanation/search.md -->",
+    "<!-- table: python -m benchmarks.classes --document docs/notes/search.md -->",
     "<!-- end of table -->",
 )
 # Least seconds over which a rate is measured.

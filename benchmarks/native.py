@@ -2,7 +2,7 @@
 
 It measures robot steps and worlds per second, against the bare simulator and the Hypothesis
 strategy. ``python -m benchmarks.native`` prints a table; ``--json`` prints one object; ``--document
-docs/explanation/search.md`` also writes it to that page. All rates are per second of one core's
+docs/notes/search.md`` also writes it to that page. All rates are per second of one core's
 processor time, without compilation.
 
 ``strategy``: units of the strategy ``native`` as a campaign does them: scenes are drawn, simulated
@@ -53,7 +53,7 @@ LOOKS = 4_000
 # Worlds of simulate_many.
 SAME_WORLDS = 300
 MARKS = (
-    "<!-- table: python -m benchmarks.native --document docs/explanation/search.md -->",
+    "<!-- table: python -m benchmarks.native --document docs/notes/search.md -->",
     "<!-- end of table -->",
 )
 

@@ -1,7 +1,7 @@
 """Measure how often the thesis's robots enter walls.
 
 It uses scattered worlds and U traps, by rule, cause and repair. ``python -m
-benchmarks.thesis_faults`` prints the figures of ``docs/explanation/thesis.md``; ``--json`` prints
+benchmarks.thesis_faults`` prints the figures of ``docs/notes/thesis.md``; ``--json`` prints
 one object. It takes about four minutes.
 """
 

@@ -1,7 +1,7 @@
 """Measure how fast worlds are made, proved, checked, written and read, against other programs.
 
 ``python -m benchmarks.worlds`` prints tables; ``--json`` prints one object; ``--document
-docs/explanation/search.md`` also writes the tables to that page, between its marks. Times are those
+docs/notes/search.md`` also writes the tables to that page, between its marks. Times are those
 of one core's processor, the best of ``--rounds``, without compilation. Start-up is wall time, also
 without compilation.
 
@@ -52,7 +52,7 @@ TINY = ("--sizes", "60", "--rounds", "1")
 STILL = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 BATCH = 100
 MARKS = (
-    "<!-- table: python -m benchmarks.worlds --document docs/explanation/search.md -->",
+    "<!-- table: python -m benchmarks.worlds --document docs/notes/search.md -->",
     "<!-- end of table -->",
 )
 

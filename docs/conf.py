@@ -20,7 +20,8 @@ release = version_of("worldgen")
 version = release
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-exclude_patterns = ["_build"]
+# The notes have measurements and history, for the authors; the parts are included by other pages.
+exclude_patterns = ["_build", "notes", "reference/generated/parts"]
 
 # Headings get the anchors that they have on code hosts, so that one link works in both places.
 myst_heading_anchors = 4
@@ -53,7 +54,8 @@ def mark_repository_files(app: Sphinx, docname: str, source: list[str]) -> None:
     def replaced(link: re.Match[str]) -> str:
         text, target = link.groups()
         file = (folder / target.partition("#")[0]).resolve()
-        if file.is_relative_to(HERE) or not file.exists():
+        on_the_site = file.is_relative_to(HERE) and not file.is_relative_to(HERE / "notes")
+        if on_the_site or not file.exists():
             return link[0]
         name = str(file.relative_to(HERE.parent))
         return f"`{name}`" if text.strip("`") == name else f"{text} (`{name}`)"

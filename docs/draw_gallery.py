@@ -1,9 +1,7 @@
-"""Write the gallery in ``docs/reference/families.md`` and its pictures.
+"""Draw the pictures of ``docs/reference/families.md``: ``python docs/draw_gallery.py [FAMILY ...]``.
 
-Run it as ``python docs/draw_gallery.py [FAMILY ...]``.
-
-A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds
-by the page's commands and compares. The gallery is the page's last section.
+A picture carries the ids of the worlds that it shows, and the page's gallery lists them; a test
+makes the worlds by the gallery's commands and compares.
 """
 
 from __future__ import annotations
@@ -24,22 +22,10 @@ from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import JointWitness, Value, Witness, World
 
 DOCS = Path(__file__).parent
-PAGE = DOCS / "reference" / "families.md"
 FIRST, EACH = 1, 3  # seeds of every kind
 LOOK = {"columns": 6, "pixels": 150}  # panels across; 5 px for each cell of a world of 30
 COLOURS = 48
 ID = 8  # hex digits of a world's id that the page and the picture name
-
-START = "## Gallery\n"
-INTRO = f"""{START}
-The gallery shows every family with each of its choices, with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is
-the witness: it proves that a disc of the robot's size gets from the start (green, with its heading) to the target
-(blue). Hatched cells burn, dotted outlines change. If there are several robots, each has its own colour.
-Below each picture are the commands that make its worlds as sets ([sets.md](../howto/sets.md)), and the first {ID} hex
-digits of the worlds' ids.
-
-`python docs/draw_gallery.py` makes this section and its pictures.
-"""
 
 
 @dataclass(frozen=True)
@@ -174,28 +160,16 @@ def draw(family: str) -> bytes:
 
 
 def section() -> str:
-    """Return the gallery; it relies on the ids in the pictures."""
-    parts = [INTRO]
+    """Return the commands that make the worlds of the pictures; it relies on the ids in them."""
+    rows = []
     for family, kinds in GALLERY.items():
         names = iter(shown(family))
-        rows = [
-            f"| {kind.label} | `{command(family, kind)}` | "
+        rows += [
+            f"| {family}, {kind.label} | `{command(family, kind)}` | "
             f"{' '.join(next(names) for _ in range(EACH))} |"
             for kind in kinds
         ]
-        parts.append(f"### {heading(family)}\n")
-        parts.append(
-            f"![{family}: "
-            f"{', '.join(kind.label for kind in kinds)}](../pictures/gallery-{family}.png)\n"
-        )
-        parts.append("\n".join(["| worlds | command | ids |", "| --- | --- | --- |", *rows]) + "\n")
-    return "\n".join(parts)
-
-
-def heading(family: str) -> str:
-    """Return the heading of a family, and its description."""
-    about = FAMILIES.get(family)
-    return f"`{family}`, version {about.version}\n\n{about.description.splitlines()[0]}"
+    return "\n".join(["| worlds | command | ids |", "| --- | --- | --- |", *rows]) + "\n"
 
 
 def picture_of(family: str) -> Path:
@@ -212,5 +186,3 @@ def shown(family: str) -> list[str]:
 if __name__ == "__main__":
     for name in sys.argv[1:] or GALLERY:
         picture_of(name).write_bytes(draw(name))
-    before = PAGE.read_text(encoding="utf-8").split(START)[0]
-    PAGE.write_text(before + section(), encoding="utf-8")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -33,9 +34,28 @@ WORLDS = {
 }
 HALLS = {"scattered": ("scattered", 1), "one-u": ("one U", 2)}
 HALL_SEED = 9
+# A room whose opening is narrower than the robot, as text to import.
+WALLED = """\
+####################
+#..................#
+#......########....#
+#......#......#....#
+#.S....#......#....#
+#......#...G..#....#
+#......#......#....#
+#......##.#####....#
+#..................#
+#..................#
+####################
+"""
+SMALLEST = ROOT / "corpora" / "failures" / "turn-right" / "swept" / "returns-to-a-wall.grid"
 
 # The picture's name, and the command that draws it, without its --picture.
 RUNS = {
+    "reach-witness": "show trap.grid --no-signal",
+    "reach-cut": "show walled.grid --no-signal",
+    "search-found": "run maze.grid --controller turn-right",
+    "search-shrunk": "run shrunk.grid --controller turn-right",
     "loop": "run trap.grid --controller turn-right",
     "pushed": "run trap.grid --controller turn-right+pushes=1:0.4:0:1.57:3:0:-0.5:0",
     "not-covered": "run small-rooms.grid --task cover --controller turn-random",
@@ -78,6 +98,9 @@ def draw(folder: Path) -> list[Path]:
     with tempfile.TemporaryDirectory() as scratch, contextlib.chdir(scratch):
         for name, family in WORLDS.items():
             worldgen(f"{family} --out {name}.grid")
+        Path("walled.txt").write_text(WALLED, encoding="utf-8")
+        worldgen("import walled.txt --out walled.grid")
+        shutil.copy(SMALLEST, "shrunk.grid")
         for name, (kind, count) in HALLS.items():
             *_, hall = draw_worlds(kind, count, HALL_SEED)
             write_world(hall, Path(f"{name}.grid"))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
+from worldgen.render.body_parts import tight_words
 from worldgen.world import World
 
 
@@ -180,10 +181,15 @@ class Diagnosis(NamedTuple):
         more = _CIRCUMSTANCES[self.circumstance] if self.circumstance else _Additions()
         if more.sentence:
             text = more.sentence
+        gap = f" of {self.gap:.2g} radii" if self.gap else ""
+        if self.circumstance == Circumstance.AT_A_GAP and world is not None:
+            # Radii say nothing of a body that is not a disc.
+            tight = tight_words(world)
+            gap = f" ({tight})" if tight else gap
         return text.format(
             It="A robot" if several else "It",
             Its="A robot's" if several else "Its",
-            where=more.where.format(gap=f" of {self.gap:.2g} radii" if self.gap else ""),
+            where=more.where.format(gap=gap),
         )
 
     @property
@@ -357,7 +363,7 @@ _CIRCUMSTANCES = {
     ),
     Circumstance.AT_A_GAP: _Additions(
         where=" in front of a gap{gap}",
-        advice="Check how much clearance it requires at walls and in turns: its radius must be "
+        advice="Check how much clearance it requires at walls and in turns: its own size must be "
         "enough. A smaller robot arrives.",
     ),
     Circumstance.AT_THE_TARGET: _Additions(

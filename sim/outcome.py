@@ -43,6 +43,23 @@ ENDINGS: Mapping[int, Ending] = {
 
 
 @dataclass(frozen=True)
+class Shortfall:
+    """What keeps the last state of a run from being an arrival; 0 is nothing.
+
+    Args:
+        distance: From the target's disc, m.
+        heading: From the goal's heading, rad.
+        speed: Speed with which the robot moves although it has to stop, m/s.
+        turn_rate: The same for its turns, rad/s.
+    """
+
+    distance: float
+    heading: float
+    speed: float
+    turn_rate: float
+
+
+@dataclass(frozen=True)
 class Outcome:
     """The core's claims about a run; checks of the evidence confirm them from the trace.
 
@@ -76,6 +93,7 @@ class Outcome:
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
         trace: The recording, if requested.
+        shortfall: As in :attr:`Episode.shortfall`.
     """
 
     ending: Ending
@@ -103,6 +121,7 @@ class Outcome:
     complete: bool = True
     fault: FaultEvidence | None = None
     trace: Trace | None = None
+    shortfall: Shortfall | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -174,6 +193,8 @@ class Episode:
             m2.
         goals_reached: How many of its waypoints and its target it arrived at; ``None`` for a robot
             without waypoints.
+        shortfall: What the last state lacks, of a run that did not arrive at a goal with a heading,
+            or at which a step has to end; else ``None``.
     """
 
     verdict: Verdict
@@ -187,6 +208,7 @@ class Episode:
     area_covered: float = 0.0
     cells_left: int | None = None
     goals_reached: int | None = None
+    shortfall: Shortfall | None = None
 
     @property
     def went_into_a_wall(self) -> bool:

@@ -31,16 +31,25 @@ from worldgen.lattice import UNIT
 from worldgen.plugins.user_modules import sources_read
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
+from worldgen.render.body_parts import tight_poses
+from worldgen.render.polyline import along, arc_length
 from worldgen.timeline import Timeline
-from worldgen.world import Pose, Robot, Target, World
+from worldgen.world import Pose, Robot, Target, Witness, World
 
 # A place is a gap if two of the robots do not fit through it side by side, and at a wall if one of
 # twice the radius does not fit there.
 _GAP = 2.0
 
+# Places along a witness among which the nearest one to a pose is found.
+_SAMPLES = 500
+
 # Radii of smaller robots, as shares of the robot's own, the smallest first: most robots that no gap
 # holds back fail at the first radius, which saves the other runs.
 _SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
+
+# The same of bodies that are not discs. Half of a rectangle may still be longer than a gap is wide,
+# and a controller may take it for the disc around it.
+_SMALLER_BODIES = (0.3, 0.4, *_SMALLER)
 
 # Number of smaller robots that must arrive. In a world that is hard for another reason, one or two
 # robots may arrive by chance.
@@ -204,7 +213,7 @@ def gap_that_stops(
     """Return the width of a gap that the robot avoids although it fits through; 0 without one.
 
     A gap stops the robot if every path from the place that it reaches is narrow, and all robots
-    below some smaller radius arrive.
+    below some smaller size arrive. Of a body that is not a disc, its witness's path is examined.
 
     Args:
         world: The world.
@@ -214,15 +223,45 @@ def gap_that_stops(
     Returns:
         The width in radii of the robot.
     """
-    gap = _narrow_way(world, place)
+    robot = world.robots[0]
+    gap = _narrow_way(world, place) if robot.is_disc else _narrow_path(world, place)
     if not gap:
         return 0.0
     changed = replace(world, certificate=None, failure=None)
     # The first robot that does not arrive decides, so no larger one is tried.
     arrived = itertools.takewhile(
-        lambda share: arrives(replace(changed, robot_radius=share * world.robot_radius)), _SMALLER
+        lambda share: arrives(replace(changed, robots=(_smaller(robot, share),))),
+        _SMALLER if robot.is_disc else _SMALLER_BODIES,
     )
     return gap if len(list(arrived)) >= _FEWEST else 0.0
+
+
+def _smaller(robot: Robot, share: float) -> Robot:
+    footprint = tuple((share * x, share * y) for x, y in robot.footprint)
+    return replace(robot, radius=share * robot.radius, footprint=footprint)
+
+
+def _narrow_path(world: World, place: tuple[float, float]) -> float:
+    """Return how wide a body's witness is at its tightest place, after a place; 0 if it is wide.
+
+    Returns:
+        The shorter side of the body and the room on both of its sides, in radii of the robot.
+    """
+    proof = world.certificate
+    tight = tight_poses(world, proof) if isinstance(proof, Witness) else []
+    if not tight or not isinstance(proof, Witness):
+        return 0.0
+    # A robot that has the tightest place behind it is held by another one, which this doesn't show.
+    points = np.column_stack((proof.x, proof.y))
+    samples = along(points, np.linspace(0.0, float(arc_length(points)[-1]), _SAMPLES))
+    here = np.array(place) * world.cell_size
+    reached, passed = (
+        int(np.hypot(*(samples - point).T).argmin()) for point in (here, tight[-1][:2])
+    )
+    robot = world.robots[0]
+    side = float(np.ptp(robot.footprint, axis=0).min())
+    width = side + 2.0 * proof.clearance
+    return width / robot.radius if reached <= passed and width < _GAP * side else 0.0
 
 
 def _narrow_way(world: World, place: tuple[float, float]) -> float:

@@ -1,4 +1,4 @@
-"""The server: one page, its files, and one connection."""
+"""The server: one page, which contains its scripts and style, and one connection."""
 
 from __future__ import annotations
 
@@ -6,54 +6,40 @@ import contextlib
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from importlib.resources import files
-from importlib.resources.abc import Traversable
 
 import msgspec
 from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
+from fuzz.player.one_file import filled, modules
 from fuzz.studio.campaigns.watching import Watching
-from fuzz.studio.gate import IMPORTS, Gate, Guarded
+from fuzz.studio.gate import Gate, Guarded
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.protocol import FULL, REQUESTS, SUBPROTOCOL, Begins, Given
 from fuzz.studio.session import Session
 from fuzz.studio.workers import Worker
 
 MOST_PAGES = 64  # connected at the same time; more would mean a program out of control
-_KINDS = {
-    ".html": "text/html",
-    ".js": "text/javascript",
-    ".css": "text/css",
-    ".svg": "image/svg+xml",
-}
+_STYLES = ("studio.css", "campaign/campaign.css", "compare/compare.css")
 
 
-def _parts() -> dict[str, bytes]:
-    """Return the page's files by address.
-
-    Addresses never lead to any other file.
-    """
-    found: dict[str, bytes] = {}
-    for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
-        found |= _parts_below(files(package) / "page", f"/{address}")
-    page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
-    page = page.replace(b"@@GIVEN@@", msgspec.json.encode(Given()))
-    return found | {"/": page, "/studio/index.html": page}
-
-
-def _parts_below(folder: Traversable, address: str) -> dict[str, bytes]:
-    """Return the files of a folder and of the folders in it that a page may load, by address."""
-    found: dict[str, bytes] = {}
-    for part in folder.iterdir():
-        if part.is_dir():
-            found |= _parts_below(part, f"{address}/{part.name}")
-        elif part.name.endswith(tuple(_KINDS)):
-            found[f"{address}/{part.name}"] = part.read_bytes()
-    return found
+def _page() -> tuple[bytes, str]:
+    """Return the page, and the part of the policy that allows its scripts and styles."""
+    folder = files("fuzz.studio") / "page"
+    return filled(
+        (folder / "index.html").read_text("utf-8"),
+        "worldgen studio",
+        styles="".join((folder / name).read_text("utf-8") for name in _STYLES),
+        scripts=modules(folder, "#studio/"),
+        start="#studio/start.js",
+        data=msgspec.to_builtins(Given()),
+    )
 
 
 @dataclass(frozen=True)
@@ -72,7 +58,7 @@ class Studio:
     gate: Gate
     named: tuple[str, ...] = ()
     file: str | None = None
-    parts: dict[str, bytes] = field(default_factory=_parts, repr=False)
+    page: tuple[bytes, str] = field(default_factory=_page, repr=False)
 
 
 def make_app(studio: Studio) -> ASGIApp:
@@ -90,13 +76,13 @@ def make_app(studio: Studio) -> ASGIApp:
     )
     workers: dict[str, Worker | Watching] = {**processes, "server": watching}
 
-    # The page and its files. Unknown addresses never reach the file system.
-    async def part(request: Request) -> Response:
-        data = studio.parts.get(request.url.path)
-        if data is None:
+    html, sources = studio.page
+
+    # One file, because each request costs a round trip. No address reaches the file system.
+    async def page(request: Request) -> Response:
+        if request.url.path != "/":
             return Response("This page does not exist.\n", 404, media_type="text/plain")
-        ending = "." + request.url.path.rpartition(".")[2] if request.url.path != "/" else ".html"
-        return Response(data, media_type=_KINDS[ending])
+        return Response(html, media_type="text/html")
 
     # The connections, up to the limit.
     pages: set[WebSocket] = set()
@@ -122,5 +108,6 @@ def make_app(studio: Studio) -> ASGIApp:
         for worker in workers.values():
             worker.end()
 
-    routes = [WebSocketRoute("/socket", connection), Route("/{path:path}", part)]
-    return Guarded(Starlette(routes=routes, lifespan=life), studio.gate)
+    routes = [WebSocketRoute("/socket", connection), Route("/{path:path}", page)]
+    packed = Starlette(routes=routes, lifespan=life, middleware=[Middleware(GZipMiddleware)])
+    return Guarded(packed, studio.gate, sources)

@@ -22,13 +22,9 @@ from starlette.datastructures import Headers, MutableHeaders, QueryParams
 from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from fuzz.player.one_file import policy_source
 from fuzz.studio.requests.protocol import SUBPROTOCOL
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
-IMPORTS = '{"imports":{"#player/":"/player/","#studio/":"/studio/"}}'
-"""The page's import map: where a browser finds what a module imports as ``#player/dom.js``."""
-_IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")
 _UNSAID = 80  # the port that browsers omit
 _REFUSED = (
@@ -131,15 +127,18 @@ class Gate:
         """Return True if this is the token; the time taken does not depend on the text."""
         return _are_same(text, self.token)
 
-    def headers(self, said_host: str) -> dict[str, str]:
+    def headers(self, said_host: str, sources: str) -> dict[str, str]:
         """Return the security headers of every answer.
 
-        They forbid scripts and styles from other hosts, and inline ones except the import map.
+        They forbid all scripts and styles except those of the page.
+
+        Args:
+            said_host: The server as the request names it.
+            sources: The part of the policy that allows the page's scripts and styles.
         """
         policy = (
-            f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src "
-            f"'self' data: blob:; connect-src 'self' ws://{said_host}; base-uri 'none'; "
-            "form-action 'none'; frame-ancestors 'none'"
+            f"default-src 'none'; {sources}; img-src 'self' data: blob:; connect-src 'self' "
+            f"ws://{said_host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
         )
         return {
             "content-security-policy": policy,
@@ -165,11 +164,18 @@ def _is_address(name: str) -> bool:
 
 
 class Guarded:
-    """An application behind a gate."""
+    """An application behind a gate.
 
-    def __init__(self, app: ASGIApp, gate: Gate) -> None:
+    Args:
+        app: The application.
+        gate: Access control.
+        sources: See :meth:`Gate.headers`.
+    """
+
+    def __init__(self, app: ASGIApp, gate: Gate, sources: str) -> None:
         self.app = app
         self.gate = gate
+        self.sources = sources
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request through, or refuse it."""
@@ -184,7 +190,8 @@ class Guarded:
         async def sent(message: Message) -> None:
             if message["type"] == "http.response.start":
                 answer = MutableHeaders(scope=message)
-                for name, value in self.gate.headers(headers.get("host", "")).items():
+                host = headers.get("host", "")
+                for name, value in self.gate.headers(host, self.sources).items():
                     answer[name] = value
                 if gives_cookie:
                     given = f"{self.gate.cookie}={self.gate.cookie_value}"

@@ -341,8 +341,10 @@ def _with_circumstance(
         try:
             if fails_by_timing(world, others.arrives):
                 return Diagnosis(cause, Circumstance.AMONG_CHANGES)
-            # The walls that a robot touches reveal more about it than gaps that it keeps away from.
-            gap = gap_that_stops(world, seen.closest, others.arrives) if hardly_touches else 0.0
+            # The walls that a disc touches reveal more about it than gaps that it keeps away from.
+            # A body touches walls because it has the wrong heading for a gap.
+            may_be_held = hardly_touches or not world.robots[0].is_disc
+            gap = gap_that_stops(world, seen.closest, others.arrives) if may_be_held else 0.0
             if gap:
                 # A robot can reach a target in a gap that is too narrow to drive through.
                 return Diagnosis(cause, Circumstance.AT_A_GAP, gap if gap >= 2.0 else 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -345,6 +345,7 @@ def _summary(episode: Episode, world: World) -> dict[str, object]:
         **_goals(episode, world),
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
+        **({} if episode.shortfall is None else {"shortfall": asdict(episode.shortfall)}),
         **robots,
     }
 

@@ -96,7 +96,7 @@ typedef struct WgRobot {
     WgCorner *chain;     // corners of the path of the last step
     int64_t *chain_headings;  // the heading on the way to each corner; NULL for a disc that turns on the spot
     int64_t corners;     // number of corners
-    int64_t turned;      // how far a car turned in the last step, heading units
+    int64_t turned;      // how far a car, or a robot that has to stop, turned in the last step, heading units
     WgNormal contact;    // contact in the last step
     int64_t touched;     // 1 if the step before touched a wall
     int64_t next_event;  // index of the next event

@@ -53,7 +53,8 @@ def describe_evidence(episode: Episode) -> str:
     match episode.evidence:
         case LoopEvidence(entry=entry, period=period):
             often = "in every step" if period == 1 else f"every {period} steps"
-            return f" forever (the state after step {entry} recurs {often})"
+            recurs = f"the state after step {entry} recurs {often}"
+            return f" forever ({recurs}{_end(episode)})"
         case JointLoopEvidence() as joint:
             return f" forever ({_joint(joint)})"
         case CoveredEvidence(cells=cells):
@@ -71,11 +72,11 @@ def describe_evidence(episode: Episode) -> str:
             return f" ({of_robot}{cause} in step {burned.step}, cell {burned.cell})"
         case BudgetEvidence() as budget if episode.verdict == Verdict.STALLED:
             seen = f"no new cell after step {budget.last_new_cell} of {episode.steps}"
-            return f" ({_manner(budget)}{seen}{_multiple(budget)})"
+            return f" ({_manner(budget)}{seen}{_multiple(budget)}{_end(episode)})"
         case BudgetEvidence() as budget:
             return (
                 f" (still reaching new cells when its {episode.steps} steps were used "
-                f"up{_multiple(budget)})"
+                f"up{_multiple(budget)}{_end(episode)})"
             )
         case FaultEvidence() as fault:
             return f" ({_of_robot(fault.robot)}{shown(_fault(episode.verdict, fault))})"
@@ -91,6 +92,28 @@ def describe_missed_goal(world: World, episode: Episode) -> str:
     # Only a loop shows that the robot would not have arrived later.
     verb = "never reaches" if episode.verdict == Verdict.LOOP else "has not reached"
     return f", {verb} {describe_waypoint(robot, reached)}"
+
+
+def _end(episode: Episode) -> str:
+    """Return what the last state lacks of an arrival, after a semicolon; may be empty."""
+    shortfall = episode.shortfall
+    if shortfall is None:
+        return ""
+    away = shortfall.distance
+    place = f"{_length(away)} from" if away > 0.0 else "in"
+    goal = "target" if episode.goals_reached is None else "goal"
+    lacks = [f"; it ends {place} the {goal}'s disc"]
+    if shortfall.heading > 0.0:
+        lacks.append(f"{shortfall.heading:.2g} rad off the goal's heading")
+    if shortfall.speed > 0.0:
+        lacks.append(f"still moving at {shortfall.speed:.2g} m/s")
+    if shortfall.turn_rate > 0.0:
+        lacks.append(f"still turning at {shortfall.turn_rate:.2g} rad/s")
+    return ", ".join(lacks)
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.2g} m" if metres >= 1.0 else f"{100.0 * metres:.2g} cm"
 
 
 def _joint(joint: JointLoopEvidence) -> str:

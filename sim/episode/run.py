@@ -27,7 +27,7 @@ from sim.runners.decide import decide
 from sim.runners.lattice import LatticeRun
 from sim.runners.recording import has_waypoints
 from sim.trace import state_digest
-from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
+from sim.verdict import ARRIVALS, BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.support.arrays import Words
 from worldgen.world import Value, Witness, World
 
@@ -170,4 +170,5 @@ def _episode(
         trace_digest=outcome.digest,
         evidence=evidence,
         trace=outcome.trace,
+        shortfall=None if verdict in ARRIVALS else outcome.shortfall,
     )

@@ -1,7 +1,7 @@
 """Options of the thesis's simulator.
 
 They cover the settings of the thesis's program, and work that its author left to be done. The
-defaults reproduce the program as it was. ``docs/explanation/thesis.md`` gives the origin of each
+defaults reproduce the program as it was. ``docs/notes/thesis.md`` gives the origin of each
 option.
 """
 

@@ -6,6 +6,7 @@ This module only converts; it computes nothing itself.
 from __future__ import annotations
 
 import functools
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -22,6 +23,8 @@ from sim.controllers.shared import guarded
 from sim.controllers.shared.cage import Cage
 from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
 from sim.kernels.layout import OBS_SIZE
+from sim.outcome import Shortfall
+from worldgen.lattice import TURN
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, kept, pointer, writable
 
@@ -330,6 +333,39 @@ class EpisodeHandle:
     def entry(self) -> int:
         """First step of the loop with which the run ended; -1 if it ended otherwise."""
         return -1
+
+    @property
+    def shortfall(self) -> Shortfall | None:
+        """What the robot's state lacks of an arrival; None if touching its target is enough."""
+        robot, settings = self.c.robot, self.c.settings
+        # The goal that counts at the end; a run that arrives has no other.
+        number = int(self.report.goals)
+        goal = settings.target
+        if number < settings.waypoint_count:
+            goal = settings.waypoints[number]
+        asks_more = goal.arrival != lib.WG_ARRIVAL_TOUCH or goal.has_heading
+        # Another task has no target.
+        if not asks_more or goal.radius_sq < 0:
+            return None
+        # Only what is larger than the goal allows is missing.
+        state = robot.body.state
+        apart_sq = (state.x - goal.x) ** 2 + (state.y - goal.y) ** 2
+        is_away = apart_sq > goal.radius_sq
+        turn = abs((state.heading - goal.heading + TURN // 2) % TURN - TURN // 2)
+        is_turned = goal.has_heading and turn > goal.heading_tolerance
+        has_to_stop = goal.arrival == lib.WG_ARRIVAL_STOP
+        moves = has_to_stop and abs(state.speed) > goal.arrival_speed
+        turns = has_to_stop and abs(robot.turned) > goal.arrival_turn
+        apart = math.sqrt(apart_sq) - math.sqrt(goal.radius_sq) if is_away else 0.0
+        unit = 2.0 * math.pi / TURN
+        metres = float(settings.metres)
+        step = float(settings.time_step)
+        return Shortfall(
+            distance=apart * metres,
+            heading=turn * unit if is_turned else 0.0,
+            speed=abs(state.speed) / lib.WG_SPEED_UNIT * metres / step if moves else 0.0,
+            turn_rate=abs(robot.turned) * unit / step if turns else 0.0,
+        )
 
     def state_words(self) -> Ints:
         """Return (words,) int64, the complete state."""

@@ -570,6 +570,7 @@ class LatticeRun:
             cells_wanted=0 if self._wanted is None else int(np.count_nonzero(self._wanted)),
             complete=complete,
             fault=fault.evidence if fault else None,
+            shortfall=episode.shortfall if episode else None,
             trace=None
             if recording is None
             else trace_of(self.world, self.options, *recording, complete=complete),

@@ -89,5 +89,5 @@ def test_the_robot_is_drawn_where_it_was():
 @pytest.mark.parametrize("family", ["cave", "fire"])
 def test_a_world_that_the_page_sends_back_is_the_one_that_it_got(family):
     message = message_of(generate(family, 3))
-    (there,) = called(["studio/draw/model", "worldOf", [message]])
-    assert called(["studio/draw/model", "messageOf", [there]]) == [message]
+    (there,) = called(["studio/shared/world_message", "worldOf", [message]])
+    assert called(["studio/shared/world_message", "messageOf", [there]]) == [message]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzz.cause import Circumstance, Diagnosis
-from fuzz.facts.changed_worlds import OtherWorlds
+from fuzz.facts.changed_worlds import OtherWorlds, gap_that_stops
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
 from fuzz.overview import Cause
@@ -16,8 +16,9 @@ from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.repeated_moves import describe_period
 from sim import simulate
+from sim.options.run import options_from
 from tests.helpers.faulty_robots import HERE, found_by, gap, hall
-from worldgen import Pose, Target, World
+from worldgen import Pose, Robot, Target, World
 
 SHIPPED = Path(__file__).parents[2] / "corpora/failures"
 
@@ -47,6 +48,32 @@ def test_a_robot_that_a_gap_holds_back_needs_a_wider_one():
     # Only smaller robots show it.
     alone = diagnosis_of_run(failure.world, failure.run())
     assert alone == (Cause.STANDS_STILL, None, 0.0)
+
+
+def wide_gap(length=1.2):
+    """A body of 0.7 m width in front of a gap of 0.8 m."""
+    walls = np.zeros((40, 60), np.bool_)
+    walls[:, 30:32] = True
+    walls[18:26, 30:32] = False
+    half = length / 2
+    corners = [(half, 0.35), (-half, 0.35), (-half, -0.35), (half, -0.35)]
+    robot = Robot(Pose(1.0, 2.2), Target(5.0, 2.2, 0.1), speed=1.0, footprint=corners)
+    return certified(World(walls, robots=[robot]))
+
+
+def test_a_robot_that_takes_its_body_for_a_disc_is_held_by_a_gap_that_fits_its_body():
+    world = wide_gap()
+    run = simulate(world, "dynamic-window", record=True)
+    others = OtherWorlds("dynamic-window", options_from(world, None, {}))
+    diagnosis = diagnosis_of_run(world, run, others)
+    assert diagnosis == (Cause.PUSHES_A_WALL, Circumstance.AT_A_GAP, 0.0)
+    assert diagnosis.sentence(world) == (
+        "It keeps driving into a wall in front of a gap (0.05 m to spare at heading 0 degrees; it "
+        "fits there only at headings within 17 degrees of 0 or 180) and does not get away from it."
+    )
+    # A body that is past the gap is not held by it.
+    assert gap_that_stops(world, (45.0, 22.0), lambda _: True) == 0.0
+    assert gap_that_stops(world, (25.0, 22.0), lambda _: True) == pytest.approx(1.15, abs=0.01)
 
 
 def test_a_gap_that_the_robot_has_passed_does_not_hold_it_back():

@@ -2,8 +2,12 @@
 
 import base64
 import io
+import json
+import re
 import shutil
 from dataclasses import replace
+from importlib.resources import files
+from urllib.parse import unquote
 
 import pytest
 from PIL import Image
@@ -12,6 +16,8 @@ from fuzz.player import replay_page
 from tests.helpers.campaign_folder import LOOP, TUNNEL, campaign_folder
 from tests.helpers.studio import CONFIG_5, message_of, page_of, studio_of, studio_of_config_5
 from worldgen.files.grid import read_world, write_world
+
+PLAYER = files("fuzz.player") / "page"
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +92,18 @@ def test_a_replay_page_holds_no_markup_of_names():
         "</title><script>alert(1)</script>", None, [{"name": "<img src=x>", "run": None}]
     ).decode()
     assert "<script>alert" not in page and "<img" not in page
+
+
+def test_a_replay_page_holds_the_modules_that_it_imports_and_no_others():
+    page = replay_page("a replay", None, []).decode()
+    urls = json.loads(re.search(r'<script type="importmap"[^>]*>(.*?)</script>', page)[1])[
+        "imports"
+    ]
+    scripts = {name: unquote(url.partition(",")[2]) for name, url in urls.items()}
+    wanted = {name for text in scripts.values() for name in re.findall(r' from "(#.+?)";', text)}
+    assert wanted | {"#replay/start.js"} == set(scripts)
+    assert scripts["#player/dom.js"] == (PLAYER / "dom.js").read_text("utf-8")
+    assert "#player/edit/board.js" not in scripts
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { element, point, press } from "./stand_in.mjs";
-import { makeBoard } from "#studio/draw/board.js";
-import { Model } from "#studio/draw/model.js";
-import { listenToBoard } from "#studio/draw/pointer.js";
-import { makeTools } from "#studio/draw/tools.js";
+import { makeBoard } from "#player/edit/board.js";
+import { Model } from "#player/edit/model.js";
+import { listenToBoard } from "#player/edit/pointer.js";
+import { makeTools } from "#player/edit/tools.js";
 import { blank } from "./samples.mjs";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
@@ -23,7 +23,7 @@ function drawing(tool = "brush") {
   const model = new Model(blank(40, 40), () => {});
   const board = makeBoard(canvas, model, { grid: true, ruler: true, proof: true, signal: false });
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
-  const draw = { canvas, board, tool, tools: makeTools(board, setting, (words) => said.push(words)), studio: { model, say: (words) => said.push(words) }, where() {} };
+  const draw = { canvas, board, tool, tools: makeTools(board, setting, (words) => said.push(words)), say: (words) => said.push(words), where() {} };
   listenToBoard(draw);
   return { draw, canvas, board, model, said, setting };
 }

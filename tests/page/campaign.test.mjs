@@ -5,7 +5,7 @@ import { beforeEach, test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
 import { makeForm } from "#studio/campaign/form.js";
 import { makeStatus } from "#studio/campaign/status.js";
-import { Model } from "#studio/draw/model.js";
+import { Model } from "#player/edit/model.js";
 import { LIMITS, blank } from "./samples.mjs";
 
 const RUNNING = {

@@ -5,11 +5,11 @@ import { test } from "node:test";
 import "./stand_in.mjs";
 import { drawOpenings } from "#player/picture/changes.js";
 import { cellsAt } from "#player/decode.js";
-import { makeBoard } from "#studio/draw/board.js";
-import { drawnOf } from "#studio/draw/drawn_world.js";
-import { Model } from "#studio/draw/model.js";
+import { makeBoard } from "#player/edit/board.js";
+import { drawnOf } from "#player/edit/drawn_world.js";
+import { Model } from "#player/edit/model.js";
 import { makeTime } from "#studio/draw/time.js";
-import { makeTools } from "#studio/draw/tools.js";
+import { makeTools } from "#player/edit/tools.js";
 import { rangeWords } from "#studio/shared/fields.js";
 import { blank } from "./samples.mjs";
 

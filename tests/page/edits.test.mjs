@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
 import { fileWords, isSame, listenToEdits, noteReported, runsOneOf, stillOffered } from "#studio/shared/edits.js";
-import { drawnOf } from "#studio/draw/drawn_world.js";
+import { drawnOf } from "#player/edit/drawn_world.js";
 import { cellsAt } from "#player/decode.js";
 import { shortName } from "#player/dom.js";
 import { refusalWords } from "#studio/shared/refusals.js";

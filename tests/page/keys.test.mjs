@@ -5,7 +5,7 @@ import { beforeEach, test } from "node:test";
 import { element, point, press } from "./stand_in.mjs";
 import { showTabs } from "#studio/shared/fields.js";
 import { listen } from "#studio/shared/keys.js";
-import { TOOLS } from "#studio/draw/tools.js";
+import { TOOLS } from "#player/edit/tools.js";
 
 const done = [];
 const note = (what) => () => done.push(what);

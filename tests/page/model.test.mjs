@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { Model, bordered, markAt, messageOf, resized, worldOf } from "#studio/draw/model.js";
+import { Model, bordered, markAt, resized } from "#player/edit/model.js";
+import { messageOf, worldOf } from "#studio/shared/world_message.js";
 import { blank } from "./samples.mjs";
 
 function drawing(width = 40, height = 40) {

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import "./stand_in.mjs";
 import { legendOf } from "#player/legend.js";
 import { seriesOf } from "#player/series.js";
-import { drawnOf } from "#studio/draw/drawn_world.js";
+import { drawnOf } from "#player/edit/drawn_world.js";
 import { blank } from "./samples.mjs";
 
 // A run straight to the right in a world of 9 x 5 cells of 0.1 m, one cell per step of 0.1 s;

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
-import { Model } from "#studio/draw/model.js";
+import { Model } from "#player/edit/model.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeRobots } from "#studio/play/robots.js";
 import { makeSettings } from "#studio/play/settings.js";

@@ -1,6 +1,6 @@
 // Small worlds and runs as the server packs them.
 
-import { emptyWorld } from "#studio/draw/model.js";
+import { emptyWorld } from "#player/edit/model.js";
 
 export function base64(bytes) {
   return btoa(String.fromCharCode(...bytes));

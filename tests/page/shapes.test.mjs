@@ -2,11 +2,11 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { kindOf } from "#studio/draw/drawn_world.js";
+import { kindOf } from "#player/edit/drawn_world.js";
 import "./stand_in.mjs";
-import { Model } from "#studio/draw/model.js";
-import { withSelection } from "#studio/draw/selection.js";
-import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/draw/shapes.js";
+import { Model } from "#player/edit/model.js";
+import { withSelection } from "#player/edit/selection.js";
+import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#player/edit/shapes.js";
 import { blank } from "./samples.mjs";
 
 // the letter L; rows go up

@@ -8,7 +8,7 @@ import { askAbout, askToOpen } from "#studio/shared/asking.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makePlay } from "#studio/play/play.js";
-import { Model } from "#studio/draw/model.js";
+import { Model } from "#player/edit/model.js";
 import { LIMITS, blank, roomOf, runOf } from "./samples.mjs";
 
 const CODE = { file: "/robots/mine.py", name: "mine.py", controllers: ["mine.py:Robot"] };

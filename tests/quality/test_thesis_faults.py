@@ -1,4 +1,4 @@
-"""The shrunk faults of the thesis's motion, as described in docs/explanation/thesis.md."""
+"""The shrunk faults of the thesis's motion, as described in docs/notes/thesis.md."""
 
 import functools
 import pathlib
@@ -29,7 +29,7 @@ FAULTS = ROOT / "corpora" / "thesis-faults"
 NAMES = sorted(path.stem for path in FAULTS.glob("*.grid"))
 CAUSES = ("slide", "back-off", "corner")
 ROBOTS = ("thesis-1", "thesis-2", "thesis-3")
-PAGE = part_with(DOCS / "explanation" / "thesis.md", "The faults of the thesis's motion")
+PAGE = part_with(DOCS / "notes" / "thesis.md", "The faults of the thesis's motion")
 README = (FAULTS / "README.md").read_text(encoding="utf-8")
 TABLE = dict(re.findall(r"^\| `([\w-]+)\.grid` \| `([\w-]+)` \|", README, flags=re.MULTILINE))
 
@@ -186,7 +186,7 @@ def test_the_page_shows_what_its_commands_print(command, shown, monkeypatch):
 
 def test_every_picture_and_link_of_the_page_leads_somewhere():
     links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
-    assert len(links) >= 7 and all((ROOT / "docs/explanation" / link).exists() for link in links)
+    assert len(links) >= 7 and all((ROOT / "docs/notes" / link).exists() for link in links)
 
 
 def test_the_proof_of_a_breach_is_drawn_inside_the_frame():

@@ -47,10 +47,13 @@ from worldgen.cli.main import main as command_line
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 GENERATED = DOCS / "reference" / "generated"  # written when the site is built
-PAGES = [
-    ROOT / "README.md",
-    *sorted(page for page in DOCS.rglob("*.md") if not page.is_relative_to(GENERATED)),
-]
+NOTES = DOCS / "notes"  # for the authors; not on the site
+SITE = sorted(
+    page
+    for page in DOCS.rglob("*.md")
+    if not (page.is_relative_to(GENERATED) or page.is_relative_to(NOTES))
+)
+PAGES = [ROOT / "README.md", *SITE]
 
 _FENCE = re.compile(r"( *)```(\w*|\{[\w-]+\}.*?)\s*")  # in braces: a directive of the site
 _FILE = re.compile(r"(?:# |// |\"\"\")([\w./-]+\.(?:py|toml|c|json))\b.*")

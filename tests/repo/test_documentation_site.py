@@ -7,12 +7,12 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from tests.repo.documented_commands import DOCS, GENERATED, ROOT
+from tests.repo.documented_commands import DOCS, ROOT
+from tests.repo.documented_commands import SITE as PAGES
 
 MOST_PAGES = 31  # a reader who scans the contents still finds the right one
 SECTIONS = ("tutorials", "howto", "reference", "explanation")
 BUILD = (sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going")
-PAGES = [page for page in DOCS.rglob("*.md") if not page.is_relative_to(GENERATED)]
 
 
 class _Links(HTMLParser):

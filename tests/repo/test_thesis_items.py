@@ -13,7 +13,7 @@ from tests.helpers.command_line import worldgen
 from worldgen import generate, write_world
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/explanation/thesis.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/notes/thesis.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", PAGE, re.M)
 STATES = ("working", "in part", "missing")
 # The studio waits for a browser.

@@ -3,7 +3,7 @@
 import math
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from sim import (
     simulate_many,
 )
 from sim.controllers.shared.object_file import include_folder
+from sim.episode.describe import describe_evidence
 from sim.kernels import layout
 from worldgen import CellState, Event, Pose, Target, Timeline, World
 from worldgen.lattice import TURN, turn_to_lattice
@@ -72,6 +73,26 @@ def test_a_robot_that_passes_its_goal_between_two_steps_only_touches_it():
         ends[arrival] = run.verdict
     assert ends == {"touch": "reached", "step": "loop", "stop": "loop"}
     assert drive(corridor(target=3.1, arrival="step"), *ahead).verdict == "reached"
+
+
+def test_a_run_says_how_far_from_arriving_it_ends():
+    # It stands 5 cm past the disc.
+    past = drive(corridor(target=2.4, arrival="step", radius=0.05), *[(2.0, 0.0)] * 10)
+    assert astuple(past.shortfall) == pytest.approx((0.05, 0.0, 0.0, 0.0), abs=1e-4)
+    assert describe_evidence(past).endswith("; it ends 5 cm from the target's disc)")
+    # It stands at the goal, but with another heading; and turns there for good.
+    wanted = corridor(target=0.5, heading=0.0, arrival="stop")
+    wanted = replace(wanted, target=replace(wanted.target, heading=1.5, heading_tolerance=0.1))
+    still = drive(wanted)
+    assert astuple(still.shortfall) == pytest.approx((0.0, 1.5, 0.0, 0.0), abs=1e-3)
+    spins = drive(corridor(target=0.5, arrival="stop"), *[(0.0, 0.5)] * 60)
+    assert astuple(spins.shortfall) == pytest.approx((0.0, 0.0, 0.0, 5.0), abs=1e-2)
+    rolls = drive(corridor(target=0.5, arrival="stop", radius=0.3), *[(0.5, 0.0), (-0.5, 0.0)] * 30)
+    assert astuple(rolls.shortfall) == pytest.approx((0.0, 0.0, 0.5, 0.0), abs=1e-3)
+    assert "in the target's disc, still moving at 0.5 m/s" in describe_evidence(rolls)
+    # A touch is plain, and an arrival lacks nothing.
+    assert drive(corridor()).shortfall is None
+    assert drive(corridor(target=0.5, arrival="step")).shortfall is None
 
 
 def test_a_stop_needs_a_low_speed_and_no_turn_in_the_target():

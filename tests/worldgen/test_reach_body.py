@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tests.helpers.bodies import aisle, bend, body_world, longest_in_bend, rectangle
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide
+from worldgen.reach.body.prove import also_for_smaller
 from worldgen.reach.verifying import verify_world
 from worldgen.robot import Drive, Pose, Robot, Target
 from worldgen.timeline import CellState, Event, Timeline
@@ -72,6 +73,33 @@ def test_a_blocked_body_has_a_cut_of_poses():
     assert isinstance(decision.certificate, Cut)
     assert decision.certificate.boxes is not None
     assert verify_world(world)["certificate"] == "cut"
+
+
+def test_a_blocked_body_says_how_much_smaller_it_would_have_to_be():
+    # The aisle is 1 m wide.
+    world = aisle(rectangle(1.198, 1.1, 0.3))
+    answer = verify_world(world)
+    assert answer["certificate_valid"]
+    assert 0.04 < answer["clearance"] < 0.05
+    assert "also stop a footprint" in answer["reason"]
+    # In a bend it is known as closely.
+    answer = verify_world(bend(rectangle(1.3, 0.778)))
+    less = answer["clearance"]
+    assert less > 0.0
+    fits = rectangle(1.3 - 2 * (less + 0.01), 0.778 - 2 * (less + 0.01))
+    assert decide(bend(fits)).result == REACHABLE
+    stopped = rectangle(1.3 - 2 * less, 0.778 - 2 * less)
+    assert decide(bend(stopped)).result == BLOCKED
+
+
+def test_a_cut_that_claims_to_stop_much_smaller_bodies_is_refused():
+    world = aisle(rectangle(1.198, 1.1, 0.3))
+    decision = also_for_smaller(world, decide(world))
+    cut = decision.certificate
+    assert check_certificate(world, cut).valid
+    for claim, reason in ((0.051, "no single rectangle"), (0.6, "no such sides"), (-1.0, "claims")):
+        report = check_certificate(world, replace(cut, clearance=claim))
+        assert not report.valid and reason in report.reason
 
 
 def test_no_proof_is_made_that_is_not_wanted():

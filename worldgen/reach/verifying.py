@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from worldgen.reach.body.prove import also_for_smaller
 from worldgen.reach.check.certificate import CheckReport, check_certificate
 from worldgen.reach.check.confinement import check_confinement
 from worldgen.reach.check.margin import witness_margin
@@ -55,6 +56,8 @@ def verify_world(
         decision = decide(world)
     elif decided:
         decision = decide_in_time(world, deadline, radius=radius)
+        if radius is None and not (world.is_fleet or world.is_dynamic):
+            decision = also_for_smaller(world, decision)
     # Check the proof, with code that shares nothing with the prover.
     certificate = decision.certificate
     ahead = world if deadline is None else until(world, deadline)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -21,6 +22,11 @@ MOST_OUTLINES = 7
 _MOST_POSES = 600
 # Cells; with less to spare, a body touches a wall.
 _TOUCH = 1 / 1024
+# Cells by which the room at places that are about as tight may differ.
+_AS_TIGHT = 0.1
+# A body that is clear at more degrees than these, or in more ranges, isn't held by its heading.
+_MOSTLY_FREE = 240
+_FEW_RANGES = 2
 # rad; a body is measured at least this often in a turn.
 _TURN = math.pi / 90
 
@@ -153,17 +159,78 @@ def spare_words(world: World, proof: Witness) -> str | None:
     return f"{proof.clearance:.2g} m to spare {heading}"
 
 
+def fitting_headings(world: World, place: BodyPose) -> list[tuple[int, int]]:
+    """Return the headings at which the body is clear at a place, to the degree.
+
+    Returns:
+        Ranges (first, last), degrees in [0, 360), the lowest first; the last of one that goes past
+        360 is less than its first. One range (0, 359) if every heading fits.
+    """
+    robot = world.robots[0]
+    own = round(math.degrees(place.heading)) % 360
+    fits = [own == k or _is_clear(world, robot, place, k) for k in range(360)]
+    if all(fits):
+        return [(0, 359)]
+    firsts = [k for k in range(360) if fits[k] and not fits[k - 1]]
+    lasts = [k for k in range(360) if fits[k] and not fits[(k + 1) % 360]]
+    if lasts[0] < firsts[0]:
+        lasts = [*lasts[1:], lasts[0]]
+    return list(zip(firsts, lasts, strict=True))
+
+
+def _is_clear(world: World, robot: Robot, place: BodyPose, degrees: int) -> bool:
+    corners = outline(robot, place._replace(heading=math.radians(degrees))) / world.cell_size
+    return _gap(world.walls, corners) >= 0.0
+
+
+def tight_words(world: World) -> str:
+    """Return how the body fits where its witness is tightest; empty without such a witness.
+
+    ``0.03 m to spare at heading 41 degrees; it fits there only at headings within 3 degrees of 41 or
+    221``.
+    """
+    proof = world.certificate
+    if not isinstance(proof, Witness) or (spare := spare_words(world, proof)) is None:
+        return ""
+    # A passage is tightest from where the body enters it, and shows best halfway how it fits.
+    passage = tight_poses(world, proof)
+    ranges = fitting_headings(world, passage[len(passage) // 2])
+    # Where it fits in more ways, or nearly turns around, it isn't held by its heading.
+    widths = [(last - first) % 360 + 1 for first, last in ranges]
+    if len(ranges) > _FEW_RANGES or sum(widths) > _MOSTLY_FREE:
+        return spare
+    middles = sorted(
+        (first + width // 2) % 360 for (first, _), width in zip(ranges, widths, strict=True)
+    )
+    named = " or ".join(map(str, middles))
+    return f"{spare}; it fits there only at headings within {max(widths) // 2} degrees of {named}"
+
+
 def tightest_pose(world: World, proof: Witness) -> BodyPose | None:
     """Return the pose of a witness at which the body is nearest to a wall; None for a disc.
 
     It is found among some hundred poses along the path: a picture needs no more.
     """
+    return next(iter(tight_poses(world, proof)), None)
+
+
+def tight_poses(world: World, proof: Witness) -> list[BodyPose]:
+    """Return a witness's poses in its tightest passage: the tightest one, and those about as tight.
+
+    Returns:
+        The tightest one, then all of them in order along the path; nothing for a disc.
+    """
     robot = world.robots[0]
     if robot.is_disc or proof.headings is None or not len(proof.x):
-        return None
+        return []
     poses = _fine_poses(proof, robot.radius)
     gaps = [_gap(world.walls, outline(robot, pose) / world.cell_size) for pose in poses]
-    return poses[int(np.argmin(gaps))]
+    first = int(np.argmin(gaps))
+    limit = gaps[first] + _AS_TIGHT
+    passage = itertools.takewhile(
+        lambda pair: pair[1] <= limit, zip(poses[first:], gaps[first:], strict=True)
+    )
+    return [poses[first], *(pose for pose, _ in passage)]
 
 
 def _fine_poses(proof: Witness, reach: float) -> list[BodyPose]:

@@ -564,3 +564,112 @@ interface LineLook {
   /** Do not keep a picture of it. */
   once?: boolean;
 }
+
+// Types of the editor: fuzz/player/page/edit.
+
+/** A world that is being edited, in metres. */
+interface EditedWorld {
+  width: number;
+  height: number;
+  /** 1 for solid, row by row from the lowest y. */
+  cells: Uint8Array;
+  cell_size: number;
+  robot_radius: number;
+  robot_speed: number;
+  /** x, y, heading. */
+  start: Triple;
+  /** x, y, radius. */
+  target: Triple;
+  /** Changes of cells, in columns, times in s. */
+  events: { times: number[]; ix: number[]; iy: number[]; state: number[] } | null;
+  /** The robots after the first, which pages show but do not edit. */
+  others: { start: Triple; target: Triple; radius: number }[];
+  /** Text of its file as it was opened, which has what pages do not edit. */
+  source: string | null;
+  /** Name of its file; empty if it has none. */
+  name: string;
+  /** Digest of that file when it was opened or saved. */
+  file: string | null;
+  /** The same for all versions of one drawing. */
+  sheet: symbol;
+}
+
+/** A rectangle of cells: 0 free, 1 solid, 2 unchanged. */
+interface Pattern {
+  width: number;
+  height: number;
+  cells: Uint8Array;
+  /** Its picture, and the colours of the picture. */
+  picture?: OffscreenCanvas;
+  pictured?: string;
+}
+
+/** One step of the history: runs of cells that are inverted, or the worlds before and after. */
+interface HistoryEntry {
+  label: string;
+  runs?: Int32Array;
+  before?: EditedWorld;
+  after?: EditedWorld;
+  together?: string | null;
+}
+
+/** Whether the target can be reached, and the certificate; or a placeholder. */
+interface Proof {
+  result?: "reachable" | "blocked" | "undecided";
+  reason?: string;
+  length: number;
+  duration: number;
+  clearance: number;
+  witness?: PackedWitness | null;
+  cut?: CellPlace[] | null;
+  /** Number of cells of the cut, if they form a ring. */
+  ring?: number | null;
+  /** Ends and witness of each robot after the first. */
+  others?: OtherEnds[];
+  error?: string;
+  /** The witness, unpacked, and those of the other robots. */
+  opened?: OpenWorld["witness"];
+  openedOthers?: OpenWorld["others"];
+}
+
+/** Everything on the board except the world. */
+interface Board {
+  canvas: HTMLCanvasElement;
+  model: import("#player/edit/model.js").Model;
+  show: Record<string, boolean>;
+  view: View | null;
+  proof: Proof | null;
+  signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
+  /** The moment that is shown of a world that changes, s. */
+  time: number;
+  /** A preview of what would be put down. */
+  ghost: { pattern: Pattern; at: CellPlace } | null;
+  /** Boxes of cells that would change. */
+  marks: Box[];
+  selection: Box | null;
+  measure: [CellPlace, CellPlace] | null;
+  /** The cell at which keys draw. */
+  cursor: CellPlace | null;
+  draw(): void;
+  now(): View;
+  pointAt(event: { clientX: number; clientY: number }): CellPlace;
+  zoom(factor: number, event?: { clientX: number; clientY: number } | null): void;
+  pan(dx: number, dy: number): void;
+  reveal(cell: CellPlace): void;
+  fit(): void;
+}
+
+/** How a tool is used: whether it erases, acts exactly at the pointer, and draws straight lines. */
+interface ToolUse {
+  erase: boolean;
+  exact: boolean;
+  /** Whether Shift is held: lines run straight. */
+  straight?: boolean;
+}
+
+interface Tool {
+  begin(point: CellPlace, use: ToolUse): void;
+  drag(point: CellPlace, use: ToolUse): void;
+  end(use: ToolUse): void;
+  hover?(point: CellPlace): void;
+}

@@ -484,14 +484,19 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
     if (wg_is_nonzero(command->used_random)) {
         state->draws++;
     }
-    // A turn that a wall cut short, or that swept over fire, may have ended the run before.
     const WgGoal *goal = robot->goal;
-    if (goal->arrival == WG_ARRIVAL_STOP && robot->report.ending == WG_LIMIT && robot->passed_step != step
-        && wg_abs(state->speed) <= goal->arrival_speed
-        && wg_abs(wg_is_car(settings) ? robot->turned : turn) <= goal->arrival_turn && wg_is_at_goal(goal, state)) {
-        wg_meet_goal(settings, robot);
-        if (robot->meets != 0) {
-            wg_pass_waypoint(settings, step, robot);
+    if (goal->arrival == WG_ARRIVAL_STOP) {
+        if (!wg_is_car(settings)) {
+            robot->turned = turn;
+        }
+        // A turn that a wall cut short, or that swept over fire, may have ended the run before.
+        if (robot->report.ending == WG_LIMIT && robot->passed_step != step
+            && wg_abs(state->speed) <= goal->arrival_speed && wg_abs(robot->turned) <= goal->arrival_turn
+            && wg_is_at_goal(goal, state)) {
+            wg_meet_goal(settings, robot);
+            if (robot->meets != 0) {
+                wg_pass_waypoint(settings, step, robot);
+            }
         }
     }
 }

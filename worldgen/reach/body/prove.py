@@ -30,12 +30,17 @@ from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.single import prove
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.path import ticks_per_second, travel_ticks
-from worldgen.support.arrays import Ints
+from worldgen.robot import Corner
+from worldgen.support.arrays import Floats, Ints
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Target, Witness, World
 
 MOST_BOXES = 200_000
 """Limit on the boxes of poses of one search; this many take about 100 MB."""
+
+# Smaller footprints that are tried for a cut: enough for a hundredth of the footprint.
+_SMALLER_TRIED = 8
+_MOST_BOXES_SMALLER = 20_000
 
 # lu by which a disc is widened or narrowed when its radius becomes a float.
 _GRAIN = Fraction(1, 1000)
@@ -80,6 +85,60 @@ def decide_body(
         "searched"
     )
     return Decision(UNDECIDED, None, reason)
+
+
+def also_for_smaller(world: World, decision: Decision) -> Decision:
+    """Return the answer with a cut of poses that also stops smaller footprints, if one is found.
+
+    A cut need not stop anything but the body itself. What stops a smaller footprint inside stops the
+    body, too; so a few of those are tried, with a limit on the work.
+
+    Args:
+        world: A world that does not change.
+        decision: The answer for its robot.
+    """
+    cut = decision.certificate
+    if not isinstance(cut, Cut) or cut.boxes is None:
+        return decision
+    question = _Question(world, certificate=True, cut=True)
+    size = world.cell_size / UNIT
+    corners = question.body.corners.astype(np.float64)
+    stopped = 0.0
+    passes = float(np.hypot(*corners.T).max())
+    for _ in range(_SMALLER_TRIED):
+        inward = 0.5 * (stopped + passes)
+        inside = _shrunk(corners, inward)
+        rows = (
+            None if inside is None else question.rows_for([(x * size, y * size) for x, y in inside])
+        )
+        if rows is None:
+            passes = inward
+            continue
+        stopped = inward
+        # Its corners are rounded to the lattice, at most by this.
+        clearance = max(0.0, inward - 1.0) * size * (1.0 - 1e-9)
+        cut = replace(cut, boxes=rows, clearance=clearance)
+    return replace(decision, certificate=cut)
+
+
+def _shrunk(corners: Floats, inward: float) -> list[tuple[float, float]] | None:
+    """Return a polygon whose sides have moved inward; None if one of them would be gone."""
+    found = []
+    count = len(corners)
+    along = [corners[(k + 1) % count] - corners[k] for k in range(count)]
+    along = [side / math.hypot(*side) for side in along]
+    for k in range(count):
+        before = along[k - 1]
+        after = along[k]
+        # Both sides move to their left; the corner moves along the line between them.
+        turn = float(before[0] * after[1] - before[1] * after[0])
+        shift = (after - before) * inward / turn
+        found.append((float(corners[k][0] + shift[0]), float(corners[k][1] + shift[1])))
+    for k, (x, y) in enumerate(found):
+        ahead = found[(k + 1) % count]
+        if (ahead[0] - x) * along[k][0] + (ahead[1] - y) * along[k][1] < 2.0:
+            return None
+    return found
 
 
 def _disc_of(world: World, *, outer: bool) -> float:
@@ -198,6 +257,18 @@ class _Question:
         )
         return self._decision(answer)
 
+    def rows_for(self, footprint: Sequence[Corner]) -> Ints | None:
+        """Return the rows of a cut for another footprint; None if none is found soon."""
+        headings = goal_headings(self.world.target)
+        if headings is None:
+            return None
+        body = Body(self.world.walls, tuple(footprint), self.world.cell_size)
+        if not body.is_clear(self.start):
+            return _cut_of_start(self.start)
+        disc = target_disc(self.world)
+        answer = body.search(self.start, disc, headings, most_boxes=_MOST_BOXES_SMALLER, proof=True)
+        return answer.rows if answer.outcome == lib.WG_BODY_STOPPED else None
+
     def _by_disc(self, headings: Headings) -> Decision | None:
         """Return the path of the disc that holds the body, if it has one."""
         around = _disc_of(self.world, outer=True)
@@ -252,9 +323,8 @@ class _Question:
     def _covered(self) -> Decision:
         if not self.cut:
             return Decision(BLOCKED, None, _CUT_NOT_ASKED)
-        x, y, heading = self.start
-        row = np.array([[heading, 0, 0, y, x, x]], np.int64)
-        return Decision(BLOCKED, _cut_of(row), "the body overlaps a wall at the start")
+        rows = _cut_of_start(self.start)
+        return Decision(BLOCKED, _cut_of(rows), "the body overlaps a wall at the start")
 
     def _reached(self, poses: Sequence[BodyPose], clearance: float) -> Decision:
         size = self.world.cell_size
@@ -277,6 +347,10 @@ class _Question:
             f"spare"
         )
         return Decision(REACHABLE, witness, reason)
+
+
+def _cut_of_start(start: BodyPose) -> Ints:
+    return np.array([[start.heading, 0, 0, start.y, start.x, start.x]], np.int64)
 
 
 def _cut_of(rows: Ints) -> Cut:

@@ -75,6 +75,36 @@ def footprint_of(robot: Robot, cell_size: float) -> Footprint:
     return Footprint(ring, float(np.hypot(ring[:, 0], ring[:, 1]).max()), inner)
 
 
+def shrunk(body: Footprint, inward: float) -> Footprint:
+    """Return a body without what is nearer to its outline than a length, cells.
+
+    Raises:
+        Mistake: If one of its sides, or all of it, would be gone.
+    """
+    ends = np.roll(body.corners, -1, axis=0)
+    sides = ends - body.corners
+    sides /= np.hypot(sides[:, 0], sides[:, 1])[:, None]
+    # Lines along the sides, moved inward; each corner is where two of them meet.
+    normals = np.column_stack([sides[:, 1], -sides[:, 0]])
+    offsets = (normals * body.corners).sum(axis=1) - inward
+    before = np.roll(normals, 1, axis=0)
+    across = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0]
+    first = np.roll(offsets, 1)
+    corners = np.column_stack(
+        [
+            (first * normals[:, 1] - offsets * before[:, 1]) / across,
+            (offsets * before[:, 0] - first * normals[:, 0]) / across,
+        ]
+    )
+    along = ((np.roll(corners, -1, axis=0) - corners) * sides).sum(axis=1)
+    if not (along > 0.0).all():
+        raise Mistake(
+            f"a footprint that is {inward:.6g} cells smaller all around has no such sides"
+        )
+    outer = float(np.hypot(corners[:, 0], corners[:, 1]).max())
+    return Footprint(corners, outer, body.inner - inward)
+
+
 def _nearest(value: Fraction) -> int:
     units = math.floor(abs(value) + Fraction(1, 2))
     return units if value > 0 else -units

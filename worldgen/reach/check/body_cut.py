@@ -22,6 +22,7 @@ from worldgen.reach.check.body import (
     Footprint,
     Mistake,
     footprint_of,
+    shrunk,
     within_turn,
 )
 from worldgen.support.arrays import Bools, Floats, Ints
@@ -33,12 +34,13 @@ _OVERLAP = 1e-9
 _MOST_PARTS = 4_000_000
 
 
-def check_boxes(world: World, rows: Ints) -> str:
+def check_boxes(world: World, rows: Ints, clearance: float = 0.0) -> str:
     """Check a cut of poses; return a sentence about it.
 
     Args:
         world: The world; only cells that are always solid count.
         rows: (n, 6) as in :class:`worldgen.world.Cut`.
+        clearance: As there, m.
 
     Raises:
         Mistake: If it doesn't separate the start from the target.
@@ -58,9 +60,12 @@ def check_boxes(world: World, rows: Ints) -> str:
         np.stack([begin, y], axis=1) / UNIT,
         np.stack([end, y + side], axis=1) / UNIT,
     )
-    # Every pose in them must overlap a wall.
+    # Every pose in them must overlap a wall, and so must what is inside of the body by the clearance.
     rectangles = _largest_rectangles(world.still_walls)
-    clear = _first_clear(body, boxes, rectangles)
+    if not 0.0 <= clearance < math.inf:
+        raise Mistake(f"the cut claims to stop footprints that are {clearance} m smaller")
+    smaller = shrunk(body, clearance / world.cell_size) if clearance else body
+    clear = _first_clear(smaller, boxes, rectangles)
     if clear is not None:
         raise Mistake(
             f"box {clear} of the cut has poses at which no single rectangle of wall is known to "
@@ -71,7 +76,8 @@ def check_boxes(world: World, rows: Ints) -> str:
     if boxes.hold(start):
         return "the body overlaps a wall at the start"
     _check_apart(world, body, boxes, start)
-    return f"{len(rows)} boxes of poses separate the start from the target"
+    also = f"; they also stop a footprint {clearance:.4g} m smaller all around" if clearance else ""
+    return f"{len(rows)} boxes of poses separate the start from the target{also}"
 
 
 @dataclass(frozen=True)

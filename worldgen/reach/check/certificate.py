@@ -158,7 +158,9 @@ def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[fl
     body = None if robot.is_disc else footprint_of(robot, size)
     if isinstance(certificate, Cut) and certificate.boxes is not None:
         _require(body is not None, "the cut is about a footprint, and the robot is a disc")
-        return check_boxes(world, certificate.boxes)
+        reason = check_boxes(world, certificate.boxes, certificate.clearance)
+        measured[0] = certificate.clearance
+        return reason
     if isinstance(certificate, Cut):
         # A chain that stops the disc inside a body stops the body.
         # Floats may have made the disc inside larger than it is; one that just fits is not stopped.

@@ -6,7 +6,7 @@ import { copied } from "#studio/shared/clipboard.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const KEPT = "campaign-form"; // key for the choices, in the browser's storage

@@ -4,7 +4,7 @@ import { askToOpen } from "#studio/shared/asking.js";
 import { breakable, el, grouped, plural, say, shortName } from "#player/dom.js";
 import { makeTable } from "#studio/compare/table.js";
 import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { Ended } from "#studio/shared/connection.js";
 import { fileWords, isSame, noteCode, noteReported, runsOneOf, stampOf } from "#studio/shared/edits.js";
 import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";

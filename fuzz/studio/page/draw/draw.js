@@ -1,16 +1,16 @@
 // The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
 import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
-import { makeBoard } from "#studio/draw/board.js";
+import { makeBoard } from "#player/edit/board.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { makeFiles } from "#studio/draw/files.js";
 import { makeMaker } from "#studio/draw/maker.js";
-import { markAt, robotsIn } from "#studio/draw/model.js";
+import { markAt, robotsIn } from "#player/edit/model.js";
 import { askSignal, proofWords } from "#studio/draw/proof.js";
-import { SELECTION, withSelection } from "#studio/draw/selection.js";
-import { STAMPS } from "#studio/draw/shapes.js";
+import { SELECTION, withSelection } from "#player/edit/selection.js";
+import { STAMPS } from "#player/edit/shapes.js";
 import { makeTime } from "#studio/draw/time.js";
-import { TOOLS, makeTools } from "#studio/draw/tools.js";
+import { TOOLS, makeTools } from "#player/edit/tools.js";
 import { makeWorldPanel } from "#studio/draw/world_panel.js";
 
 const VIEWS = {
@@ -40,7 +40,7 @@ export function makeDraw(section, studio) {
   const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
-  const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
+  const draw = { studio, say: studio.say, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
   /** @type {Record<string, any>} */
   const parts = { options: el("div", { class: "options" }), ...statusParts() };
   parts.time = makeTime(draw);

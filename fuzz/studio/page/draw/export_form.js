@@ -4,7 +4,7 @@ import { bytesOf } from "#player/decode.js";
 import { choice, el } from "#player/dom.js";
 import { keep } from "#player/saving.js";
 import { checkOptions, labelled, optionFields } from "#studio/shared/fields.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**

@@ -7,7 +7,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { makeExport } from "#studio/draw/export_form.js";
 import { labelled } from "#studio/shared/fields.js";
 import { makeImport } from "#studio/draw/import_form.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**

@@ -4,7 +4,8 @@
 import { askAbout } from "#studio/shared/asking.js";
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "#studio/shared/connection.js";
-import { hasMoreInFile, messageOf, robotsIn } from "#studio/draw/model.js";
+import { hasMoreInFile, robotsIn } from "#player/edit/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const SOON = 60; // ms after the last change

@@ -2,7 +2,7 @@
 
 import { el, grouped, plural } from "#player/dom.js";
 import { labelled, number } from "#studio/shared/fields.js";
-import { bordered, emptyWorld, resized } from "#studio/draw/model.js";
+import { bordered, emptyWorld, resized } from "#player/edit/model.js";
 
 /** @type {[string, number][]} */
 const ACROSS = [

@@ -8,13 +8,13 @@ import { besideIn } from "#player/pair.js";
 import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { keep } from "#player/saving.js";
 import { Ended } from "#studio/shared/connection.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf } from "#studio/shared/world_message.js";
 import { joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeArbitration } from "#studio/play/arbitration.js";
 import { makeCodeNote } from "#studio/play/code_note.js";
 import { makeDriving } from "#studio/play/driving.js";
-import { drawnOf } from "#studio/draw/drawn_world.js";
+import { drawnOf } from "#player/edit/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
 import { isSame, noteCode, noteReported, runsOneOf, stampOf } from "#studio/shared/edits.js";
 

@@ -1,6 +1,6 @@
 // Keeps unsaved drawings in the browser, one per tab, in case the page or the server ends.
 
-import { messageOf, worldOf } from "#studio/draw/model.js";
+import { messageOf, worldOf } from "#studio/shared/world_message.js";
 
 const DRAFT = "worldgen-studio-draft-"; // followed by the tab's name
 const TAB = "worldgen-studio-tab";
@@ -80,7 +80,7 @@ async function hold(key) {
 /**
  * Releases the draft when the server is lost, so that the tab opened by a restarted server may
  * continue the drawing.
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  */
 export function lendDraft(model) {
   if (!state.letGo) return; // already released, or this tab is still starting
@@ -92,7 +92,7 @@ export function lendDraft(model) {
 /**
  * Takes the draft back when the server answers again; returns whether another tab has continued the
  * drawing in the meantime.
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  * @returns {Promise<boolean>}
  */
 export async function reclaimDraft(model) {
@@ -147,7 +147,7 @@ function timeOf(key) {
 
 /**
  * Keeps the drawing; returns whether the browser has everything that is not saved.
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  * @returns {boolean}
  */
 export function keepDraft(model) {
@@ -187,7 +187,7 @@ function store(text) {
 
 /**
  * Adopts the draft that was found as this tab's own.
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  */
 export function takeOver(model) {
   if (!state.taken || !keepDraft(model)) return;

@@ -2,7 +2,7 @@
 
 import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
 import { byId, el } from "#player/dom.js";
-import { TOOLS } from "#studio/draw/tools.js";
+import { TOOLS } from "#player/edit/tools.js";
 
 const EVERYWHERE = [
   ["?", "Show these keys"],

@@ -2,8 +2,10 @@
 // or with wheel and middle button.
 
 /**
- * Starts listening to the board.
- * @param {any} draw - The page, with its board and the current tool
+ * Starts listening to the board, and gives `draw` two functions: `cancel` takes back the current
+ * stroke, if there is one, and `cancelKeys` does so if keys have begun it.
+ * @param {any} draw - The page: its `canvas`, `board`, `tools`, the name of the current `tool`;
+ *   `say` announces what a key has done, and `where` shows the point under the pointer, in cells
  */
 export function listenToBoard(draw) {
   const { canvas, board } = draw;
@@ -55,8 +57,8 @@ function down(draw, state, event) {
 }
 
 function begin(draw, state, point, how) {
-  const { board, studio } = draw,
-    { past, future } = studio.model;
+  const { board } = draw,
+    { past, future } = board.model;
   state.before = { steps: past.length, future, selection: board.selection, measure: board.measure };
   state.stroke = { ...how, tool: draw.tools[draw.tool] };
   state.stroke.tool.begin(point, state.stroke);
@@ -71,7 +73,7 @@ function stopStroke(state) {
 // Cancels the current stroke, because a second finger came down or Escape was pressed;
 // returns whether there was one.
 function takeBack(draw, state) {
-  const { model } = draw.studio,
+  const { model } = draw.board,
     { steps, future, selection, measure } = state.before || {};
   if (!state.stroke) return false;
   stopStroke(state);
@@ -159,13 +161,13 @@ function keyDown(draw, state, event) {
   else if (state.stroke) state.stroke.tool.drag(point, state.stroke);
   else draw.tools[draw.tool].hover?.(point); // preview of the tool's effect here
   draw.where(point);
-  draw.studio.say(cellWords(draw.studio.model.world, board.cursor));
+  draw.say(cellWords(board.model.world, board.cursor));
   board.draw();
 }
 
 // Moves the cursor, which starts in the middle of the visible part, and keeps it visible.
-function moveCursor({ board, studio }, arrow, far) {
-  const { world } = studio.model,
+function moveCursor({ board }, arrow, far) {
+  const { world } = board.model,
     inside = (value, most) => Math.min(most - 1, Math.max(0, Math.floor(value)));
   const { x, y } = board.now();
   const [ix, iy] = board.cursor || [x, y],

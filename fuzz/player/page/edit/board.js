@@ -3,8 +3,8 @@
 import { openWitness } from "#player/decode.js";
 import { drawScene } from "#player/picture/map.js";
 import { bodyPath, frontOf, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
-import { drawnOf, kindOf, othersOf } from "#studio/draw/drawn_world.js";
-import { pictureOf } from "#studio/draw/pattern_picture.js";
+import { drawnOf, kindOf, othersOf } from "#player/edit/drawn_world.js";
+import { pictureOf } from "#player/edit/pattern_picture.js";
 
 const NEAREST = 200; // pixels per cell at the highest zoom
 const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
@@ -12,7 +12,7 @@ const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the
 /**
  * Makes a board.
  * @param {HTMLCanvasElement} canvas
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  * @param {Record<string, boolean>} show - Visibility of grid, ruler, proof and signal
  * @returns {Board}
  */
@@ -105,7 +105,7 @@ function openChanging(model) {
 
 /**
  * Returns a world as the player draws it, without copying its cells.
- * @param {import("#studio/draw/model.js").Model} model
+ * @param {import("#player/edit/model.js").Model} model
  * @param {Proof | null} proof
  * @returns {SceneWorld}
  */

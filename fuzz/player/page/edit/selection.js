@@ -1,6 +1,6 @@
 // Actions on the selected rectangle, or on the current stamp.
 
-import { flipped, mirrored, patternIn, turned } from "#studio/draw/shapes.js";
+import { flipped, mirrored, patternIn, turned } from "#player/edit/shapes.js";
 
 /** The actions on the selection; each is one step of the history. */
 export const SELECTION = {

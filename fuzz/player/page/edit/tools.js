@@ -9,8 +9,8 @@ import {
   patternOf,
   rectangleBoxes,
   rectangleOf,
-} from "#studio/draw/shapes.js";
-import { round } from "#studio/draw/model.js";
+} from "#player/edit/shapes.js";
+import { round } from "#player/edit/model.js";
 
 /** Every tool: its name, its key, its icon in a square of 16. */
 export const TOOLS = {
