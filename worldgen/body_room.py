@@ -9,14 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from hashlib import sha256
 
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import TURN, heading_from_lattice
-from worldgen.robot import Pose, Robot, Target
-from worldgen.robot_overrides import RobotOverrides
+from worldgen.lattice import TURN, cell_middle, heading_from_lattice
+from worldgen.random_streams import RandomStream
+from worldgen.reach.still.cells import reachable_cells
+from worldgen.robot import Drive, Pose, Robot, Target
+from worldgen.robot_overrides import RobotOverrides, waypoints_at
 from worldgen.support.arrays import Bools, Floats
+from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, Value, World
 
 # Headings to try at the start, around a full turn.
@@ -78,7 +82,8 @@ class FittedRobot:
         if not self.overrides.given():
             return world
         robot = replace(world.robots[0], radius=self.radius)
-        return with_room(world, self.overrides.applied_to_robot(robot))
+        world = with_room(world, self.overrides.applied_to_robot(robot))
+        return with_chosen_waypoints(world, self.overrides)
 
 
 def layout_radius(robot: Robot, *, any_heading: bool = False) -> float:
@@ -165,6 +170,42 @@ def with_room(world: World, robot: Robot) -> World:
     for goal in robot.waypoints:
         walls = _without_cells_at(world, walls, robot, goal)
     return replace(world.bare, walls=walls, robots=(replace(robot, start=start, target=target),))
+
+
+def with_chosen_waypoints(world: World, overrides: RobotOverrides) -> World:
+    """Return the world with as many waypoints as are asked for, if their places are not given.
+
+    They are in the middle of cells that a disc in the robot can reach from its start if nothing
+    changes, chosen by the walls, the start and the target. A world that has as many stays as it is.
+
+    Raises:
+        InvalidParameter: If there are fewer such cells.
+    """
+    robot = world.robots[0]
+    count = overrides.waypoint_count
+    if not overrides.chooses_waypoints or len(robot.waypoints) == count:
+        return world
+    disc = replace(
+        robot, footprint=(), drive=Drive(), radius=robot.inner_radius or robot.radius, waypoints=()
+    )
+    still = replace(world.bare, timeline=Timeline(), robots=(disc,))
+    cells = np.argwhere(reachable_cells(still)).tolist()
+    if len(cells) < count:
+        raise InvalidParameter(
+            "no-room",
+            "waypoints={count}, and there is room for {room}",
+            "use fewer, or a larger size",
+            count=count,
+            room=len(cells),
+        )
+    made = sha256(np.packbits(world.walls).tobytes() + repr((disc.start, disc.target)).encode())
+    rng = RandomStream(int.from_bytes(made.digest()[:8], "little"))
+    places = []
+    for _ in range(count):
+        iy, ix = cells.pop(rng.below(len(cells)))
+        places.append((cell_middle(ix, world.cell_size), cell_middle(iy, world.cell_size), 0.0))
+    robot = replace(robot, waypoints=waypoints_at(places, robot.target))
+    return replace(world.bare, robots=(robot,))
 
 
 def _without_cells_at(world: World, walls: Bools, robot: Robot, goal: Target) -> Bools:

@@ -167,6 +167,11 @@ class Robot:
         return (*self.waypoints, self.target)
 
     @property
+    def places(self) -> tuple[Corner, ...]:
+        """x and y, m, of the start and of all goals, in order."""
+        return ((self.start.x, self.start.y), *((goal.x, goal.y) for goal in self.goals))
+
+    @property
     def inner_radius(self) -> float:
         """Radius, m, of the largest disc about the axle in the body; 0 if the axle is outside."""
         if self.is_disc:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -53,7 +53,8 @@ class RobotOverrides:
         contact: What a wall does to a move into it: slide along the wall, stop there, or fail,
             which ends the run.
         waypoints: Places, "X,Y X,Y", m, that the robot must arrive at before the target, in order;
-            each with the target's radius and arrival, or with a radius of its own: X,Y,RADIUS.
+            each with the target's radius and arrival, or with a radius of its own: X,Y,RADIUS. A
+            family, and a campaign, also takes a number of waypoints, and chooses where they are.
 
     Raises:
         InvalidParameter: If a value is out of range or cannot be read.
@@ -68,7 +69,7 @@ class RobotOverrides:
     arrival: Annotated[str | None, Written(metavar="touch|step|stop[:SPEED[:TURN_RATE]]")] = None
     target_heading: Annotated[str | None, Written(metavar="RAD[:TOLERANCE]")] = None
     contact: Literal["slide", "stop", "fail"] | None = None
-    waypoints: Annotated[str | None, Written(metavar="X,Y[,RADIUS]...")] = None
+    waypoints: Annotated[str | None, Written(metavar="X,Y[,RADIUS]...|N")] = None
 
     def __post_init__(self) -> None:
         for option in self.declared():
@@ -110,6 +111,17 @@ class RobotOverrides:
         body = self._body()
         return body is not None and not covers_axle(body)
 
+    @property
+    def waypoint_count(self) -> int:
+        """How many waypoints they ask for; 0 if the option is omitted."""
+        asked = self._asked()
+        return asked if isinstance(asked, int) else len(asked)
+
+    @property
+    def chooses_waypoints(self) -> bool:
+        """True if they ask for a number of waypoints, not for places."""
+        return isinstance(self._asked(), int)
+
     def moved(self, dx: float, dy: float) -> RobotOverrides:
         """Return these overrides with their places moved, m."""
         places = self._places()
@@ -144,11 +156,20 @@ class RobotOverrides:
         map's, and its certificate if the body, the drive, a waypoint or a goal's heading changes.
 
         Raises:
-            InvalidParameter: If an option is a car's, and the robot is not one; or for a fleet.
+            InvalidParameter: If an option is a car's, and the robot is not one; for a fleet; or if they
+            ask for a number of waypoints, without places.
             InvalidWorld: If no world can have such a robot.
         """
         if not self.given():
             return world
+        if self.chooses_waypoints:
+            raise InvalidParameter(
+                "no-places",
+                "waypoints={name!q} is a number of places to choose, and this world's are not chosen",
+                f"write the places, such as {_PLACES_EXAMPLE}",
+                name=self.waypoints,
+                near="1.2,3.4",
+            )
         if world.is_fleet:
             option = next(iter(self.given()))
             raise InvalidParameter(
@@ -176,16 +197,18 @@ class RobotOverrides:
         """Return the waypoints of a robot with these ones, whose goal is this target."""
         places = self._places()
         if places is not None:
-            goal = replace(target, heading=None, contact=None)
-            return tuple(
-                replace(goal, x=x, y=y, radius=radius or target.radius) for x, y, radius in places
-            )
+            return waypoints_at(places, target)
         if self.arrival is None:
             return given
         return tuple(replace(goal, **_arrival(self.arrival)) for goal in given)
 
     def _places(self) -> list[tuple[float, float, float]] | None:
-        return None if self.waypoints is None else parse_waypoints(self.waypoints)
+        asked = self._asked()
+        return None if isinstance(asked, int) else asked or None
+
+    def _asked(self) -> int | list[tuple[float, float, float]]:
+        """Return the places of the waypoints, or how many there are to be; none if omitted."""
+        return [] if self.waypoints is None else parse_waypoints(self.waypoints)
 
     def _body(self) -> tuple[Corner, ...] | None:
         return None if self.footprint is None else parse_footprint(self.footprint)
@@ -265,14 +288,31 @@ def parse_footprint(text: str) -> tuple[Corner, ...]:
         raise InvalidParameter.of(message) from fault
 
 
-def parse_waypoints(text: str) -> list[tuple[float, float, float]]:
+def waypoints_at(
+    places: Iterable[tuple[float, float, float]], target: Target
+) -> tuple[Target, ...]:
+    """Return waypoints at places, which ask for the arrival that the target asks for.
+
+    Args:
+        places: x and y, m, and the radius, m, or 0 for the target's.
+        target: The target.
+    """
+    goal = replace(target, heading=None, contact=None)
+    return tuple(replace(goal, x=x, y=y, radius=radius or target.radius) for x, y, radius in places)
+
+
+def parse_waypoints(text: str) -> int | list[tuple[float, float, float]]:
     """Return x and y, m, and the radius, m, or 0 for the target's, of places such as ``1.2,3.4 5,6``.
+
+    Returns:
+        The places; or a number, if that is all that the text is.
 
     Raises:
         InvalidParameter: If one has another form, a radius is not above 0, or there are too many.
     """
+    count = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else None
     places = []
-    for word in filter(None, re.split(r"[\s;()\[\]]+", text)):
+    for word in () if count is not None else filter(None, re.split(r"[\s;()\[\]]+", text)):
         numbers = word.strip(",").split(",")
         if not 2 <= len(numbers) <= 3 or not all(map(DECIMAL.fullmatch, numbers)):
             raise InvalidParameter(
@@ -292,15 +332,16 @@ def parse_waypoints(text: str) -> list[tuple[float, float, float]]:
                 near=",".join(numbers[:2]),
             )
         places.append((x, y, radius[0] if radius else 0.0))
-    if not 1 <= len(places) <= MOST_WAYPOINTS:
+    asked = len(places) if count is None else count
+    if not 1 <= asked <= MOST_WAYPOINTS:
         raise InvalidParameter(
-            "too-many-waypoints" if places else "wrong-form",
+            "too-many-waypoints" if asked else "wrong-form",
             "waypoints: {count} places; there must be 1 to {most}",
             f"write them as {_PLACES_EXAMPLE}",
-            count=len(places),
+            count=asked,
             most=MOST_WAYPOINTS,
         )
-    return places
+    return places if count is None else count
 
 
 def _corners(text: str) -> list[Corner]:
