@@ -93,19 +93,13 @@ def turned(heading: float) -> int:
 
 
 def _off_centre(case: Case) -> int:
-    places = [
-        place
-        for robot in case.world.robots
-        for point in robot.places
-        for place in point
-    ]
+    places = [place for robot in case.world.robots for point in robot.places for place in point]
     return sum(in_cells(place, case.world.cell_size) % 1 * 2 != 1 for place in places)
 
 
 def _covered(case: Case) -> int:
     return sum(
-        math.dist(robot.places[0], robot.places[1])
-        < robot.radius + robot.goals[0].radius
+        math.dist(robot.places[0], robot.places[1]) < robot.radius + robot.goals[0].radius
         for robot in case.world.robots
     )
 

@@ -176,10 +176,11 @@ def with_chosen_waypoints(world: World, overrides: RobotOverrides) -> World:
     """Return the world with as many waypoints as are asked for, if their places are not given.
 
     They are in the middle of cells that a disc in the robot can reach from its start if nothing
-    changes, chosen by the walls, the start and the target. A world that has as many stays as it is.
+    changes, chosen by the walls, the start and the target. If there are fewer, some are the same. A
+    world that has as many waypoints stays as it is.
 
     Raises:
-        InvalidParameter: If there are fewer such cells.
+        InvalidParameter: If there is no such cell.
     """
     robot = world.robots[0]
     count = overrides.waypoint_count
@@ -190,19 +191,20 @@ def with_chosen_waypoints(world: World, overrides: RobotOverrides) -> World:
     )
     still = replace(world.bare, timeline=Timeline(), robots=(disc,))
     cells = np.argwhere(reachable_cells(still)).tolist()
-    if len(cells) < count:
+    if not cells:
         raise InvalidParameter(
             "no-room",
-            "waypoints={count}, and there is room for {room}",
-            "use fewer, or a larger size",
+            "waypoints={count}, and the robot reaches the middle of no cell",
+            "use a larger size or cell_size, or a smaller robot",
             count=count,
-            room=len(cells),
         )
     made = sha256(np.packbits(world.walls).tobytes() + repr((disc.start, disc.target)).encode())
     rng = RandomStream(int.from_bytes(made.digest()[:8], "little"))
-    places = []
+    places: list[tuple[float, float, float]] = []
     for _ in range(count):
-        iy, ix = cells.pop(rng.below(len(cells)))
+        iy, ix = cells[rng.below(len(cells))]
+        if len(cells) > count - len(places) - 1:
+            cells.remove([iy, ix])
         places.append((cell_middle(ix, world.cell_size), cell_middle(iy, world.cell_size), 0.0))
     robot = replace(robot, waypoints=waypoints_at(places, robot.target))
     return replace(world.bare, robots=(robot,))

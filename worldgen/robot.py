@@ -168,7 +168,7 @@ class Robot:
 
     @property
     def places(self) -> tuple[Corner, ...]:
-        """x and y, m, of the start and of all goals, in order."""
+        """X and y, m, of the start and of all goals, in order."""
         return ((self.start.x, self.start.y), *((goal.x, goal.y) for goal in self.goals))
 
     @property

@@ -634,6 +634,21 @@ class World(HoldsFrozen):
         """
         return replace(self.bare, robots=(self.robots[number - 1],))
 
+    def for_goal(self, number: int) -> World:
+        """Return this world with one of its only robot's goals as the target, without waypoints.
+
+        Args:
+            number: The goal's number, from 0; the last one is the target.
+        """
+        robot = self.robots[0]
+        if not robot.waypoints:
+            return self
+        goal = replace(robot.goals[number], contact=robot.target.contact)
+        # A cut may be about another goal.
+        proof = None if isinstance(self.certificate, Cut) else self.certificate
+        robots = (replace(robot, target=goal, waypoints=()),)
+        return replace(self, robots=robots, certificate=proof)
+
     @property
     def unread(self) -> tuple[str, ...]:
         """Elements of the imported map that are not in this world; nothing about it is proved."""

@@ -57,12 +57,12 @@ def check_evidence(
         return f"the robot touches a wall in step {int(trace.bump.argmax())}"
     # The other checks are about the goal that counts at the end.
     if world.robots[0].waypoints and len(trace.passed):
-        from fuzz.evidence_checks.waypoints import check_waypoints, towards
+        from fuzz.evidence_checks.waypoints import check_waypoints
 
         fault = check_waypoints(world, trace)
         if fault:
             return fault
-        world = towards(world, int(trace.passed[-1]))
+        world = world.for_goal(int(trace.passed[-1]))
     check = _check_of(verdict)
     return check(world, trace, evidence, motion) if check else ""
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from fuzz.evidence_checks._plain import off_goal, place_gaps, set_speed, step_path, target_gap
 from sim.trace import Trace
 from worldgen.support.arrays import Floats
-from worldgen.world import Cut, World
+from worldgen.world import World
 
 _HALF_UNIT = np.pi / 65536 + 1e-9  # rad by which the lattice rounds a heading
 _ROUNDING = 1e-9
@@ -25,20 +23,10 @@ def check_waypoints(world: World, trace: Trace) -> str:
     if len(passed) != trace.steps + 1 or passed[0] != 0 or not np.isin(counts, (0, 1)).all():
         return "the waypoints are not counted one by one"
     for number, step in enumerate((np.flatnonzero(counts) + 1).tolist()):
-        fault = _arrival_fault(towards(world, number), trace, step)
+        fault = _arrival_fault(world.for_goal(number), trace, step)
         if fault:
             return f"waypoint {number + 1} is counted in step {step}, but {fault}"
     return ""
-
-
-def towards(world: World, passed: int) -> World:
-    """Return a world whose target is the goal that counts after this many waypoints."""
-    robot = world.robots[0]
-    goal = replace(robot.goals[passed], contact=robot.target.contact)
-    one = replace(robot, target=goal, waypoints=())
-    # A cut may be about a waypoint, which this world has not.
-    proof = None if isinstance(world.certificate, Cut) else world.certificate
-    return replace(world, robots=(one,), certificate=proof)
 
 
 def _arrival_fault(world: World, trace: Trace, step: int) -> str:

@@ -368,7 +368,8 @@ def _sentence(episode: Episode, world: World) -> str:
     from sim.episode.describe import describe_evidence, describe_missed_goal
     from worldgen.support.plain_text import counted
 
-    left = describe_missed_goal(world, episode)
+    missed = describe_missed_goal(world, episode)
+    left = f", {missed}" if missed else ""
     if episode.cells_left:
         left = f", {counted(episode.cells_left, 'cell')} left to cover"
     return (

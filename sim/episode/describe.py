@@ -84,14 +84,14 @@ def describe_evidence(episode: Episode) -> str:
 
 
 def describe_missed_goal(world: World, episode: Episode) -> str:
-    """Return which goal a robot with waypoints never reached, after a comma; empty if it has none."""
+    """Return which goal a robot with waypoints never reached; empty without one."""
     robot = world.robots[0]
     reached = episode.goals_reached
     if reached is None or reached >= len(robot.goals):
         return ""
     # Only a loop shows that the robot would not have arrived later.
     verb = "never reaches" if episode.verdict == Verdict.LOOP else "has not reached"
-    return f", {verb} {describe_waypoint(robot, reached)}"
+    return f"{verb} {describe_waypoint(robot, reached)}"
 
 
 def _end(episode: Episode) -> str:

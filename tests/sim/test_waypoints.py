@@ -116,7 +116,7 @@ def test_a_loop_proves_that_the_next_goal_is_never_reached():
     world = replace(world, walls=walls)
     _, episode = passed_steps(world)
     assert (episode.verdict, episode.goals_reached) == ("loop", 1)
-    assert describe_missed_goal(world, episode) == ", never reaches waypoint 2 of 2, at (2, 0.5)"
+    assert describe_missed_goal(world, episode) == "never reaches waypoint 2 of 2, at (2, 0.5)"
 
 
 def test_the_number_of_passed_waypoints_is_part_of_the_state():

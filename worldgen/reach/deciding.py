@@ -22,7 +22,7 @@ from worldgen.reach.decision import (
 from worldgen.reach.single import prove
 from worldgen.robot_overrides import describe_waypoint
 from worldgen.timeline import CellState, Timeline
-from worldgen.world import Cut, Pose, Robot, Witness, World
+from worldgen.world import Cut, Pose, Witness, World
 
 
 def decide(
@@ -147,7 +147,7 @@ class _Legs:
         if path is not None:
             heading = start.heading if path.headings is None else float(path.headings[-1])
             start = Pose(float(path.x[-1]), float(path.y[-1]), heading)
-        return replace(self._world, robots=(_with_goal(self._robot, start, number),))
+        return replace(self._world.for_goal(number), start=start)
 
     def _from_start(self, number: int, proof: bool, cut: bool = False) -> Decision:
         """Decide whether a goal can be reached from the robot's start."""
@@ -220,11 +220,6 @@ class _Legs:
             return untouched
         reason = f"{self._goal(number)}, from the earliest arrival at the one before: {leg.reason}"
         return Decision(UNDECIDED, None, reason)
-
-
-def _with_goal(robot: Robot, start: Pose, number: int) -> Robot:
-    """Return a robot without waypoints whose target is one of the goals."""
-    return replace(robot, start=start, target=robot.goals[number], waypoints=())
 
 
 def _begun(world: World, time: float) -> World:
