@@ -1,6 +1,6 @@
 """Measures that describe what is around a path, and none of which predicts failure well.
 
-BARN's authors describe a world by averages along a path; ``docs/howto/difficulty.md`` lists the
+BARN's authors describe a world by averages along a path; ``docs/notes/difficulty.md`` lists the
 differences from their program. ``decisions`` counts places from which three or more routes lead.
 Everything is plain NumPy and Python, for worlds of some thousand cells.
 

@@ -1,4 +1,4 @@
-"""Make the table of docs/howto/census.md: a census of other projects' generators and collections.
+"""Make the table of docs/notes/census.md: a census of other projects' generators and collections.
 
 ``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
 table; ``--json`` prints one object. Sources that are not installed or not given are skipped and

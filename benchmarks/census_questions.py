@@ -23,7 +23,7 @@ from worldgen.world import Cut, World
 ROWS = (
     "reachable", "blocked", "no_room", "four_only", "four_parted", "eight_only", "eight_parted", "undecided",
 )  # fmt: skip
-"""What is counted for each radius; docs/howto/census.md describes it."""
+"""What is counted for each radius; docs/notes/census.md describes it."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.difficulty`` makes worlds of every family with static worlds, with parameters
 drawn at random, runs the library's controllers in them, and prints the tables of
-``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with
+``docs/notes/difficulty.md``: Spearman's rank correlation of every metric with failure, with
 bootstrap intervals, and the weights in ``worldgen/difficulty/model.py``. ``--json`` prints one
 object; ``--barn FOLDER`` adds the correlations with the published outcomes of the BARN challenge,
 from a copy of its repository. It takes ten minutes.

@@ -1,6 +1,6 @@
 """Compare how many worlds a guided search makes until one fits with drawing seed after seed.
 
-``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``;
+``python -m benchmarks.difficulty_search`` prints the table of ``docs/notes/difficulty.md``;
 ``--json`` prints one object. Each constraint is searched for with several seeds; a search that
 finds nothing within ``--tries`` counts with that number, so the cost of drawing is then a lower
 bound. Drawing comes in two kinds: with the family's defaults, and with parameters drawn at random.

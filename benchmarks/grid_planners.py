@@ -1,6 +1,6 @@
 """Planners that inflate walls by the robot's radius and then search the grid.
 
-The table of docs/howto/census.md compares them with the proved answer.
+The table of docs/notes/census.md compares them with the proved answer.
 """
 
 from __future__ import annotations

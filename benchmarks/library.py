@@ -1,7 +1,7 @@
 """Measure how often each registered controller arrives.
 
 The worlds are ``corpora/thesis``, and many worlds of every family. ``python -m benchmarks.library``
-prints how the runs ended, table by table, and then the two tables of ``docs/reference/library.md``;
+prints how the runs ended, table by table, and then the tables of ``docs/notes/library.md``;
 ``--json`` prints one object. With 500 worlds of each family it takes half an hour, most of it for
 the dynamic window.
 

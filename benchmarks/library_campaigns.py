@@ -1,7 +1,7 @@
 """Measure what a campaign finds against each controller of the library, by family.
 
 ``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
-and of every family and prints the table of ``docs/reference/library.md``; ``--json`` prints one
+and of every family and prints the table of ``docs/notes/library.md``; ``--json`` prints one
 object. A unit's draws depend only on the seed, so the figures are the same on every machine.
 Failures are proved, but not shrunk.
 """

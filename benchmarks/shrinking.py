@@ -1,7 +1,7 @@
 """Measure how fast and how good shrinking is, against Hypothesis on the same failures.
 
 ``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model
-with fixed seeds, shrinks each, and prints the table of ``docs/howto/keep-failures.md``; ``--json``
+with fixed seeds, shrinks each, and prints the table of ``docs/notes/shrinking.md``; ``--json``
 prints one object. ``--each N`` is the most failures of a case (default 6), ``--hypothesis N`` the
 most that Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 

@@ -69,6 +69,8 @@ def mend_wrapping(
     """Undo stray indentation inside a docstring's paragraph, which is not valid markup."""
     if what == "data" and lines and lines[0] in (type(thing).__doc__ or "").splitlines()[:1]:
         lines.clear()  # the docstring of a type such as dict, which explains nothing here
+    if name.startswith("worldgen.families.") and "" in lines:
+        del lines[lines.index("") :]  # the page about families has the rest
     above = 0
     for at, line in enumerate(lines):
         indent = len(line) - len(line.lstrip())

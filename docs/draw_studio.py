@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/howto/studio.md: ``python -m docs.draw_studio``.
+"""Draw the studio's pictures: ``python -m docs.draw_studio``.
 
 Each shows the studio in Debian's Chromium at 1280 x 720, and is made as a person would make it: by
 mouse and keyboard. Those of the walk are taken on the walk itself.
@@ -79,8 +79,7 @@ def flow_chart(page: Any) -> None:
 def walk(page: Any) -> None:
     """The walk, with a picture after some of its steps."""
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    text = (HERE / "howto" / "studio.md").read_text(encoding="utf-8")
-    steps = sentences(text.partition("<!-- new folder -->")[2])
+    steps = sentences((HERE / "tutorials" / "studio-walk.md").read_text(encoding="utf-8"))
     walker = Walker(page)
     for k, (number, sentence) in enumerate(steps):
         walker.perform(sentence)

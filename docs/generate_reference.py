@@ -1,8 +1,9 @@
 """Write the reference that comes from the code.
 
-The command line and the Python API are pages. The tables of families, options, controllers and
-behaviours are parts, which other pages include. ``conf.py`` calls this at the start of every build,
-so that the site cannot disagree with the code. The pages are not kept in the repository.
+The command line and the Python API are pages. The tables of families, options, controllers,
+behaviours, shrinking, metrics and the CI action are parts, which other pages include. ``conf.py``
+calls this at the start of every build, so that the site cannot disagree with the code. The pages are
+not kept in the repository.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 
 import click
 import draw_gallery
+import yaml
 from click.testing import CliRunner
 
 from worldgen.family import FAMILIES, Family
@@ -83,6 +85,7 @@ def command_line_page() -> str:
 
 def parts() -> dict[str, str]:
     """Return the tables that other pages include, by name."""
+    from fuzz.shrink import ORDER, PASSES
     from sim.options.robot import RobotOptions
     from sim.options.thesis import ThesisOptions
 
@@ -94,6 +97,11 @@ def parts() -> dict[str, str]:
     made["thesis-options"] = _option_table(ThesisOptions)
     made["controllers"] = _controllers_table()
     made["behaviours"] = _behaviours_table()
+    made["shrink-measures"] = _table(("measure", "less of"), _named(ORDER))
+    made["shrink-passes"] = _table(("pass", "what it does"), _named(PASSES))
+    made["metrics"] = _metrics_table()
+    made["import-options"] = _command_options_table("import")
+    made |= _action_tables()
     return made
 
 
@@ -153,6 +161,50 @@ def _behaviours_table() -> str:
         for row in _listed("behaviours")["behaviours"]
     )
     return _table(("behaviour", "applies when", "what the robot does", "options"), rows)
+
+
+def _named(listed: Iterable[Any]) -> Iterator[tuple[str, str]]:
+    """Yield the name of each measure or pass of the shrinker, and what it says of itself."""
+    return ((f"`{one.name}`", one.says) for one in listed)
+
+
+def _metrics_table() -> str:
+    from worldgen.difficulty import METRICS
+
+    harder = {1: "more", -1: "less", 0: ""}
+    rows = (
+        (f"`{name}`", one.unit, harder[one.harder], one.meaning) for name, one in METRICS.items()
+    )
+    return _table(("metric", "unit", "harder", "meaning"), rows)
+
+
+def _command_options_table(name: str) -> str:
+    """Return a table of a command's own options, with what ``--help`` says about each."""
+    from worldgen.cli.main import cli
+
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None
+    options = (one for one in command.params if isinstance(one, click.Option) and one.help)
+    rows = (
+        (", ".join(f"`{known}`" for known in one.opts if known.startswith("--")), one.help or "")
+        for one in options
+        if not {"--quiet", "--verbose", "--trust"} & set(one.opts)
+    )
+    return _table(("option", "meaning"), rows)
+
+
+def _action_tables() -> dict[str, str]:
+    """Return the tables of what the CI action takes and gives."""
+    plan = yaml.safe_load((Path(__file__).parents[1] / "action.yml").read_text(encoding="utf-8"))
+    inputs = (
+        (f"`{name}`", f"`{one['default']}`" if one.get("default") else "", one["description"])
+        for name, one in plan["inputs"].items()
+    )
+    outputs = ((f"`{name}`", one["description"]) for name, one in plan["outputs"].items())
+    return {
+        "action-inputs": _table(("input", "default", "meaning"), inputs),
+        "action-outputs": _table(("output", "meaning"), outputs),
+    }
 
 
 def _options(defaults: dict[str, object]) -> str:

@@ -6,6 +6,7 @@ passages it can drive along and around corners. Everything is a proposal; the pr
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -16,12 +17,13 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, cell_middle, heading_from_lattice
 from worldgen.random_streams import RandomStream
+from worldgen.reach import decide
 from worldgen.reach.still.cells import reachable_cells
 from worldgen.robot import Drive, Pose, Robot, Target
 from worldgen.robot_overrides import RobotOverrides, waypoints_at
 from worldgen.support.arrays import Bools, Floats
 from worldgen.timeline import Timeline
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, Value, Witness, World
 
 # Headings to try at the start, around a full turn.
 _HEADINGS = 16
@@ -135,6 +137,31 @@ def _passage(robot: Robot) -> float:
         if not robot.drive.reverse:
             needed = max(needed, _AFTER_ANOTHER * turning)
     return needed
+
+
+def with_spared_path(world: World) -> World:
+    """Return a car's world without what changes on one of its paths, which is its witness.
+
+    A car's path is proved around all cells that ever change, which a fire often leaves none of.
+    Without a path through the world as it is before anything changes, it is returned as it is.
+    """
+    witness = decide(replace(world.bare, timeline=Timeline()), cut=False).certificate
+    if not isinstance(witness, Witness):
+        return world
+    # Every cell within reach of the body on it.
+    size = world.cell_size
+    reach = world.robot_radius / size + 1.0
+    marked = np.zeros(world.walls.shape, np.bool_)
+    ys, xs = np.indices(marked.shape) + 0.5
+    points = np.column_stack((witness.x, witness.y)) / size
+    for begin, end in itertools.pairwise(points):
+        for share in np.linspace(0.0, 1.0, math.ceil(math.dist(begin, end)) + 1):
+            x, y = begin + share * (end - begin)
+            marked |= np.hypot(xs - x, ys - y) <= reach + 1.0
+    events = world.timeline
+    kept = ~marked[events.iy, events.ix]
+    timeline = Timeline(events.times[kept], events.ix[kept], events.iy[kept], events.states[kept])
+    return replace(world, timeline=timeline, certificate=witness)
 
 
 def with_room(world: World, robot: Robot) -> World:

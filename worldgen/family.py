@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from worldgen.body_room import FittedRobot
+from worldgen.body_room import FittedRobot, with_spared_path
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.lattice import in_cells
@@ -160,6 +160,9 @@ class Family:
                 try:
                     world = fitted.put_into(self.build(rng, **own))
                     decision = _decided(world, margin)
+                    if decision.result != REACHABLE and overrides.drive == "car" and self.changes:
+                        world = with_spared_path(world)
+                        decision = _decided(world, margin)
                     if decision.result == REACHABLE and robots > 1:
                         stream = rng.child(ROBOTS)
                         world, decision = self._with_robots(world, stream, robots, margin, work)

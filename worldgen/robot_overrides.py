@@ -446,7 +446,8 @@ def _arrival(text: str) -> dict[str, Any]:
             "arrival {name!q} has a limit that it does not take",
             "write {near}; only stop takes limits, stop:SPEED:TURN_RATE, in m/s and rad/s",
             name=text,
-            near=word,
+            # As many limits as it takes stay.
+            near=":".join((word, *limits[: len(names)])) if word == "stop" else word,
         )
     parts: dict[str, Any] = {"arrival": word}
     for name, limit in zip(names, limits, strict=False):
@@ -466,7 +467,16 @@ def _heading(text: str) -> dict[str, Any]:
         )
     parts: dict[str, Any] = {"heading": float(heading)}
     if tolerances:
-        parts["heading_tolerance"] = _not_negative("target_heading", text, tolerances[0])
+        tolerance = _not_negative("target_heading", text, tolerances[0])
+        if tolerance >= math.pi:
+            raise InvalidParameter(
+                "above-maximum",
+                "target_heading {text!q}: any heading is within {tolerance:g} rad of another one",
+                "leave it out, or use a tolerance below 3.1416",
+                text=text,
+                tolerance=tolerance,
+            )
+        parts["heading_tolerance"] = tolerance
     return parts
 
 
@@ -490,7 +500,7 @@ def describe_goal(goal: Target) -> str:
     Empty if that is all.
     """
     words = {"touch": "", "step": "the end of a step", "stop": "a stop"}[goal.arrival]
-    if goal.heading is not None:
+    if goal.heading is not None and goal.heading_tolerance < math.pi:
         heading = f"heading {goal.heading:.6g} rad (+- {goal.heading_tolerance:.6g})"
         words = f"{words} at {heading}" if words else heading
     contact = {"stop": "no slide along walls", "fail": "no contact with walls"}.get(

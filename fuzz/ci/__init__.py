@@ -7,7 +7,7 @@ Contents (each name is imported on first use):
     place_of, repository: Locate a controller's source in the repository.
 
 The modules ``junit``, ``sarif`` and ``markdown`` convert a report to text.
-``docs/tutorials/ci.md`` describes these reports for users.
+``docs/reference/ci.md`` describes these reports for users.
 """
 
 from __future__ import annotations

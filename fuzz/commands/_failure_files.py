@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
 from worldgen.cli.output import note, skip_bad_file
 from worldgen.errors import FormatError
 from worldgen.files.worlds import read_worlds
 from worldgen.support.plain_text import counted
+from worldgen.world import World
 
 
 class FailureFiles:
@@ -25,7 +27,7 @@ class FailureFiles:
         self._empty = list(dict.fromkeys(paths))
 
     def __iter__(self) -> Iterator[tuple[Path, Failure]]:
-        for path, world in read_worlds(self._paths, self._skip):
+        for path, world in self._worlds():
             failure = Failure.found_in(world)
             if failure is None:
                 self.others += 1
@@ -38,12 +40,31 @@ class FailureFiles:
         if not self._empty and self.others:
             note(f"skipped {counted(self.others, 'world')} without a failure")
 
+    def _worlds(self) -> Iterator[tuple[Path, World]]:
+        try:
+            yield from read_worlds(self._paths, self._skip)
+        except FormatError as error:
+            raise _of_campaign(error) from error
+
     def _skip(self, error: FormatError) -> None:
         # Whether a file that cannot be read has a failure is not known.
         self._empty = [one for one in self._empty if str(one) != error.source]
-        skip_bad_file(error)
+        skip_bad_file(_of_campaign(error))
 
     @property
     def is_complete(self) -> bool:
         """True if each path that was given has a failure."""
         return not self._empty
+
+
+def _of_campaign(error: FormatError) -> FormatError:
+    """Return an error about a folder without worlds, in other words if it is a campaign's."""
+    folder = Path(error.source or "")
+    if error.code != "no-map-found" or not (folder / MEMORY).is_dir():
+        return error
+    return FormatError(
+        "no-failure",
+        "the campaign of this folder has found no failure",
+        "worldgen fuzz --resume continues it",
+        source=error.source,
+    )

@@ -450,7 +450,7 @@ class CampaignSession:
         live = self._campaign.live()
         if live.phase == Phase.PREPARING:
             examining = "" if self._config.fixed_map is None else " and examining the map"
-            return f"loading the simulator in each process{examining}"
+            return f"preparing: loading in each process, and first runs{examining}"
         state = self._campaign.state
         shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""

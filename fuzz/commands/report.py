@@ -26,7 +26,7 @@ def report(
 
     The page needs no network and no other file. Each failure is run again for the page, so this
     runs the controllers that the files name. For a controller in Python, the page contains the
-    lines of its file that run when it fails. docs/howto/keep-failures.md describes it.
+    lines of its file that run when it fails. docs/howto/why-it-fails.md describes it.
     """
     from fuzz.report import write_report
     from worldgen.support.plain_text import counted

@@ -119,16 +119,20 @@ def _doubt(failure: Failure) -> str:
     return f"  no controller is certain to arrive: {shown(why)}\n" if why else ""
 
 
-def run_to_draw(failure: Failure) -> tuple[Episode, str]:
+def run_to_draw(failure: Failure, known: Episode | None = None) -> tuple[Episode, str]:
     """Return the run to draw for a failure, and a description of what happened.
 
     The description begins with a space, to follow the verdict. The run of a breach continues
     through the wall to the target.
 
+    Args:
+        failure: The failure.
+        known: Its recorded run, if that has been done already.
+
     Raises:
         InvalidParameter: If the failure's controller cannot be found.
     """
-    episode = failure.run()
+    episode = failure.run() if known is None else known
     words = describe_evidence(episode)
     if not failure.is_breach:
         return episode, words + failure.violation.in_words

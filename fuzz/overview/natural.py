@@ -12,7 +12,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from functools import partial
@@ -73,7 +73,8 @@ class NaturalRun(NamedTuple):
         family: The family that made the world.
         verdict: Its verdict.
         cause: Why the robot does not arrive; ``None`` if it does.
-        clearance: How wide the path is, a name in :data:`CLEARANCES`; empty if no path is proved.
+        clearance: How wide the path is, in radii, or widths of a footprint; a name in
+            :data:`CLEARANCES`, empty if no path is proved.
         turns: How winding it is, a name in :data:`TURNS`; as above.
     """
 
@@ -82,6 +83,22 @@ class NaturalRun(NamedTuple):
     cause: Cause | None = None
     clearance: str = ""
     turns: str = ""
+
+
+class DrawnWorld(NamedTuple):
+    """A natural world before it is made.
+
+    Args:
+        number: Its number.
+        family: The family that makes it.
+        seed: Seed of the family.
+        values: What is drawn of the robot and the run.
+    """
+
+    number: int
+    family: str
+    seed: int
+    values: Mapping[str, Value]
 
 
 def natural_result(runs: Iterable[NaturalRun], *, is_complete: bool = True) -> NaturalResult:
@@ -291,23 +308,17 @@ def _run_worlds(
     began = Effort.so_far()
     watch_lines(as_loaded(scenario.controller))
     done: dict[int, _Finished] = {}
-    stream = RandomStream(seed).child(NATURAL)
-    # Another stream, so that the worlds are the same whatever varies.
-    values = RandomStream(seed).child(NATURAL, "vary")
-    for number in range(numbers.stop):
-        # Draw the same for each world, whoever runs it.
-        world_seed = stream.next64()
-        drawn = {one.name: values.choice(one.values) for one in vary}
+    for drawn in drawn_worlds(families, seed, numbers.stop, vary):
+        number = drawn.number
         if number < numbers.start:
             continue
-        family = families[number % len(families)]
         ran = finished + sum(one.run is not None for one in done.values())
         try:
             with stopping_when(partial(is_over, ran)):
                 check_time()
-                case = _natural_case(family, world_seed, scenario.with_run(seed=number), drawn)
+                case = natural_case(drawn, scenario)
                 with leaving_proofs():
-                    done[number] = _Finished() if case is None else _finished(family, case)
+                    done[number] = _Finished() if case is None else _finished(drawn.family, case)
         except OutOfTime:
             break
         except WorldgenError:
@@ -331,7 +342,12 @@ def _path_in(world: World) -> tuple[str, str]:
     witness = world.certificate
     if not isinstance(witness, Witness):
         return "", ""
-    share = bottleneck(world, world.walls) / world.robot_radius
+    robot = world.robots[0]
+    if robot.is_disc:
+        share = bottleneck(world, world.walls) / robot.radius
+    else:
+        # As for a disc that is as wide as the footprint: what its path leaves to spare on both sides.
+        share = 1.0 + witness.clearance / (0.5 * float(np.ptp(robot.footprint, axis=0).min()))
     turns = _quarter_turns(witness)
     return (
         CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)],
@@ -339,11 +355,34 @@ def _path_in(world: World) -> tuple[str, str]:
     )
 
 
-def _natural_case(
-    family: str, seed: int, scenario: Scenario, values: Mapping[str, Value]
-) -> Case | None:
-    """Return a family's world with the drawn robot; ``None`` if it cannot arrive there."""
-    world, scenario = applied(values, generated(family, seed, values), scenario)
+def drawn_worlds(
+    families: Sequence[str], seed: int, count: int, vary: Sequence[Variation] = ()
+) -> Iterator[DrawnWorld]:
+    """Yield natural worlds as they are drawn, the same for whoever makes them.
+
+    Args:
+        families: Names of families, which take turns.
+        seed: Seed of the campaign.
+        count: Number of worlds.
+        vary: Quantities to draw from.
+    """
+    stream = RandomStream(seed).child(NATURAL)
+    # Another stream, so that the worlds are the same whatever varies.
+    values = RandomStream(seed).child(NATURAL, "vary")
+    for number in range(count):
+        world_seed = stream.next64()
+        drawn = {one.name: values.choice(one.values) for one in vary}
+        yield DrawnWorld(number, families[number % len(families)], world_seed, drawn)
+
+
+def natural_case(drawn: DrawnWorld, scenario: Scenario) -> Case | None:
+    """Return a natural world with its robot; ``None`` if it cannot arrive there.
+
+    Raises:
+        WorldgenError: If there is no such world.
+    """
+    world = generated(drawn.family, drawn.seed, drawn.values)
+    world, scenario = applied(drawn.values, world, scenario.with_run(seed=drawn.number))
     proved = world if world.certificate else certified(world)
     return None if proved is None else Case(proved, scenario)
 

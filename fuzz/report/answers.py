@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,14 @@ from fuzz.overview.terminal import how_often_it_arrives, never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.diagnosis import cause_of
 from worldgen.files.json_file import plain
+
+# Limits on explaining the causes of controllers without a campaign, for all of them together. A
+# folder can have failures of dozens, and the work must not depend on the time that it takes.
+_CAUSES_TO_EXPLAIN = 5
+_STEPS_TO_EXPLAIN = 2_000_000
+
+# Failures of a cause that are run to find the clearest, the smallest first.
+_CANDIDATES = 8
 
 
 @dataclass(frozen=True)
@@ -90,7 +99,7 @@ def answers_for(
         key = (entry.facts.controller, entry.facts.motion)
         if key not in told:
             others.setdefault(key, []).append(entry)
-    answers += [_of_entries(*key, found) for key, found in sorted(others.items())]
+    answers += [_of_entries(*key, found, len(others)) for key, found in sorted(others.items())]
     return sorted(answers, key=_worst)
 
 
@@ -108,24 +117,34 @@ def _placed(cause: CauseResult, folder: Path) -> CauseResult:
     return structs.replace(cause, file=file, smallest=smallest)
 
 
-def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> ControllerSummary:
+def _of_entries(
+    controller: str, motion: str, entries: Iterable[CorpusEntry], of: int
+) -> ControllerSummary:
     """Return the answer for failures without a known campaign: their causes.
 
     The page shows the code of each failure's controller, so the causes need not.
+
+    Args:
+        controller: With its options.
+        motion: Name of the motion model.
+        entries: The failures.
+        of: Number of such controllers, which share the work of explaining causes.
     """
     failures = {entry.path: Failure.read(entry.path) for entry in entries if entry.path.is_file()}
+    own: dict[Cause, list[Failure]] = {}
+    for failure in sorted(failures.values(), key=lambda one: one.order):
+        own.setdefault(cause_of(failure), []).append(failure)
     causes, examples = with_worlds(
         causes_of(failures.values()),
-        lambda cause: [one for one in failures.values() if cause_of(one) == cause],
+        lambda cause: own[cause][:_CANDIDATES],
+        most=max(1, _CAUSES_TO_EXPLAIN // of),
         with_code=False,
+        most_steps=math.inf if of == 1 else _STEPS_TO_EXPLAIN / of,
     )
     paths = {failure.id: str(path) for path, failure in failures.items()}
-    smallest: dict[Cause, Failure] = {}
-    for failure in sorted(failures.values(), key=lambda one: one.order):
-        smallest.setdefault(cause_of(failure), failure)
     placed = [
         structs.replace(
-            one, file=paths[examples[one.cause].id], smallest=paths[smallest[one.cause].id]
+            one, file=paths[examples[one.cause].id], smallest=paths[own[one.cause][0].id]
         )
         for one in causes
     ]

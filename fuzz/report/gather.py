@@ -142,8 +142,10 @@ def _seen(path: Path) -> ReplayedFailure:
             source=str(path),
         )
     found = replay(failure)
+    # A run that the replay confirmed is the one to draw. An oracle's evidence is not the run's own.
+    known = found.episode if found.confirmed and failure.oracle is None else None
     try:
-        shown, words = run_to_draw(failure)
+        shown, words = run_to_draw(failure, known)
     except WorldgenError:
         return ReplayedFailure(path, data, failure, found, None, "")
     return ReplayedFailure(path, data, failure, found, shown, words if found.confirmed else "")

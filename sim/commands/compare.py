@@ -87,7 +87,7 @@ def compare(
 
     PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
     run, so bug2,bug2+time_step=0.03 compares two time steps. A random controller runs with many
-    seeds. docs/howto/compare.md describes the table, the CSV and the JSON.
+    seeds. docs/howto/compare.md describes the table.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison

@@ -175,7 +175,7 @@ def run(
     if picture is not None:
         title = (
             f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode, world)}, "
-            f"{episode.area_covered:.4g} m2 covered"
+            f"{episode.area_covered:.4g} m2 {_covered(world)}"
         )
         with working(f"drawing {picture}"):
             drawn = _picture(world, episode, scenarios[0].controller, title, picture.suffix)
@@ -377,6 +377,11 @@ def _sentence(episode: Episode, world: World) -> str:
         f"{episode.time:g} s, {episode.path_length:.3f} m driven, "
         f"{counted(episode.collisions, 'collision')}, trace {episode.trace_digest}"
     )
+
+
+def _covered(world: World) -> str:
+    """Return how an area is counted: cells under the centre, of which a footprint covers more."""
+    return "covered" if world.robots[0].is_disc else "of cells entered by its axle"
 
 
 def _picture(world: World, episode: Episode, controller: str, title: str, suffix: str) -> bytes:

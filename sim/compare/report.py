@@ -1,4 +1,4 @@
-"""Present a comparison as text, CSV and JSON (``docs/howto/compare.md`` has columns and keys)."""
+"""Present a comparison as text, CSV and JSON (``docs/reference/tables.md`` has columns and keys)."""
 
 from __future__ import annotations
 

@@ -208,7 +208,7 @@ int64_t wg_carriage_words(const WgSettings *settings);
 // Words that follow the controller's memory in a robot's state: the waypoints that it has passed, and its WgCarriage.
 int64_t wg_words_after_memory(const WgSettings *settings);
 
-// Returns how many straight legs a step may have: one, or several for a car.
+// Returns how many straight moves a step may have: one, or several for a car.
 int64_t wg_most_legs(const WgSettings *settings);
 
 // Runs at most this many steps, at least one, and for about a tenth of a second.

@@ -1,4 +1,4 @@
-"""The walk through the studio, performed as docs/howto/studio.md describes it."""
+"""The walk through the studio, performed as docs/tutorials/studio-walk.md describes it."""
 
 from pathlib import Path
 
@@ -9,8 +9,7 @@ from tests.helpers.studio_walk import Walker, answered, begun, commands, fits, s
 
 pytestmark = pytest.mark.gate
 
-PAGE = (Path(__file__).parents[2] / "docs/howto/studio.md").read_text(encoding="utf-8")
-WALK = PAGE.partition("<!-- new folder -->")[2]
+WALK = (Path(__file__).parents[2] / "docs/tutorials/studio-walk.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.nightly

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.campaign.store import read_summary
+from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
 from fuzz.overview import CampaignResult, read_overview
 from fuzz.overview.result import write_overview
@@ -22,6 +23,8 @@ from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.player.streams import bits, numbers
 from fuzz.player.worlds import drawn_world
 from fuzz.report import write_report
+from fuzz.report.answers import answers_for
+from fuzz.report.gather import look_at
 from sim.episode import Episode, simulate
 from sim.evidence import LoopEvidence, WallEvidence
 from sim.trace import Trace
@@ -540,3 +543,28 @@ def test_the_page_s_parts_are_shipped(package, part):
     parts = {file for file in (folder / "page").rglob("*") if file.is_file()}
     assert folder / "page" / part in parts
     assert parts <= {found for pattern in patterns for found in folder.glob(pattern)}
+
+
+def test_controllers_without_a_campaign_share_the_work_of_explaining_causes(monkeypatch, tmp_path):
+    record = read_world(CORPUS / LOOP)
+    for number in range(6):
+        names = ("turn-left", "turn-right", "turn-random", "bug1", "bug2", "wall-left")
+        failure = replace(record.failure, controller=names[number], parameters={})
+        write_world(replace(record, failure=failure), tmp_path / f"{number}.grid")
+    explained = []
+    monkeypatch.setattr(
+        "fuzz.overview.building.explained",
+        lambda failure, is_over, most_steps: explained.append(most_steps),
+    )
+    entries = read_corpus([tmp_path]).entries
+    answers_for(entries, [])
+    assert len(explained) == 6 and sum(explained) <= 2_000_001
+    explained.clear()
+    answers_for(entries[:1], [])
+    assert explained == [float("inf")]
+
+
+def test_a_run_that_the_replay_confirmed_is_not_run_again_for_the_picture(monkeypatch):
+    monkeypatch.setattr(Failure, "run", lambda self, **how: pytest.fail("run again"))
+    seen = look_at(CORPUS / LOOP, [])
+    assert seen.replay.confirmed and seen.shown.trace.steps == seen.shown.steps

@@ -1,4 +1,4 @@
-"""The reader of docs/howto/studio.md.
+"""The reader of docs/tutorials/studio-walk.md.
 
 It performs every sentence of a step, and refuses those that it does not know.
 """

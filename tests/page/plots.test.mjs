@@ -19,6 +19,13 @@ function straight() {
   return { world, run };
 }
 
+// The world with one more solid cell.
+function withWall(world, ix, iy) {
+  const cells = world.open.cells.slice();
+  cells[iy * world.width + ix] = 1;
+  return { ...world, open: { ...world.open, cells } };
+}
+
 const rounded = (values) => [...values].map((value) => Number(value.toFixed(6)));
 
 test("speed, distance to the target and clearance are in metres and seconds", () => {
@@ -29,6 +36,27 @@ test("speed, distance to the target and clearance are in metres and seconds", ()
   assert.deepEqual(rounded(clearance.values), [0.1, 0.1, 0.1, 0.1]);
   assert.deepEqual([speed.unit, distance.unit, clearance.capped], ["m/s", "m", true]);
   assert.equal(seriesOf(world, run)[0], speed);
+});
+
+test("clearance is negative in a wall, by how deep the robot is in it", () => {
+  const { world, run } = straight();
+  const inWall = withWall(world, 5, 2);
+  const deep = { ...run, open: { ...run.open, series: undefined, x: Float64Array.of(2.5, 4.8, 5.5, 5.5) } };
+  const clearance = seriesOf(inWall, deep)[2];
+  assert.deepEqual(rounded(clearance.values), [0.1, -0.03, -0.1, -0.1]);
+  assert.equal(rounded([clearance.least])[0], -0.1);
+});
+
+test("the clearance of a footprint is that of its corners and sides, at its heading", () => {
+  const { world, run } = straight();
+  const footprint = [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]];
+  const robot = { target: world.target, radius: Math.hypot(1, 0.5), footprint };
+  const at = (heading) => ({ ...run, open: { ...run.open, series: undefined, heading: Float64Array.of(heading, heading, heading, heading) } });
+  // Sides are 1 cell from the walls above and below; standing upright, the ends are 0.5 cells away.
+  assert.deepEqual(rounded(seriesOf(world, at(0), robot)[2].values), [0.05, 0.1, 0.1, 0.1]);
+  assert.deepEqual(rounded(seriesOf(world, at(Math.PI / 2), robot)[2].values), [0.05, 0.05, 0.05, 0.05]);
+  const turned = seriesOf(world, at(Math.PI / 4), robot)[2].values[1];
+  assert.ok(Math.abs(turned - (1.5 - 1.5 * Math.SQRT1_2) * 0.1) < 1e-9, String(turned));
 });
 
 test("a contact just after a step does not make the robot seem fast", () => {

@@ -31,9 +31,9 @@ from worldgen_plugins.for_gymnasium.options import REWARD, Options
 
 # Gymnasium's own checks call reset() without a seed.
 pytestmark = pytest.mark.usefixtures("same_system_seed")
-GUIDE = (Path(__file__).parents[2] / "docs" / "tutorials" / "train-a-policy.md").read_text(
-    encoding="utf-8"
-)
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = (DOCS / "tutorials" / "train-a-policy.md").read_text(encoding="utf-8")
+REFERENCE = (DOCS / "reference" / "environments.md").read_text(encoding="utf-8")
 PLAIN = ("target_direction", "target_distance", "bump")
 ALL = (
     *PLAIN,
@@ -101,7 +101,9 @@ def test_without_gymnasium_the_import_says_how_to_get_it():
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("block", [0, 2, 3, 4], ids=["single", "vector", "fleet", "policy"])
+@pytest.mark.parametrize(
+    "block", [0, 2, 3, 4, 5], ids=["single", "options", "vector", "fleet", "policy"]
+)
 def test_an_example_of_the_guide_works(block):
     names = {"gymnasium": gymnasium, "best_action": lambda seen: 0}
     exec(re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)[block], names)
@@ -109,9 +111,9 @@ def test_an_example_of_the_guide_works(block):
         assert simulate(generate("trap", seed=1), names["Policy"](), steps=50).steps == 50
 
 
-def test_the_guide_names_every_option_and_sensor():
+def test_the_reference_names_every_option_and_sensor():
     assert all(
-        f"`{name}`" in GUIDE or f"`{name}=" in GUIDE
+        f"`{name}`" in REFERENCE or f"`{name}=" in REFERENCE
         for name in (*Options.__annotations__, *SENSORS, *REWARD)
     )
 

@@ -1,4 +1,4 @@
-"""The generators of the census, and the script that makes the table of docs/howto/census.md."""
+"""The generators of the census, and the script that makes the table of docs/notes/census.md."""
 
 import importlib.util
 from pathlib import Path

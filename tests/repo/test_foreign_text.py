@@ -220,6 +220,11 @@ def runs_of(folder):
         "formats": [[TEXT]],
         "families": [[], [TEXT]],
         "oracles": [[], [TEXT]],
+        "watchdog": [
+            ["simple-progress", whole, "--worlds", 0],
+            [TEXT, whole],
+            ["oscillation", NAME],
+        ],
         "maze": [["--size", TEXT], ["--out", f"maze{NAME}.grid"], ["--where", TEXT]],
         TEXT: [[]],
     }

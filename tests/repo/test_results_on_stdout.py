@@ -52,6 +52,14 @@ class Noisy:
         return (1.0, 1.5), (1.0,)
 
 
+class Dog:
+    def reset(self):
+        noise("dog")
+
+    def step(self, observation):
+        return False
+
+
 @family("noisy", version=1)
 def noisy(rng, *, size: int = 12) -> World:
     """Build a hall with a pillar.
@@ -143,6 +151,7 @@ COMMANDS = {
     "studio": None,
     "train": None,
     "verify": None,
+    "watchdog": ("./noisy.py:Dog", "found", "--worlds", "1"),
 }
 
 

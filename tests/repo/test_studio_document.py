@@ -39,6 +39,7 @@ def test_every_tool_is_described_with_its_key():
 
 
 def test_the_pictures_are_there():
-    text = (DOCS / "howto" / "studio.md").read_text()
+    pages = ("howto/studio.md", "tutorials/studio-walk.md")
+    text = "".join((DOCS / page).read_text() for page in pages)
     pictures = set(re.findall(r"\]\(\.\./(pictures/[^)]+)\)", text))
     assert len(pictures) >= 6 and all((DOCS / picture).exists() for picture in pictures)

@@ -235,6 +235,17 @@ def test_a_car_drives_a_circle_of_its_turning_radius():
     assert turn[2:-3] == pytest.approx(0.2, abs=2 * TURN)
 
 
+def test_a_car_is_on_the_arc_that_begins_at_its_start_and_along_its_heading():
+    for body in ((), box(0.3, 0.2, 0.1)):
+        robot = replace(CAR, footprint=body)
+        trace = drive(hall(40, 40, robot, Pose(2.0, 1.2)), *((1.0, 9.0),) * 32).trace
+        driven = 0.1 * np.maximum(0, np.arange(trace.steps + 1) - 1)[:32] / 0.5
+        x, y = 2.0 + 0.5 * np.sin(driven), 1.2 + 0.5 * (1.0 - np.cos(driven))
+        apart = np.hypot(trace.x[:32] - x, trace.y[:32] - y)
+        # A turn after the leg would leave it by 5 cm.
+        assert apart.max() < SIDE / 64
+
+
 def test_a_fast_car_keeps_to_the_arc_by_more_legs():
     fast = replace(CAR, speed=8.0)
     run = drive(hall(60, 60, fast, Pose(3.0, 2.0)), *((8.0, 99.0),) * 6)

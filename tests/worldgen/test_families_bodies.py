@@ -193,3 +193,18 @@ def test_a_wanted_heading_at_the_target_fits_there():
 def test_a_car_s_drive_is_part_of_the_world():
     drive = generate("trap", 1, **BODIES["car"]).robots[0].drive
     assert drive == Drive(0.5, reverse=True)
+
+
+@pytest.mark.parametrize("drive", [{"reverse": True}, {}], ids=["reverses", "forward-only"])
+def test_a_fire_spares_a_path_of_a_car(drive):
+    world = generate("fire", 3, drive="car", turning_radius=0.2, **drive)
+    assert check_certificate(world).valid
+    assert (world.cells_at(10.0) != world.cells_at(0.0)).any()
+
+
+def test_a_heading_that_any_other_is_near_is_refused_and_limits_of_a_stop_are_kept():
+    with raises(InvalidParameter, "above-maximum"):
+        RobotOverrides(target_heading="0:3.2")
+    with pytest.raises(InvalidParameter) as refused:
+        RobotOverrides(arrival="stop:0.1:0.2:0.3")
+    assert "write stop:0.1:0.2;" in str(refused.value)

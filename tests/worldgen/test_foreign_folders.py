@@ -1,6 +1,6 @@
 """Folders of other people's maps.
 
-``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/howto/census.md
+``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/notes/census.md
 lists which ones were read, and the results.
 """
 
@@ -20,7 +20,7 @@ FOLDER = os.environ.get("WORLDGEN_FOREIGN_MAPS")
 pytestmark = [
     pytest.mark.nightly,
     pytest.mark.skipif(
-        not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/census.md says which"
+        not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/notes/census.md says which"
     ),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")

@@ -1,6 +1,6 @@
 """Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``.
 
-See docs/howto/campaigns.md.
+See docs/howto/settings.md.
 """
 
 from __future__ import annotations

@@ -45,6 +45,7 @@ COMMANDS: dict[str, dict[str, str]] = {
     "Study worlds": {
         "measure": "Measure how hard worlds are.",
         "audit": "Check whether a trajectory from any simulator was possible, or a plan is.",
+        "watchdog": "Measure how well watchdogs tell robots that never arrive.",
     },
 }
 """Name and summary of each command by job; a test compares them with the commands' own."""

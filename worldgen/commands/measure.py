@@ -31,7 +31,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
 
     Metrics are computed again, from the file's own witness; a map without a certificate is decided
     first. Metrics that a world does not have are left empty. For a folder or an archive, its .grid
-    files are measured. docs/howto/difficulty.md defines every metric.
+    files are measured. docs/reference/tables.md defines every metric.
     """
     from worldgen.difficulty import OF_DISCS
     from worldgen.difficulty import measure as measured

@@ -6,7 +6,7 @@ only division. Each weight has the sign that :data:`worldgen.difficulty.METRICS`
 metric that makes a world harder never lowers its difficulty.
 
 ``python -m benchmarks.difficulty`` fits scales and weights and prints them;
-docs/howto/difficulty.md shows how good they are.
+docs/notes/difficulty.md shows how good they are.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
 # Raise this whenever some file becomes a different world than before.
-VERSION = 3
+VERSION = 4
 
 
 @dataclass(frozen=True)

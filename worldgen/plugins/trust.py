@@ -35,7 +35,13 @@ from worldgen.support.plain_text import shown
 
 _HERE = Path(__file__).resolve().parents[2]
 # Modules of ours that hold controllers, oracles and families, so that naming one is harmless.
-_OURS = ("sim.controllers.", "fuzz.faults.", "fuzz.oracles.", "worldgen.families.")
+_OURS = (
+    "sim.controllers.",
+    "fuzz.faults.",
+    "fuzz.oracles.",
+    "fuzz.watchdogs.",
+    "worldgen.families.",
+)
 _MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
 _LEARNED = re.compile(r"\+learned=([^+]+)")
 # Characters of a name in a message.

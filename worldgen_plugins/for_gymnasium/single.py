@@ -25,7 +25,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
     """A disc robot that should reach the target, in worlds in which it can.
 
     An episode ends when the robot arrives or burns. To truncate it, ``gymnasium.make`` wraps a time
-    limit around the environment. ``docs/tutorials/train-a-policy.md`` describes observations
+    limit around the environment. ``docs/reference/environments.md`` describes observations
     and rewards.
 
     Args:

@@ -152,7 +152,7 @@ def _retell(error: BaseException, address: str) -> None:
         raise WorkersLost(
             "killed-worker",
             "the same piece of work ended {workers} workers, the most that the scheduler allows; "
-            "the controller may kill them, or they may need more memory (docs/howto/campaigns.md)",
+            "the controller may kill them, or they may need more memory (docs/howto/cluster.md)",
             workers=error.allowed_failures + 1,
         ) from error
     if isinstance(error, CancelledError | OSError):

@@ -14,7 +14,7 @@ Contents:
     Summary, Status, Find, Archive, read_summary: The numbers in ``summary.json``.
     MEMORY: Name of the store's folder in a campaign's folder.
 
-``docs/howto/campaigns.md`` describes it for users.
+``docs/reference/campaign-files.md`` describes it for users.
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of

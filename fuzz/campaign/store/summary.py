@@ -89,7 +89,7 @@ class Archive(msgspec.Struct, frozen=True):
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """A campaign in numbers; ``docs/howto/campaigns.md`` describes each part.
+    """A campaign in numbers; ``docs/reference/campaign-files.md`` describes each part.
 
     Args:
         status: Its progress.

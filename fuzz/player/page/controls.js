@@ -228,6 +228,7 @@ function showState(player, parts) {
   if (parts.period) parts.period.setAttribute("aria-pressed", String(player.period));
   if (parts.follow) parts.follow.setAttribute("aria-pressed", String(player.follow));
   for (const [name, box] of Object.entries(parts.layers)) box.checked = player.show[name];
+  parts.readout.title = momentOf(run, step).slice(2);
   parts.readout.replaceChildren(
     "step ",
     el("b", {}, grouped(step)),

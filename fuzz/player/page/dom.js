@@ -133,6 +133,19 @@ export function plural(count, one, many = `${one}s`) {
 }
 
 /**
+ * Returns round numbers from 0 up to the largest value, about as many as wanted.
+ * @param {number} most
+ * @param {number} [count]
+ * @returns {number[]}
+ */
+export function ticks(most, count = 5) {
+  const raw = most / count,
+    power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= raw * 0.999) ?? 10 * power;
+  return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
+}
+
+/**
  * Announces a visible change to screen readers.
  * @param {string} text
  */

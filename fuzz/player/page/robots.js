@@ -101,9 +101,13 @@ export function showInstruments(line, player) {
     ["collision", pose.bump ? "yes" : "no"],
     ...(behaviour === null ? [] : [["behaviour", behaviour]]),
     ...memoryFacts(run, step),
-    ...(run.loop && step >= run.loop[0]
-      ? [["loop", `period ${grouped(run.loop[1])}, step ${Math.floor(step - run.loop[0])} of it`]]
-      : []),
   ];
-  line.replaceChildren(...facts.map(([name, value]) => el("span", {}, `${name} `, el("b", {}, value))));
+  const shown = facts.map(([name, value]) => fact(name, value));
+  if (run.loop) shown.push(fact("loop", loopWords(run.loop, step), "wide"));
+  line.replaceChildren(...shown);
 }
+
+const fact = (name, value, kind = null) => el("span", { class: kind, title: `${name} ${value}` }, el("span", {}, `${name} `), el("b", {}, value));
+
+const loopWords = ([entry, period], step) =>
+  step < entry ? `begins at step ${grouped(entry)}` : `period ${grouped(period)}, step ${Math.floor(step - entry)} of it`;

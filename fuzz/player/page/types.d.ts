@@ -142,7 +142,29 @@ interface OpenRun {
   pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean }>;
   touched?: Map<string, { ix: number; iy: number; step: number }>;
   numbered?: number[];
-  series?: { name: string; unit: string; most: number; values: Float64Array; capped: boolean }[];
+  series?: Series[];
+}
+
+/** One value for each row of a run. */
+interface Series {
+  name: string;
+  unit: string;
+  least: number;
+  most: number;
+  values: Float64Array;
+  /** Whether the greatest value stands for all that are greater. */
+  capped: boolean;
+}
+
+/** The series of one of the robots in the plots. */
+interface Curves {
+  run: DrawnRun;
+  number: number;
+  colour: string;
+  front: boolean;
+  /** Whether there are several robots. */
+  named: boolean;
+  series: Series[];
 }
 
 interface DrawnMemory {

@@ -2,7 +2,7 @@
 // behaviours. Each picture has its table.
 
 import { archivePlot, rangeOf, rounded, short } from "#player/archive.js";
-import { causeWords, choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
+import { causeWords, choice, el, grouped, plural, svg, ticks, verdictDot } from "#player/dom.js";
 import { compareText } from "#report/overview.js";
 
 // As wide as the window allows, so that its text is as large as elsewhere.
@@ -170,14 +170,6 @@ function axes(x, y, end, most, name) {
   }
   parts.push(svg("text", { x: (PLOT.left + PLOT.width) / 2, y: PLOT.height - 4, "text-anchor": "middle" }, name));
   return parts;
-}
-
-// Round numbers from 0 up to the largest value, about five of them.
-function ticks(most) {
-  const raw = most / 5,
-    power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= raw * 0.999) ?? 10 * power;
-  return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
 }
 
 function strategyChart(campaign) {

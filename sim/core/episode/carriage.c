@@ -36,11 +36,13 @@ static int64_t turn_on(const WgSettings *settings, int64_t steering, int64_t len
 
 int64_t wg_most_legs(const WgSettings *settings)
 {
-    if (settings->turn_per_unit <= 0.0 || settings->motion != WG_SWEPT) {
+    if (settings->turn_per_unit <= 0.0) {
         return 1;
     }
     int64_t fastest = (int64_t)(settings->top_speed * settings->speed) + 1;
-    return legs_of(fastest, turn_on(settings, FULL_LOCK, fastest) + 1);
+    int64_t legs = settings->motion == WG_SWEPT ? legs_of(fastest, turn_on(settings, FULL_LOCK, fastest) + 1) : 1;
+    // The last one may be undone.
+    return legs + 1;
 }
 
 void wg_steer(const WgSettings *settings, const WgCommand *command, WgRobot *robot)
@@ -94,35 +96,46 @@ static void turn_through_fire(const WgArena *arena, const WgSettings *settings, 
     }
 }
 
-int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+// Returns how far of a turn a robot's body is clear, and notes what stops it.
+static int64_t clear_part(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t turn,
+                          WgStopped *stopped)
+{
+    const WgFootprint *footprint = &settings->footprint;
+    if (footprint->count == 0 || turn == 0 || wg_nothing_near(arena, settings, state, 0, 0)) {
+        return turn;
+    }
+    if (settings->motion == WG_SWEPT) {
+        return wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, footprint, state->x, state->y, state->heading,
+                             turn, stopped);
+    }
+    // `endpoint` only looks at the end, and refuses what is not clear there.
+    int64_t heading = wg_reduced_heading(state->heading + turn);
+    WgSegment here = {state->x, state->y, state->x, state->y};
+    stopped->cell = wg_body_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, footprint, here, heading);
+    stopped->away.x = (double)(state->x - stopped->cell.ix * WG_UNIT) - WG_UNIT / 2;
+    stopped->away.y = (double)(state->y - stopped->cell.iy * WG_UNIT) - WG_UNIT / 2;
+    return stopped->cell.found ? 0 : turn;
+}
+
+// Turns a robot whose body is clear.
+static void turn_freely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
-    robot->carriage->bumped = 0;
-    bool is_free = settings->footprint.count == 0 || turn == 0 || wg_nothing_near(arena, settings, state, 0, 0);
-    int64_t turned = turn;
-    if (!is_free) {
-        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
-        const WgFootprint *footprint = &settings->footprint;
-        if (settings->motion == WG_SWEPT) {
-            turned = wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, footprint, state->x, state->y,
-                                   state->heading, turn, &stopped);
-            if (arena->event_count > 0) {
-                turn_through_fire(arena, settings, step, turned, robot);
-            }
-        } else {
-            // `endpoint` only looks at the end, and refuses what is not clear there.
-            int64_t heading = wg_reduced_heading(state->heading + turn);
-            WgSegment here = {state->x, state->y, state->x, state->y};
-            stopped.cell = wg_body_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, footprint, here, heading);
-            stopped.away.x = (double)(state->x - stopped.cell.ix * WG_UNIT) - WG_UNIT / 2;
-            stopped.away.y = (double)(state->y - stopped.cell.iy * WG_UNIT) - WG_UNIT / 2;
-            turned = stopped.cell.found ? 0 : turn;
-        }
-        if (turned != turn) {
-            note_stop(settings, step, &stopped, robot);
-        }
+    if (arena->event_count > 0 && settings->motion == WG_SWEPT && settings->footprint.count > 0 && turn != 0) {
+        turn_through_fire(arena, settings, step, turn, robot);
     }
-    state->heading = wg_reduced_heading(state->heading + turned);
+    robot->carriage->bumped = 0;
+    state->heading = wg_reduced_heading(state->heading + turn);
+}
+
+int64_t wg_turn_body(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
+    int64_t turned = clear_part(arena, settings, &robot->body->state, turn, &stopped);
+    turn_freely(arena, settings, step, turned, robot);
+    if (turned != turn) {
+        note_stop(settings, step, &stopped, robot);
+    }
     return turned;
 }
 
@@ -149,6 +162,39 @@ static double share_made(WgVector by, int64_t dx, int64_t dy)
     return length_sq > 0.0 ? wg_clamp((double)(by.x * dx + by.y * dy) / length_sq, 0.0, 1.0) : 0.0;
 }
 
+static void note_turn(const WgSettings *settings, int64_t step, int64_t turned, WgRobot *robot)
+{
+    robot->turned += turned;
+    if (settings->measures != 0) {
+        wg_measure_turn(settings, step, turned, robot);
+    }
+}
+
+// Turns a car while it drives a leg, and returns how far.
+static int64_t turn_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    int64_t turned = wg_turn_body(arena, settings, step, turn, robot);
+    note_turn(settings, step, turned, robot);
+    return turned;
+}
+
+// Undoes a leg on which a wall stopped a car so soon that it has turned by more than its way allows, and
+// where it cannot turn back.
+static void undo_leg(const WgArena *arena, const WgSettings *settings, int64_t step, const WgSegment *way, int64_t turned,
+                     int64_t time, WgRobot *robot)
+{
+    WgState *state = &robot->body->state;
+    int64_t x = state->x;
+    int64_t y = state->y;
+    int64_t before = robot->corners;
+    wg_move(arena, settings, step, way->px - x, way->py - y, time, time, robot);
+    wg_note_headings(robot, before);
+    if (settings->measures != 0) {
+        wg_measure_move(arena, settings, step, state->x - x, state->y - y, robot);
+    }
+    turn_car(arena, settings, step, -turned, robot);
+}
+
 WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t drive, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -156,7 +202,19 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
     int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(drive), wg_abs(turn)) : 1;
     robot->turned = 0;
     for (int64_t leg = 0; leg < legs; leg++) {
-        // Drive straight,
+        // Turn by half, so that the leg is a chord of its arc. Where a wall is in the way of that, the car
+        // first has to drive away from it.
+        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
+        int64_t turns = part_of(turn, leg, legs);
+        int64_t half = turns / 2;
+        half = clear_part(arena, settings, state, half, &stopped) == half ? half : 0;
+        turn_freely(arena, settings, step, half, robot);
+        note_turn(settings, step, half, robot);
+        if (robot->report.ending != WG_LIMIT) {
+            return (WgNormal){0.0, 0.0};
+        }
+
+        // Drive straight.
         WgVector by = {0, 0};
         int64_t ahead = part_of(drive, leg, legs);
         if (ahead != 0) {
@@ -181,18 +239,23 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
             return contact;
         }
 
-        // then turn, by the share of the leg that was driven.
-        int64_t turns = part_of(turn, leg, legs);
+        // Where it has not moved, it can turn back; to test that would take most of the time of a step.
+        if (touches && state->x == way.px && state->y == way.py && arena->event_count == 0) {
+            state->heading = wg_reduced_heading(state->heading - half);
+            note_turn(settings, step, -half, robot);
+            return contact;
+        }
+
+        // And turn by the rest; in all by the share of the leg that was driven.
         if (touches) {
             turns = (int64_t)((double)turns * share_made(by, state->x - way.px, state->y - way.py));
         }
-        int64_t turned = wg_turn_body(arena, settings, step, turns, robot);
-        robot->turned += turned;
-        if (settings->measures != 0) {
-            wg_measure_turn(settings, step, turned, robot);
-        }
-        if (turned != turns) {
+        int64_t turned = turn_car(arena, settings, step, turns - half, robot);
+        if (turned != turns - half) {
             contact = wg_bump_of_turn(arena, robot->carriage);
+            if (wg_abs(half + turned) > wg_abs(turns)) {
+                undo_leg(arena, settings, step, &way, half + turned, WG_STEP_TIME * (leg + 1) / legs, robot);
+            }
             robot->carriage->bumped = 0;  // it is sensed in this step
         }
         if (wg_is_contact(contact)) {

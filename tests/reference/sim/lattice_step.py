@@ -445,6 +445,19 @@ def _bump(arena: Arena, robot: Robot) -> tuple[float, float]:
     return float(arena.headings[away]), float(arena.headings[(away - TURN // 4) % TURN])
 
 
+def _is_clear_turn(arena: Arena, settings: Ints, turn: int, state: Ints) -> bool:
+    """Whether no wall is in the way of a turn."""
+    body = arena.carriage.body
+    if not body or turn == 0:
+        return True
+    x, y, heading = (int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING))
+    if settings[layout.SET_MOTION] == SWEPT:
+        pose = (x, y, heading)
+        return polygon.clear_turn(arena.cells, arena.headings, body, pose, turn)[0] == turn
+    there = turned(arena.headings, body, (heading + turn) % TURN)
+    return not polygon.first_not_clear(arena.cells, SOLID, there, (x, y, x, y))[0]
+
+
 def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) -> int:
     """Turns a robot as far as its body is clear; returns how far.
 
@@ -505,7 +518,7 @@ def _part(whole: int, part: int, of: int) -> int:
 def _drive_car(
     arena: Arena, settings: Ints, scales: Floats, step: int, drive: int, event: int, robot: Robot
 ) -> tuple[int, int, float, float]:
-    """Moves a car along its arc: straight legs, each with a turn after it, up to the first contact.
+    """Moves a car along its arc, up to the first contact: by half a turn, a straight leg, and the rest.
 
     Result as for :func:`_advance`.
     """
@@ -523,7 +536,25 @@ def _drive_car(
         legs += 1
     count = 0
     robot.turned[0] = 0
+
+    def note_turn(units: int) -> None:
+        robot.turned[0] += units
+        if settings[layout.SET_MEASURES] != 0:
+            _measure_turn(settings, scales, step, units, robot)
+
+    def turn_by(units: int) -> int:
+        made = turn_body(arena, settings, step, units, robot)
+        note_turn(made)
+        return made
+
     for leg in range(legs):
+        # Where a wall is in the way of half the turn, all of it comes after the leg.
+        turns = _part(turn, leg, legs)
+        half = _truncated(turns, 1, 2)
+        half = half if _is_clear_turn(arena, settings, half, state) else 0
+        turn_by(half)
+        if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
+            return event, count, 0.0, 0.0
         x, y = int(state[layout.STATE_X]), int(state[layout.STATE_Y])
         ahead = _part(drive, leg, legs)
         drift = tuple(
@@ -546,17 +577,26 @@ def _drive_car(
             _measure(settings, scales, arena.headings, step, own, robot)
         if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
             return event, count, nx, ny
-        turns = _part(turn, leg, legs)
         if touched:
             length_sq = float(way[0] * way[0] + way[1] * way[1])
-            made = float(way[0] * dx + way[1] * dy) / length_sq if length_sq > 0.0 else 0.0
-            turns = int(float(turns) * min(max(made, 0.0), 1.0))
-        made = turn_body(arena, settings, step, turns, robot)
-        robot.turned[0] += made
-        if settings[layout.SET_MEASURES] != 0:
-            _measure_turn(settings, scales, step, made, robot)
-        if made != turns:
+            share = float(way[0] * dx + way[1] * dy) / length_sq if length_sq > 0.0 else 0.0
+            turns = int(float(turns) * min(max(share, 0.0), 1.0))
+        made = turn_by(turns - half)
+        if made != turns - half:
             nx, ny = _bump(arena, robot)
+            if abs(half + made) > abs(turns):
+                # It has turned by more than its way allows, and cannot turn back: it undoes the leg.
+                here = (int(state[layout.STATE_X]), int(state[layout.STATE_Y]))
+                back = (x - here[0], y - here[1])
+                when = (during[1], during[1])
+                count, _, _ = _move(arena, settings, scales, step, back, when, count, robot)
+                if settings[layout.SET_MEASURES] != 0:
+                    moved = (
+                        int(state[layout.STATE_X]) - here[0],
+                        int(state[layout.STATE_Y]) - here[1],
+                    )
+                    _measure(settings, scales, arena.headings, step, moved, robot)
+                turn_by(-half - made)
             state[-2] = 0
         if nx != 0.0 or ny != 0.0:
             return event, count, nx, ny
