@@ -172,7 +172,7 @@ def test_waypoints_of_an_option_take_the_targets_radius_and_arrival():
     )
 
 
-@pytest.mark.parametrize("text", ["", "1", "1,2,3,4", "a,b", "1,2,0", "1,2 " * 65])
+@pytest.mark.parametrize("text", ["", "0", "65", "1,2,3,4", "a,b", "1,2,0", "1,2 " * 65])
 def test_wrong_waypoints_of_an_option_are_refused(text):
     with pytest.raises(InvalidParameter):
         RobotOverrides(waypoints=text)

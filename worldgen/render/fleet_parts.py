@@ -15,7 +15,7 @@ from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow, heading_tick, ring_and_cross, robot_disc
 from worldgen.support.arrays import Floats
-from worldgen.world import JointWitness, Robot, World
+from worldgen.world import JointWitness, Robot, Target, World
 
 COLOURS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")
 """Colours of the robots, as in the player; a seventh robot has the first one's."""
@@ -115,19 +115,30 @@ def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
     return parts
 
 
+def waypoint_parts(robot: Robot, colour: str, frame: Frame) -> list[Primitive]:
+    """Return the goals before a robot's target, each as a ring with a cross and its number."""
+    parts: list[Primitive] = []
+    for number, goal in enumerate(robot.waypoints):
+        parts += _goal(goal, number, colour, frame)
+    return parts
+
+
 def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     """Return a robot's target as a ring with a cross, and its number next to it."""
+    return _goal(robot.target, number, colour_of(number), frame)
+
+
+def _goal(goal: Target, number: int, colour: str, frame: Frame) -> list[Primitive]:
     unit = frame.unit
-    colour = colour_of(number)
-    x, y = frame.to_pixels(robot.target.x, robot.target.y)
+    x, y = frame.to_pixels(goal.x, goal.y)
     # A target smaller than a few pixels would not be visible.
-    radius = max(robot.target.radius * frame.scale, 5.0 * unit)
+    radius = max(goal.radius * frame.scale, 5.0 * unit)
     reach = radius + 4.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]
     strokes = (Paint(stroke=PAPER, width=4.4 * unit), Paint(stroke=colour, width=2.0 * unit))
     parts += ring_and_cross(x, y, radius, reach, strokes)
-    parts += goal_wedge(robot.target, frame, reach, colour)
-    parts += _label(np.array((x + reach + 4.0 * unit, y - reach)), number, frame)
+    parts += goal_wedge(goal, frame, reach, colour)
+    parts += _label(np.array((x + reach + 4.0 * unit, y - reach)), number, colour, frame)
     return parts
 
 
@@ -171,14 +182,14 @@ def _number(x: float, y: float, number: int, frame: Frame) -> Primitive:
     return Text(float(at[0]), float(at[1]), size, text, INK)
 
 
-def _label(at: Floats, number: int, frame: Frame) -> list[Primitive]:
-    """Return a robot's number next to its target, on a light ground."""
+def _label(at: Floats, number: int, colour: str, frame: Frame) -> list[Primitive]:
+    """Return a robot's or a waypoint's number next to its goal, on a light ground."""
     size = _NUMBER_SIZE * frame.unit
     text = str(number + 1)
     ground = Paint(fill=PAPER, opacity=0.8)
     middle = at + np.array((0.29 * size * len(text), -0.36 * size))
-    colour = mix(colour_of(number), "#000000", 0.3)
+    dark = mix(colour, "#000000", 0.3)
     return [
         DrawnCircle(float(middle[0]), float(middle[1]), 0.62 * size, ground),
-        Text(float(at[0]), float(at[1]), size, text, colour),
+        Text(float(at[0]), float(at[1]), size, text, dark),
     ]

@@ -14,7 +14,7 @@ from worldgen.render.body_parts import BodyPose, body_shapes, goal_wedge, solid_
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
 from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
-from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
+from worldgen.render.fleet_parts import joint_witness_parts, robot_parts, waypoint_parts
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
 from worldgen.render.named_parts import axis_numbers, named_cells, named_parts
@@ -254,7 +254,8 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     x, y = frame.to_pixels(world.target.x, world.target.y)
     radius = max(world.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 6.0 * unit
-    parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
+    parts = waypoint_parts(world.robots[0], TARGET, frame)
+    parts.append(DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75)))
     strokes = (Paint(stroke=PAPER, width=5.0 * unit), Paint(stroke=TARGET, width=2.4 * unit))
     parts += ring_and_cross(x, y, radius, reach, strokes)
     return [*parts, *_goal(world, frame, reach)]

@@ -8,6 +8,7 @@ import { bodyPath, disc, frontOf, ring, robotColour, stroke } from "#player/pict
  * @param {SceneWorld} world
  */
 export function drawTarget(pen, world) {
+  drawWaypoints(pen, world.waypoints ?? []);
   for (const { target, aim, footprint, number } of endsOf(world)) {
     const [x, y, radius] = target;
     const shown = Math.max(radius, 4 / pen.scale),
@@ -18,6 +19,15 @@ export function drawTarget(pen, world) {
     if (number) drawNumber(pen, number, pen.px(x + shown) + 5, pen.py(y + shown));
   }
   if (world.goal_heading !== undefined) drawGoalHeading(pen, world.target, world.goal_heading);
+}
+
+// Goals before the target, as the target's ring, with their numbers.
+function drawWaypoints(pen, goals) {
+  for (const [k, [x, y, radius]] of goals.entries()) {
+    const shown = Math.max(radius, 4 / pen.scale);
+    ring(pen, x, y, shown, pen.colours.target, 2);
+    drawNumber(pen, k + 1, pen.px(x + shown) + 5, pen.py(y + shown), pen.colours.target);
+  }
 }
 
 // A line out of the target's ring is the heading that the robot must have there.

@@ -72,18 +72,19 @@ function drawAlong(pen, one, places) {
 }
 
 /**
- * Draws a robot's number at a place in pixels.
+ * Draws a robot's number at a place in pixels, in its colour or in another one.
  * @param {Pen} pen
  * @param {number} number
  * @param {number} across
  * @param {number} down
+ * @param {string} [colour]
  */
-export function drawNumber(pen, number, across, down) {
+export function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
   const { context, colours } = pen;
   context.font = "700 13px system-ui, sans-serif";
   context.lineWidth = 4;
   context.strokeStyle = colours.floor;
-  context.fillStyle = colours[robotColour(number)];
+  context.fillStyle = colour;
   context.strokeText(String(number), across, down);
   context.fillText(String(number), across, down);
 }
