@@ -113,23 +113,14 @@ GALLERY: dict[str, list[Kind]] = {
 }
 
 
+SETS = ("--seed", str(FIRST), "--count", str(EACH), "--out", "worlds/")
+"""Options that make a set of the worlds of one kind; the page names them once."""
+
+
 def command(family: str, kind: Kind) -> str:
-    """Return what makes the worlds of one kind, as a set, in the repository's root."""
+    """Return what makes worlds of one kind."""
     made_by = FAMILIES.get(family)
-    options = made_by.options(made_by.complete(kind.params))
-    return shlex.join(
-        [
-            "worldgen",
-            family,
-            *options,
-            "--seed",
-            str(FIRST),
-            "--count",
-            str(EACH),
-            "--out",
-            "worlds/",
-        ]
-    )
+    return shlex.join(["worldgen", family, *made_by.options(made_by.complete(kind.params))])
 
 
 def worlds(family: str, kind: Kind) -> Iterator[World]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
 from worldgen.cli.output import note, skip_bad_file
 from worldgen.errors import FormatError
@@ -60,6 +59,8 @@ class FailureFiles:
 def _of_campaign(error: FormatError) -> FormatError:
     """Return an error about a folder without worlds, in other words if it is a campaign's."""
     folder = Path(error.source or "")
+    from fuzz.campaign.store import MEMORY
+
     if error.code != "no-map-found" or not (folder / MEMORY).is_dir():
         return error
     return FormatError(

@@ -64,7 +64,8 @@ def filled(
         data: Data that the scripts read as JSON.
     """
     player = files("fuzz.player") / "page"
-    styles = (player / "player.css").read_text("utf-8") + styles
+    parts = [(player / name).read_text("utf-8") for name in ("marks.css", "player.css")]
+    styles = "".join([*parts, styles])
     texts = _imported(start, modules(player, "#player/") | dict(scripts))
     urls = {name: _data_url(text) for name, text in texts.items()}
     contents = {

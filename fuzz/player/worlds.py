@@ -8,6 +8,7 @@ import numpy as np
 
 from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
+from worldgen.render.certificate_parts import blocked_share
 from worldgen.world import Cut, JointWitness, Robot, Witness, World
 
 MOST_CELLS = 1 << 22  # limit on a world that can be drawn; 700 kB in the page
@@ -18,12 +19,13 @@ def drawn_world(world: World) -> dict[str, Any] | None:
 
     Returns:
         ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
-        and ``target`` (x, y, radius in cells); ``goal_heading`` in rad, if there the robot must
-        have one; ``events`` in columns, with times rounded to ms;
+        and ``target`` (x, y, radius in cells); ``events`` in columns, with times rounded to ms;
         ``witness`` in columns, ms and parts of a cell, of which there are ``per_cell``; ``cut``, a
-        chain of cells. ``start``, ``target``, ``radius`` and ``witness`` are about the first robot,
-        and so are ``footprint``, its corners in cells, and ``aim``, its goal's heading in rad, if it
-        has them; ``others`` has the same for each of the others.
+        chain of cells, or ``cut_poses``, bits of the places where the body fits in no heading and
+        of those where it fits in some only, ``fineness`` of them along a cell. ``start``,
+        ``target``, ``radius`` and ``witness`` are about the first robot, and so are ``footprint``,
+        its corners in cells, and ``aim``, its goal's heading in rad, if it has them; ``others`` has
+        the same for each of the others.
     """
     if world.width * world.height > MOST_CELLS:
         return None
@@ -37,7 +39,6 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         "cells": bits(world.walls),
         "start": [world.start.x / side, world.start.y / side, world.start.heading],
         "target": [world.target.x / side, world.target.y / side, world.target.radius / side],
-        **({} if world.target.heading is None else {"goal_heading": world.target.heading}),
         "events": {
             "ms": numbers(np.rint(times * 1000.0)),
             "ix": numbers(ix),
@@ -106,4 +107,9 @@ def drawn_certificate(world: World) -> dict[str, Any]:
         return {"witness": _columns(proof, world.cell_size)}
     if isinstance(proof, Cut) and proof.boxes is None:
         return {"cut": proof.cells.tolist()}
+    if isinstance(proof, Cut):
+        assert proof.boxes is not None
+        shares = blocked_share(world, proof.boxes)
+        places = {"all": bits(shares >= 1.0), "some": bits((shares > 0.0) & (shares < 1.0))}
+        return {"cut_poses": places | {"fineness": shares.shape[1] // world.width}}
     return {}

@@ -33,7 +33,7 @@ from fuzz.studio.requests.running import chart_message, check_record, check_regi
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.controllers.behaviours.arbitration import Arbitration
-from sim.drawing.picture import drive_of, trails_of
+from sim.drawing.picture import drive_of, drives_of, trails_of
 from sim.episode import Episode, simulate
 from sim.episode.describe import describe_evidence, describe_unreachable
 from sim.evidence import FaultEvidence
@@ -237,14 +237,25 @@ def _seen(driven: _Driven) -> dict[str, Any]:
 
 
 def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> bytes:
-    """Return runs as the bytes of a file; an SVG shows only the first robot."""
+    """Return runs as the bytes of a file, which names every robot and its verdict."""
     front = drives[0]
     if kind == "html":
         return replay_page(title, drawn_world(world), [_seen(driven) for driven in drives])
     ending = f"{front.episode.verdict} {front.reason}".rstrip()
     said = f"{title}: {front.name}, {front.options.motion}: {ending}" if len(drives) == 1 else title
+    # The robots of one world are all driven by one controller, and each has its own verdict.
+    if world.is_fleet:
+        if kind == "gif":
+            return draw_gif(world, drives_of(front.episode, world), title=said)
+        return draw_svg(world, trail=trails_of(front.episode, world), title=said).encode()
+    names = [f"{driven.name}: {driven.episode.verdict}" for driven in drives]
     if kind == "gif":
-        return draw_gif(
-            world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said
-        )
-    return draw_svg(world, trail=trails_of(front.episode, world), title=said).encode()
+        shown = zip(drives, names, strict=True)
+        driven = [drive_of(one.episode, world, name) for one, name in shown]
+        return draw_gif(world, driven, title=said)
+    trails = [
+        replace(trail, name=name)
+        for one, name in zip(drives, names, strict=True)
+        for trail in trails_of(one.episode, world)
+    ]
+    return draw_svg(world, trail=trails, title=said).encode()

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
 from sim.controllers.learning import Episodes
+from worldgen.render.marks import hue
 
 # Sizes in px.
 _WIDTH = 640
@@ -14,6 +15,11 @@ _LEFT = 56
 _RIGHT = 76
 _TOP = 44
 _BOTTOM = 48
+
+_PAPER = hue("paper")
+_EDGE = hue("edge")
+_STEPS = hue("burn")
+_REACHED = hue("target")
 
 
 def curve_svg(curve: Sequence[Episodes], title: str) -> str:
@@ -46,20 +52,20 @@ def curve_svg(curve: Sequence[Episodes], title: str) -> str:
     right = _WIDTH - _RIGHT
     low = _HEIGHT - _BOTTOM
     parts = [
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>',
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{hue("paper")}"/>',
         f'<text x="{_LEFT}" y="24" font-weight="600">{escape(title)}</text>',
-        f'<path d="M{_LEFT} {_TOP}V{low}H{right}V{_TOP}" fill="none" stroke="#8c959f"/>',
-        line(steps, "#9a6700"),
-        line(reached, "#0969da"),
-        _label(_LEFT - 8, y(1.0) + 4, str(worlds), "end", "#0969da"),
-        _label(_LEFT - 8, y(0.0) + 4, "0", "end", "#0969da"),
-        _label(_LEFT, _TOP - 8, "worlds reached", "start", "#0969da"),
-        _label(right + 8, y(1.0) + 4, f"{most_steps:,}", "start", "#9a6700"),
-        _label(right + 8, y(0.0) + 4, "0", "start", "#9a6700"),
-        _label(right, _TOP - 8, "steps, all worlds", "end", "#9a6700"),
-        _label(_LEFT, low + 20, "0", "middle", "#1b1f24"),
-        _label(right, low + 20, str(last), "middle", "#1b1f24"),
-        _label((_LEFT + right) / 2, low + 36, "episodes of training", "middle", "#1b1f24"),
+        f'<path d="M{_LEFT} {_TOP}V{low}H{right}V{_TOP}" fill="none" stroke="{hue("edge")}"/>',
+        line(steps, _STEPS),
+        line(reached, _REACHED),
+        _label(_LEFT - 8, y(1.0) + 4, str(worlds), "end", _REACHED),
+        _label(_LEFT - 8, y(0.0) + 4, "0", "end", _REACHED),
+        _label(_LEFT, _TOP - 8, "worlds reached", "start", _REACHED),
+        _label(right + 8, y(1.0) + 4, f"{most_steps:,}", "start", _STEPS),
+        _label(right + 8, y(0.0) + 4, "0", "start", _STEPS),
+        _label(right, _TOP - 8, "steps, all worlds", "end", _STEPS),
+        _label(_LEFT, low + 20, "0", "middle", hue("ink")),
+        _label(right, low + 20, str(last), "middle", hue("ink")),
+        _label((_LEFT + right) / 2, low + 36, "episodes of training", "middle", hue("ink")),
     ]
     body = "\n".join(parts)
     return (

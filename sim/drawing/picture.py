@@ -10,7 +10,7 @@ import numpy as np
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
-from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
+from sim.evidence import Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
 from sim.trace import Trace
@@ -20,11 +20,14 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
-from worldgen.support.arrays import Bools, Floats
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import World
 
 # Limit on the marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
+
+# Share of the extent of a run: bumps nearer to each other touch the same walls.
+_SAME_PLACE = 0.002
 
 # Strength of the tint of a cell that the robot considers occupied.
 _OCCUPIED = 0.6
@@ -54,9 +57,11 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
         loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
 
-    # Mark where bumps begin, where the robot enters a wall, and where a run without a loop ends.
-    onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
-    marks = [EventMark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
+    # Mark where it touches something, where it enters a wall, and where a run without a loop ends.
+    marks = [
+        EventMark(float(trace.x[k]), float(trace.y[k]), "bump", float(trace.heading[k]))
+        for k in _bumps(trace, evidence)
+    ]
     if isinstance(evidence, WallEvidence) and 0 <= evidence.step <= trace.steps:
         step = evidence.step
         kind: MarkKind = "tunnel" if episode.verdict == Verdict.TUNNEL else "overlap"
@@ -73,6 +78,19 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         _missed(trace, world),
         headings=headings_along(trace),
     )
+
+
+def _bumps(trace: Trace, evidence: Evidence | None) -> Ints:
+    """Return steps with a bump, each place once: of a loop those that it repeats, if there are any."""
+    steps = np.flatnonzero(trace.bump)
+    if isinstance(evidence, LoopEvidence | JointLoopEvidence):
+        repeated = steps[steps > evidence.entry]
+        steps = repeated if len(repeated) else steps
+    grain = max(_SAME_PLACE * float(np.ptp(trace.x) + np.ptp(trace.y)), 1e-9)
+    places = np.rint(np.column_stack((trace.x[steps], trace.y[steps])) / grain)
+    _, first = np.unique(places, axis=0, return_index=True)
+    found: Ints = steps[np.sort(first)]
+    return found[:: max(1, -(-len(found) // _MOST_BUMPS))]
 
 
 def headings_along(trace: Trace) -> Floats:
@@ -130,7 +148,9 @@ def trails_of(episode: Episode, world: World) -> list[Trail]:
 def drives_of(episode: Episode, world: World) -> list[Drive]:
     """Return what each robot did and when."""
     return [
-        drive_of(one, world.alone(number), f"robot {number}" if world.is_fleet else "")
+        drive_of(
+            one, world.alone(number), f"robot {number}: {one.verdict}" if world.is_fleet else ""
+        )
         for number, one in enumerate(episode.robots, start=1)
     ]
 

@@ -11,7 +11,7 @@ from tests.clients.environments import program
 from tests.helpers.exported_meshes import TINY
 from worldgen import generate
 from worldgen.interop import export_world
-from worldgen.render.palette import WALL, rgb
+from worldgen.render.marks import hue, rgb
 from worldgen.support.rows import flip_rows
 
 ORIGIN = (-12.7, 3.45)
@@ -33,7 +33,7 @@ def test_the_pixels_of_a_cell_have_the_colour_of_a_wall_where_it_is_solid(tmp_pa
     picture = pixels(tmp_path, world, 8)
     assert picture.shape == (world.height * 8, world.width * 8, 3)
     inner = picture.reshape(world.height, 8, world.width, 8, 3)[:, 1:-1, :, 1:-1]
-    solid = (inner == rgb(WALL)).all(axis=4)
+    solid = (inner == rgb(hue("wall"))).all(axis=4)
     assert np.array_equal(solid.all(axis=(1, 3)), world.walls) and np.array_equal(
         solid.any(axis=(1, 3)), world.walls
     )

@@ -13,7 +13,7 @@ from sim.drawing.picture import drive_of, trail_of
 from sim.drawing.wall_penetrations import penetrated_cells
 from worldgen.files.grid import read_world
 from worldgen.render import Frame, draw_gif, draw_png, draw_svg
-from worldgen.render.palette import PIERCED, rgb
+from worldgen.render.marks import MARKS, hue, rgb
 from worldgen.world import Pose, Target, World
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
@@ -43,7 +43,7 @@ def decoded(picture):
 
 def red(pixels):
     """Return the row and column of the pixels that have the colour of entered walls."""
-    return np.argwhere(np.abs(pixels - rgb(PIERCED)).max(axis=2) < 12)
+    return np.argwhere(np.abs(pixels - rgb(hue("pierced"))).max(axis=2) < 12)
 
 
 @pytest.mark.gate
@@ -68,12 +68,12 @@ def test_a_png_s_red_is_in_and_around_the_cell_that_the_verdict_names(run):
 def test_an_svg_has_stripes_a_frame_for_each_wall_and_a_cross(run):
     world, episode = run()
     text = draw_svg(world, trail=trail_of(episode, world))
-    assert f'fill="{PIERCED}"/></pattern>' in text
+    assert f'fill="{hue("pierced")}"/></pattern>' in text
     assert (
-        len(re.findall(f'<polygon [^>]*stroke="{PIERCED}"', text))
+        len(re.findall(f'<polygon [^>]*stroke="{hue("pierced")}"', text))
         == len(penetrated_cells(episode, world)) + 1
     )  # a key
-    assert "a wall that it entered" in text
+    assert MARKS["pierced"].label in text
 
 
 @pytest.mark.gate

@@ -1,4 +1,4 @@
-"""The player's colours, as seen with colour blindness: distances in CIELAB."""
+"""The colours of all pictures: contrast, and distances in CIELAB as seen with colour blindness."""
 
 import re
 from itertools import combinations
@@ -7,26 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from build_tools import page_marks
 from sim.verdict import Verdict
-from worldgen.render import palette
-from worldgen.render.palette import mix
+from worldgen.render.marks import DARK, LIGHT, MARKS, SPECIFICATION, hue, mix
+from worldgen.render.trail_parts import pierced_ground
 
-CSS = (Path(__file__).parents[2] / "fuzz/player/page/player.css").read_text("utf-8")
-ROBOTS = [f"robot-{number}" for number in range(6)]
-ON_FLOOR = [
-    "start",
-    "target",
-    "way",
-    "loop",
-    "breach",
-    "pierced",
-    "memory",
-    "fire",
-    "touched",
-    *ROBOTS,
-]
-ON_WALLS = ["touched", "pierced", "fire"]
+THEMES = [pytest.param(LIGHT, id="light"), pytest.param(DARK, id="dark")]
+ROOT = Path(__file__).parents[2]
+ROBOTS = [name for name in SPECIFICATION.colours if name.startswith("robot-")]
+# What a mark is drawn on; the others are drawn on the floor.
+ON_WALLS = {"touched": "wall", "named": "named-edge"}
+NOT_MARKS = {"floor", "grid", "wall", "burnt"}
 PLAIN = 25.0  # a difference that is obvious at a glance, even for thin lines
+# Source: Web Content Accessibility Guidelines 2.1, 1.4.3 and 1.4.11.
+TEXT = 4.5
+GRAPHICS = 3.0
 
 # Complete deficiency, in linear RGB. Source: Machado, Oliveira, Fernandes, A Physiologically-based
 # Model for Simulation of Color Vision Deficiency, 2009, table 1.
@@ -56,89 +51,120 @@ TO_XYZ = [
 WHITE = [0.95047, 1.0, 1.08883]
 
 
-def colours_of(theme):
-    """Return the named colours of a theme; the dark theme overrides the light one's."""
-    blocks = {"light": r":root \{(.*?)\}", "dark": r':root\[data-theme="dark"\] \{(.*?)\}'}
-    named = {
-        name: dict(re.findall(r"--([\w-]+): (#\w{6})", re.search(block, CSS, re.S)[1]))
-        for name, block in blocks.items()
-    }
-    return named["light"] | (named["dark"] if theme == "dark" else {})
+def linear(colour):
+    shares = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
 
 
 def lab(colour, seen):
-    shares = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
-    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
-    ratios = TO_XYZ @ np.clip(np.array(SEEN[seen]) @ linear, 0, 1) / WHITE
+    ratios = TO_XYZ @ np.clip(np.array(SEEN[seen]) @ linear(colour), 0, 1) / WHITE
     x, y, z = np.where(ratios > 216 / 24389, np.cbrt(ratios), (24389 / 27 * ratios + 16) / 116)
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
-
-
-def too_near(theme, seen, pairs, least):
-    named = colours_of(theme)
-    apart = {
-        (a, b): float(np.linalg.norm(lab(named[a], seen) - lab(named[b], seen))) for a, b in pairs
-    }
-    return {pair: distance for pair, distance in apart.items() if distance < least}
-
-
-@pytest.mark.parametrize("seen", SEEN)
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_what_is_drawn_stands_out_from_what_lies_below_it(theme, seen):
-    pairs = [
-        ("wall", "floor"),
-        *((name, "floor") for name in ON_FLOOR),
-        *((name, "wall") for name in ON_WALLS),
-    ]
-    assert too_near(theme, seen, pairs, PLAIN) == {}
-
-
-@pytest.mark.parametrize("seen", SEEN)
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_a_loop_is_told_from_the_way_into_it(theme, seen):
-    assert too_near(theme, seen, [("loop", "way")], PLAIN) == {}
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_six_robots_colours_are_told_apart_by_the_usual_eye(theme):
-    assert too_near(theme, "usual", combinations(ROBOTS, 2), PLAIN) == {}
 
 
 def apart(one, other, seen):
     return float(np.linalg.norm(lab(one, seen) - lab(other, seen)))
 
 
-@pytest.mark.parametrize("seen", SEEN)
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_from_a_wall(
-    theme, seen
-):
-    script = (Path(__file__).parents[2] / "fuzz/player/page/picture/pierced.js").read_text("utf-8")
-    named = colours_of(theme)
-    ground = named["wall"]
-    for layer, share in re.findall(r"\[colours\.(floor|pierced), (0\.\d+)\]", script):
-        ground = mix(ground, named[layer], float(share))
-    assert ground != named["wall"]
-    assert (
-        apart(named["pierced"], ground, seen) >= PLAIN
-        and apart(ground, named["wall"], seen) >= PLAIN
-    )
+def contrast(one, other):
+    lights = sorted(float(np.array(TO_XYZ[1]) @ linear(colour)) for colour in (one, other))
+    return (lights[1] + 0.05) / (lights[0] + 0.05)
+
+
+def too_near(theme, seen, pairs):
+    found = {(a, b): apart(hue(a, theme), hue(b, theme), seen) for a, b in pairs}
+    return {pair: distance for pair, distance in found.items() if distance < PLAIN}
+
+
+def too_faint(theme, pairs, least):
+    found = {(a, b): round(contrast(hue(a, theme), hue(b, theme)), 2) for a, b in pairs}
+    return {pair: ratio for pair, ratio in found.items() if ratio < least}
+
+
+def grounds():
+    """The colours of marks and robots, each with what it is drawn on."""
+    marks = {mark.colour for name, mark in MARKS.items() if name not in NOT_MARKS}
+    return [(name, ON_WALLS.get(name, "floor")) for name in sorted({*marks, *ROBOTS})]
 
 
 @pytest.mark.parametrize("seen", SEEN)
-def test_so_they_do_in_pictures_that_are_saved(seen):
-    assert apart(palette.PIERCED, palette.PIERCED_GROUND, seen) >= PLAIN
-    assert apart(palette.PIERCED_GROUND, palette.WALL, seen) >= PLAIN
+@pytest.mark.parametrize("theme", THEMES)
+def test_what_is_drawn_stands_out_from_what_lies_below_it(theme, seen):
+    pairs = [("wall", "floor"), ("pierced", "wall"), ("fire", "wall"), *grounds()]
+    assert too_near(theme, seen, pairs) == {}
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_marks_have_a_contrast_of_3_to_1_to_what_they_are_drawn_on(theme):
+    assert too_faint(theme, [("wall", "floor"), *grounds()], GRAPHICS) == {}
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_words_have_a_contrast_of_4_5_to_1(theme):
+    verdicts = {colour for colour, _ in SPECIFICATION.verdicts.values()}
+    words = {"ink", "quiet", "link", *verdicts}
+    pairs = [(word, page) for word in sorted(words) for page in ("paper", "panel", "raised")]
+    assert too_faint(theme, pairs, TEXT) == {}
+
+
+@pytest.mark.parametrize("seen", SEEN)
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_path_that_exists_is_told_from_the_one_that_is_driven(theme, seen):
+    """One is dashed; still, nobody should need that."""
+    assert too_near(theme, seen, [("loop", "target")]) == {}
+    pieces = [
+        mix(hue("floor", theme), hue("loop", theme), share)
+        for share in (MARKS["approach"].fade[-1], 1.0)
+    ]
+    assert apart(*pieces, seen) >= 15.0
+
+
+@pytest.mark.parametrize("seen", SEEN)
+@pytest.mark.parametrize("theme", THEMES)
+def test_a_verdict_is_known_by_its_colour_or_by_its_sign(theme, seen):
+    kinds = dict(SPECIFICATION.verdicts.values())
+    for one, other in combinations(kinds, 2):
+        if apart(hue(one, theme), hue(other, theme), seen) < PLAIN:
+            assert kinds[one] != kinds[other], (one, other)
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_six_robots_colours_are_told_apart_by_the_usual_eye(theme):
+    assert too_near(theme, "usual", combinations(ROBOTS, 2)) == {}
+
+
+@pytest.mark.parametrize("seen", SEEN)
+def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_from_a_wall(seen):
+    assert apart(hue("pierced"), pierced_ground(), seen) >= PLAIN
+    assert apart(pierced_ground(), hue("wall"), seen) >= PLAIN
 
 
 def test_each_verdict_has_a_sign_and_a_colour():
-    script = (Path(__file__).parents[2] / "fuzz/player/page/dom.js").read_text("utf-8")
-    signs = script[script.index("const SIGNS") :].partition("};")[0]
-    assert re.findall(r'"([\w-]+)":', signs) == [verdict.value for verdict in Verdict]
-    assert set(re.findall(r'\[data-verdict="([\w-]+)"\]', CSS)) >= {*map(str, Verdict)}
+    assert [*SPECIFICATION.verdicts] == [verdict.value for verdict in Verdict]
 
 
-def test_the_page_s_scripts_use_as_many_robot_colours_as_its_style_has():
-    script = (Path(__file__).parents[2] / "fuzz/player/page/picture/pen.js").read_text("utf-8")
-    (count,) = re.findall(r"`robot-\$\{\(number - 1\) % (\d+)\}`", script)
-    assert int(count) == len(ROBOTS) == len({*re.findall(r"--(robot-\d+):", CSS)})
+def test_each_part_of_the_specification_names_what_there_is():
+    named = {mark.colour for mark in MARKS.values()} | {*SPECIFICATION.series}
+    named |= {colour for colour, _ in SPECIFICATION.verdicts.values()}
+    assert named <= {*SPECIFICATION.colours}
+    assert {*SPECIFICATION.legend} == {name for name, mark in MARKS.items() if mark.label}
+
+
+def test_the_pages_have_the_marks_of_the_specification():
+    """If this fails, run ``python -m build_tools.page_marks``."""
+    assert page_marks.STYLE.read_text("utf-8") == page_marks.page_style()
+    assert page_marks.MODULE.read_text("utf-8") == page_marks.page_module()
+
+
+def test_no_colour_is_written_elsewhere():
+    literal = re.compile(r"#[0-9a-fA-F]{6}\b|#[0-9a-fA-F]{3}\b(?![-\w])|\b(rgb|hsl)a?\([\d\s]")
+    made = {page_marks.STYLE, page_marks.MODULE}
+    found = {}
+    for package in ("worldgen", "sim", "fuzz", "worldgen_plugins"):
+        for path in (ROOT / package).rglob("*"):
+            if path.suffix not in {".py", ".js", ".css", ".html"} or path in made:
+                continue
+            lines = path.read_text("utf-8").splitlines()
+            if wrong := [line.strip() for line in lines if literal.search(line)]:
+                found[str(path.relative_to(ROOT))] = wrong
+    assert found == {}

@@ -7,15 +7,19 @@ import { cellsAt } from "#player/decode.js";
 import { drawBlocked } from "#player/picture/blocked.js";
 import { drawManyCells } from "#player/picture/many_cells.js";
 import { drawLine } from "#player/picture/long_line.js";
-import { drawScene, pictureLabel } from "#player/picture/map.js";
-import { drawMemory, memoryFacts } from "#player/picture/memory.js";
-import { drawOther, drawRobot } from "#player/picture/body.js";
-import { drawStart, drawTarget } from "#player/picture/ends.js";
+import { drawScene, drawSmall, pictureLabel } from "#player/picture/map.js";
+import { drawMemory, drawRemembered, memoryFacts } from "#player/picture/memory.js";
+import { drawRobot } from "#player/picture/body.js";
+import { drawHeadings, drawStart, drawTarget } from "#player/picture/ends.js";
 import { drawNumbers } from "#player/picture/numbers.js";
 import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
-import { drawSenses } from "#player/picture/senses.js";
+import { drawBeams } from "#player/picture/senses.js";
+import { drivenIn } from "#player/picture/scene_robots.js";
 import { drawTouched } from "#player/picture/touched.js";
+import { drawApproach, drawLoop } from "#player/picture/trail.js";
+import { eventView } from "#player/picture/view.js";
+import { MARKS } from "#player/picture/marks.js";
 import { numbers, roomOf, runOf } from "./samples.mjs";
 
 const SHOW = { trail: true, touched: true, sensors: true, signal: true, memory: true, witness: true };
@@ -66,7 +70,7 @@ test("a cross marks where the robot breaks into a wall, from that step on", () =
   const crosses = (step) => {
     const pen = penOf(room);
     drawPierced(pen, { world: room, run: through, step });
-    return pen.context.of("stroke").filter(({ lineWidth }) => lineWidth === 6).length;
+    return pen.context.of("stroke").filter(({ lineWidth }) => lineWidth === MARKS.breach.casing * pen.unit).length;
   };
   assert.deepEqual([0, 1.9, 2, 3].map(crosses), [0, 0, 1, 1]);
 });
@@ -78,21 +82,23 @@ test("a robot that stays out of walls marks none, however near it comes", () => 
   assert.equal(framed(pen, "pierced", 10).size, 0);
 });
 
-test("at a bump, the nearest walls are marked, from then on", () => {
+test("at a bump, the sides of the nearest walls that face the robot are marked, from then on", () => {
   const run = runOf({ at: [0, 1, 2], x: [6.3, 6.3, 6.3], y: [3.5, 4.5, 5.5], bump: [0, 1, 0] });
   const touched = (step, whole = false) => {
     const pen = penOf(room);
-    drawTouched(pen, { world: room, run, step, whole });
-    return framed(pen, "touched", 10, "strokeRect");
+    drawTouched(pen, room, drivenIn({ world: room, run, step, number: null, show: SHOW }), whole);
+    const { calls } = pen.context;
+    assert.ok(calls.every(({ name, strokeStyle }) => name !== "stroke" || strokeStyle === "touched"));
+    return pen.context.of("moveTo").map(({ given: [x, y] }) => [Math.floor(x / pen.scale), room.height - 1 - Math.floor(y / pen.scale)].join());
   };
-  assert.deepEqual([touched(0).size, touched(1), touched(2)], [0, new Set(["7,4"]), new Set(["7,4"])]);
-  assert.deepEqual(touched(0, true), new Set(["7,4"]));
+  assert.deepEqual([touched(0), touched(1), touched(2)], [[], ["7,4"], ["7,4"]]);
+  assert.deepEqual(touched(0, true), ["7,4"]);
 });
 
 test("a beam ends at the first wall, or at its range", () => {
   const pen = penOf(room);
   const sensors = { beams: 4, field: 0, range: 4 };
-  drawSenses(pen, { world: room, sensors }, cellsAt(room, 0), { x: 4.5, y: 4.5, heading: 0 });
+  drawBeams(pen, { world: room, sensors }, cellsAt(room, 0), { x: 4.5, y: 4.5, heading: 0 });
   const ends = pen.context.of("lineTo").slice(0, 4).map(({ given: [x, y] }) => [x / 10, 10 - y / 10].map((value) => Number(value.toFixed(6))));
   assert.deepEqual(ends, [[7, 4.5], [4.5, 8.5], [1, 4.5], [4.5, 1]]);
 });
@@ -112,12 +118,13 @@ test("fire is drawn while it burns", () => {
 test("each layer is drawn only if it is shown", () => {
   const memory = { fields: [], fault: "", map: mapOf([[1, 0, 0, 100, 100, 0, 9]]) };
   const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0], memory });
-  const signs = { trail: ["stroke", "loop"], touched: ["strokeRect", "touched"], sensors: ["stroke", "beam"], memory: ["fillRect", "memory"] };
-  for (const [name, [call, colour]] of Object.entries(signs))
+  const signs = { trail: ["strokeStyle", "loop"], touched: ["strokeStyle", "touched"], sensors: ["globalAlpha", MARKS.beam.opacity, "target"], memory: ["fillStyle", "memory"] };
+  for (const [name, [setting, value, stroked]] of Object.entries(signs))
     for (const on of [true, false]) {
       const canvas = document.createElement("canvas");
       drawScene(canvas, { world: room, run, step: 2, show: { ...SHOW, [name]: on }, sensors: { beams: 3, field: 0, range: 4 } });
-      assert.equal(canvas.context.of(call).some((one) => [one.strokeStyle, one.fillStyle].includes(colour)), on, `${name} ${on}`);
+      const drawn = canvas.context.calls.filter((call) => call.name === (setting === "fillStyle" ? "fillRect" : "stroke"));
+      assert.equal(drawn.some((one) => one[setting] === value && (!stroked || one.strokeStyle === stroked)), on, `${name} ${on}`);
     }
 });
 
@@ -133,6 +140,7 @@ test("a memory's shapes are visible from their step until they are forgotten", (
   const run = runOf({ at: [0, 9], x: [1, 2], memory });
   const shown = [1, 2, 3, 4, 5, 8, 9].map((step) => {
     const pen = penOf(room);
+    drawRemembered(pen, run, step);
     drawMemory(pen, run, step);
     return [pen.context.of("fillRect").length, pen.context.of("fillText").map(({ given }) => given[0]).join()];
   });
@@ -143,6 +151,7 @@ test("a graph is drawn as lines and dots, and bad ground is tinted more than goo
   const rows = [[4, 100, 100, 0, 0, 0, 9], [5, 100, 100, 400, 100, 0, 9], [6, 0, 0, 100, 100, 0, 9], [9, 0, 200, 100, 300, 0, 9]];
   const run = runOf({ at: [0, 9], x: [1, 2], memory: { fields: [], fault: "", map: mapOf(rows) } });
   const pen = penOf(room);
+  drawRemembered(pen, run, 1);
   drawMemory(pen, run, 1);
   const tints = pen.context.of("fillRect").map(({ globalAlpha }) => globalAlpha);
   assert.equal(tints.length, 2);
@@ -168,7 +177,7 @@ test("the numbers of several robots are next to them and along their paths, with
   const robot = (y) => runOf({ at: path.map((_, k) => k), x: path, y: path.map(() => y) });
   const scene = { world: long, run: robot(3), others: [{ run: robot(3.2), number: 2 }], number: 1, step: 59, show: SHOW };
   const pen = penOf(long);
-  drawNumbers(pen, scene);
+  drawNumbers(pen, scene.world, drivenIn(scene), true);
   const written = pen.context.of("fillText").map(({ given, fillStyle }) => ({ text: given[0], at: given.slice(1), fillStyle }));
   for (const [number, colour] of [[1, "robot-0"], [2, "robot-1"]]) {
     const own = written.filter(({ text }) => text === String(number));
@@ -183,22 +192,58 @@ test("a disc with room has its robot's number in the middle", () => {
   const scene = { world: room, run: runOf({ at: [0, 1], x: [2, 3], y: [5, 5] }), others: [{ run: runOf({ at: [0, 1], x: [7, 8], y: [4, 4] }), number: 2 }], number: 1, step: 1, show: { ...SHOW, trail: false } };
   const placed = (scale) => {
     const pen = penOf(room, { scale });
-    drawNumbers(pen, scene);
-    return pen.context.of("fillText").map(({ given: [text, x, y] }) => [text, x - pen.px(text === "1" ? 3 : 8), y - pen.py(text === "1" ? 5 : 4)]);
+    drawNumbers(pen, scene.world, drivenIn(scene), false);
+    return pen.context.of("fillText").map(({ given: [text, x, y] }) => [text, x - pen.px(text === "1" ? 3 : 8), Math.round(y - pen.py(text === "1" ? 5 : 4))]);
   };
-  assert.deepEqual(placed(100).sort(), [["1", -4, 5], ["2", -4, 5]]);
+  assert.deepEqual(placed(100).sort(), [["1", 0, 5], ["2", 0, 5]]);
   assert.ok(placed(5).every(([, x, y]) => x > 0 && y < 0), "next to a small disc");
 });
 
-test("another robot's path is faint up to its loop, which is stronger", () => {
+test("a path fades in up to its period, which is stronger and has one arrow", () => {
   const room = roomOf(10, 10);
-  const widths = (loop) => {
+  const strokes = (loop) => {
     const pen = penOf(room, { scale: 20 });
-    const path = runOf({ at: [0, 1, 2, 3, 4], x: [2, 3, 4, 3, 4], y: [5, 5, 5, 5, 5], loop });
-    drawOther(pen, { world: room, run: path, step: 4, show: SHOW, number: 1 }, { run: path, number: 2 });
-    return pen.context.of("stroke").map(({ lineWidth }) => lineWidth);
+    const path = runOf({ at: [0, 1, 2, 3, 4], x: [2, 3, 4, 6, 4], y: [5, 5, 5, 5, 5], loop });
+    for (const one of drivenIn({ world: room, run: path, step: 4, show: SHOW, number: null, whole: true })) {
+      drawApproach(pen, one, true);
+      drawLoop(pen, one, true);
+    }
+    const own = pen.context.of("stroke").filter(({ strokeStyle }) => strokeStyle === "loop");
+    return [own.map(({ lineWidth }) => lineWidth / pen.unit), own.map(({ globalAlpha }) => globalAlpha), pen.context.of("fill").length];
   };
-  assert.deepEqual([widths([2, 2]).slice(0, 2), widths(null).slice(0, 2)], [[1, 3], [2, 2]]);
+  const { approach, loop, trail } = MARKS;
+  const [widths, alphas, heads] = strokes([2, 2]);
+  assert.deepEqual(widths.slice(0, -1), approach.fade.map(() => approach.width));
+  assert.ok(Math.abs(widths[widths.length - 1] - loop.width) < 1, String(widths)); // whole pixels
+  assert.deepEqual([alphas.slice(0, -1), heads], [approach.fade, 1]);
+  assert.deepEqual(strokes(null)[1], trail.fade);
+});
+
+test("the end of a run is below its path, and the path that exists is drawn by default", () => {
+  const world = { ...roomOf(10, 10), witness: { ms: numbers([0, 1]), x: numbers([200, 800]), y: numbers([300, 300]), per_cell: 100 } };
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { clientWidth: 190, clientHeight: 190 });
+  drawSmall(canvas, { world, run: runOf({ at: [0, 1, 2, 3], x: [2, 6, 6, 2], y: [2, 2, 6, 6], loop: [1, 2] }), sensors: null });
+  const order = canvas.context.calls.filter(({ name }) => name === "stroke").map(({ strokeStyle, dash }) => (dash.length > 0 ? `${strokeStyle} dashed` : strokeStyle));
+  const first = ["robot", "start dashed", "loop", "target"].map((colour) => order.indexOf(colour));
+  assert.ok(first.every((at) => at >= 0), order.join());
+  assert.deepEqual(first.filter((_, k) => k !== 2), [...first.filter((_, k) => k !== 2)].sort((a, b) => a - b));
+  assert.ok(order.lastIndexOf("loop") > order.lastIndexOf("robot"), "the ring is below the loop");
+});
+
+test("marks are drawn in the order of the specification", () => {
+  const names = Object.keys(MARKS);
+  for (const [below, above] of [["floor", "wall"], ["wall", "touched"], ["band", "witness"], ["end", "loop"], ["approach", "loop"], ["witness", "loop"], ["loop", "target"]])
+    assert.ok(names.indexOf(below) < names.indexOf(above), `${below} below ${above}`);
+});
+
+test("a small picture of a large world shows what happens at a visible size", () => {
+  const world = roomOf(300, 200);
+  const run = runOf({ at: [0, 9, 10, 11, 12], x: [5, 250, 252, 252, 250], y: [5, 150, 150, 152, 150], loop: [9, 3] });
+  const view = eventView({ world, run, step: 12, show: SHOW, number: null, whole: true }, 190, 190);
+  assert.ok(Math.abs(view.x - 251) < 2 && Math.abs(view.y - 151) < 3, JSON.stringify(view));
+  assert.ok(2 * world.radius * view.scale >= 17.9);
+  assert.equal(eventView({ world: roomOf(8, 8), run, step: 12, show: SHOW, number: null, whole: true }, 190, 190), null);
 });
 
 test("robots that block each other each have an arrow, side by side, once their loop has begun", () => {
@@ -206,13 +251,12 @@ test("robots that block each other each have an arrow, side by side, once their 
   const robot = (from, to, blocked_by) => ({ ...runOf({ at: [0, 5, 6], x: [from, to, to], y: [5, 5, 5], loop: [5, 1] }), blocked_by });
   const arrows = (step, blockers) => {
     const pen = penOf(room, { scale: 100 });
-    drawBlocked(pen, { world: room, run: robot(2, 4.3, blockers[0]), number: 1, others: [{ run: robot(8, 5.7, blockers[1]), number: 2 }], step, show: SHOW });
-    // Each arrow is a line, drawn twice, and a head of four corners.
-    const starts = pen.context.of("moveTo").map(({ given }) => given);
-    return starts.filter((_, k) => k % 2 === 0);
+    drawBlocked(pen, drivenIn({ world: room, run: robot(2, 4.3, blockers[0]), number: 1, others: [{ run: robot(8, 5.7, blockers[1]), number: 2 }], step, show: SHOW }));
+    // Each arrow is a line and a head of four corners.
+    return pen.context.of("moveTo").map(({ given }) => given);
   };
   assert.deepEqual([arrows(4, [[2], [1]]).length, arrows(6, [[], []]).length, arrows(6, [[2], []]).length], [0, 0, 1]);
-  const [one, two] = arrows(6, [[2], [1]]);
+  const [two, one] = arrows(6, [[2], [1]]); // the one in front is drawn last
   assert.ok(one[0] < two[0] && one[1] > 500 && two[1] < 500, "each keeps to its own right");
   assert.equal(arrows(6, [[7], []]).length, 0, "a robot that is not drawn has no arrow to it");
 });
@@ -222,7 +266,7 @@ test("a single robot has no number, and without the trail the path has none", ()
   const run = runOf({ at: path.map((_, k) => k), x: path });
   const count = (more) => {
     const pen = penOf(roomOf(64, 10), { scale: 20 });
-    drawNumbers(pen, { world: roomOf(64, 10), run, step: 59, show: SHOW, ...more });
+    drawNumbers(pen, roomOf(64, 10), drivenIn({ world: roomOf(64, 10), run, step: 59, number: null, show: SHOW, ...more }), SHOW.trail && !more.show);
     return pen.context.of("fillText").length;
   };
   assert.deepEqual([count({}), count({ number: 1, show: { ...SHOW, trail: false } })], [0, 1]);
@@ -344,9 +388,11 @@ test("a body is drawn as its polygon at its heading, where it starts, drives and
   const pen = penOf(body);
   drawStart(pen, body);
   drawTarget(pen, body);
+  drawHeadings(pen, body);
   assert.ok(polygonsIn(pen, body, "start").some((points) => near(points, [[2.5, 4], [2.5, 1], [3.5, 1], [3.5, 4]])));
   assert.ok(polygonsIn(pen, body, "target").some((points) => near(points, [[13, 7.5], [10, 7.5], [10, 6.5], [13, 6.5]])));
-  drawRobot(pen, body, { x: 5, y: 5, heading: 0, bump: false }, { world: body, whole: false });
+  const [one] = drivenIn({ world: body, run: runOf({ at: [0, 1], x: [5, 5], y: [5, 5] }), step: 1, number: null, show: SHOW });
+  drawRobot(pen, one);
   assert.ok(polygonsIn(pen, body, "robot").some((points) => near(points, [[7, 5.5], [4, 5.5], [4, 4.5], [7, 4.5]])));
 });
 
@@ -355,7 +401,7 @@ test("a disc stays a disc, and a goal without a heading has no wedge", () => {
   drawStart(pen, room);
   drawTarget(pen, room);
   const arcs = pen.context.of("arc").length;
-  assert.equal(arcs, 4);
+  assert.equal(arcs, 3);
   const aimed = penOf(room);
   drawTarget(aimed, { ...room, aim: 1 });
   assert.equal(aimed.context.of("closePath").length, 1);

@@ -201,9 +201,10 @@ test("a robot that could not drive shows the reason, and the others show their r
 });
 
 test("each robot has its own number, unless there is only one", () => {
-  const robots = [{ run: loop() }, { run: still(5) }, { error: "no" }];
+  const robots = [{ name: "a", verdict: "loop", run: loop() }, { name: "b", verdict: "reached", run: still(5) }, { name: "c", error: "no" }];
   const { number, others } = sceneOf(world, robots, 1);
   assert.deepEqual([number, others.map((one) => one.number)], [2, [1]]);
+  assert.deepEqual(sceneOf(world, robots, 1).says, ["a: loop", "b: reached", "c: no"]);
   assert.equal(sceneOf(world, [robots[0]], 0).number, null);
 });
 

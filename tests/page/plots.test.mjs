@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
+import { MARKS } from "#player/picture/marks.js";
 import { legendOf } from "#player/legend.js";
 import { seriesOf } from "#player/series.js";
 import { drawnOf } from "#player/edit/drawn_world.js";
@@ -70,10 +71,10 @@ test("a contact just after a step does not make the robot seem fast", () => {
 test("the legend explains only the marks that are drawn", () => {
   const words = (drawn) => legendOf(drawn).querySelectorAll("li").map((item) => item.textContent);
   const { world, run } = straight();
-  assert.deepEqual(words({ world, run }), ["start; the tick is its heading", "target", "the robot's path", "still to be driven", "wall touched"]);
+  assert.deepEqual(words({ world, run }), ["start", "target", "trail", "ahead"].map((name) => MARKS[name].label));
   const loops = { ...run, loop: [1, 2], marks: [{ step: 1, kind: "breach", name: "", text: "", cell: [1, 1] }] };
   const more = words({ world: { ...world, cut: [[1, 1]] }, run: loops });
-  for (const item of ["the path into the loop", "the period, repeated forever", "wall entered, or cell that did harm", "the cut that separates start and target"]) assert.ok(more.includes(item), item);
+  for (const item of ["the path into the loop", "the period, repeated forever", "wall entered, or cell that did harm", MARKS.cut.label]) assert.ok(more.includes(item), item);
   const burning = { ...world, open: { ...world.open, events: { ms: [1], ix: [1], iy: [1], state: Float64Array.of(2) } } };
   assert.ok(words({ world: burning, run }).includes("burnt floor"));
 });

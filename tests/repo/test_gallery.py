@@ -37,6 +37,10 @@ def test_every_word_of_every_family_is_shown(script, family):
         assert set(parameter.choices) <= {params[parameter.name] for params in shown}
 
 
+def test_the_page_says_how_to_make_the_sets(script):
+    assert f"`{shlex.join(script.SETS)}`" in PAGE
+
+
 @pytest.mark.gate
 @pytest.mark.parametrize("family", FAMILIES.names())
 def test_the_commands_make_the_worlds_of_the_picture(script, family, tmp_path, monkeypatch):
@@ -47,7 +51,7 @@ def test_the_commands_make_the_worlds_of_the_picture(script, family, tmp_path, m
         script.section(),
         re.MULTILINE,
     ):
-        assert worldgen(*shlex.split(command), "--no-metrics", "--force").code == 0
+        assert worldgen(*shlex.split(command), *script.SETS, "--no-metrics", "--force").code == 0
         digests = [entry.digest[: script.ID] for entry in manifest_of(tmp_path / "worlds").entries]
         assert digests == ids.split(), AGAIN
         made += digests

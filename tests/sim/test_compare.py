@@ -27,8 +27,8 @@ from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import InvalidParameter, InvalidWorld, Pose, read_world, write_world
-from worldgen.render.palette import rgb
-from worldgen.render.sheet import COLOURS
+from worldgen.render.marks import rgb
+from worldgen.render.sheet import series_colour
 from worldgen.support.intervals import interval_95
 from worldgen.world import Robot, Target
 
@@ -291,7 +291,7 @@ def test_a_controller_has_one_colour_for_all_robots_that_it_drives():
     # Below the legend, only paths and the dots at their ends have a controller's pure colour. The
     # last controller's paths are on top. The third robot's path is a metre above the others', a
     # quarter of the panel's width.
-    rows = np.flatnonzero((sheet[40:] == rgb(COLOURS[1])).all(axis=2).any(axis=1))
+    rows = np.flatnonzero((sheet[40:] == rgb(series_colour(1))).all(axis=2).any(axis=1))
     assert np.ptp(rows) > 50
 
 

@@ -14,7 +14,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, render
 from worldgen.families import cave, maze, rooms, trap
-from worldgen.render.palette import MEMORY
+from worldgen.render.marks import hue
 from worldgen.world import Pose, Target, World
 
 WORLDS = [trap(3, size=24), rooms(101), cave(101), maze(5, size=20)]
@@ -118,7 +118,7 @@ def test_the_picture_of_a_run_shows_what_the_robot_remembers(tmp_path, name):
     worldgen("trap", "--seed", 3, "--size", 24, "--out", world)
     out = tmp_path / "run.svg"
     worldgen("run", world, "--controller", name, "--picture", out)
-    assert MEMORY in out.read_text() and "the robot&#x27;s own map" in out.read_text()
+    assert hue("memory") in out.read_text() and "the robot&#x27;s own map" in out.read_text()
 
 
 @dataclass(frozen=True)
@@ -138,4 +138,4 @@ def test_a_memory_that_cannot_be_read_is_an_error_with_a_code():
     with raises(InvalidParameter, "code-failed"):
         remembered_at_the_end(episode, Forgetful())
     assert remembered_at_the_end(episode, CONTROLLERS.get("vfh")) is None
-    assert MEMORY not in render.draw_svg(generate("trap", 1), trail=trail_of(episode))
+    assert hue("memory") not in render.draw_svg(generate("trap", 1), trail=trail_of(episode))

@@ -11,7 +11,7 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.render import Drive, Frame, Trail, draw_gif
 from worldgen.render.animation import DEFAULT_SIDE, MOST_FRAMES
-from worldgen.render.palette import FIRE, FLOOR, LOOP, WALL, mix, rgb
+from worldgen.render.marks import MARKS, hue, mix, rgb
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -49,16 +49,17 @@ def near(colour, other):
 
 def test_the_robot_moves_and_leaves_its_trail():
     first, *_, last = frames(draw_gif(world(), [eastwards()]))
-    robot = mix(FLOOR, LOOP, 0.35)
+    robot = mix(hue("floor"), hue("loop"), 0.35)
     assert near(at(first, 0.33, 0.78), robot) and near(at(last, 1.53, 0.78), robot)
-    assert near(at(first, 0.95, 0.75), FLOOR) and near(at(last, 0.95, 0.75), LOOP)
-    assert near(at(first, 1.05, 0.35), WALL)
+    assert near(at(first, 0.95, 0.75), hue("floor")) and near(at(last, 0.95, 0.75), hue("loop"))
+    assert near(at(first, 1.05, 0.35), hue("wall"))
 
 
 def test_a_cell_burns_when_the_world_says_so():
     line = Timeline.of([Event(20.0, 15, 2, CellState.BURNING), Event(30.0, 15, 2, CellState.FREE)])
     shown = list(frames(draw_gif(world(timeline=line), [eastwards()])))
-    assert [near(at(shown[k], 1.55, 0.25), FIRE) for k in (10, 25, 35)] == [False, True, False]
+    flames = mix(hue("floor"), hue("fire"), MARKS["fire"].fill)
+    assert [near(at(shown[k], 1.55, 0.25), flames) for k in (10, 25, 35)] == [False, True, False]
 
 
 @pytest.mark.gate
@@ -86,7 +87,7 @@ def test_a_loop_that_is_over_goes_round_again():
 @pytest.mark.gate
 def test_a_short_loop_after_a_long_way_is_shown_once_more_in_a_third_of_the_frames():
     shown = list(frames(draw_gif(world(), [eastwards(4000, loop_from=3900)])))
-    robot = mix(FLOOR, LOOP, 0.35)
+    robot = mix(hue("floor"), hue("loop"), 0.35)
     assert len(shown) == MOST_FRAMES
     assert all(near(at(frame, 1.535, 0.78), robot) for frame in shown[MOST_FRAMES * 2 // 3 :])
 

@@ -14,19 +14,7 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
 from worldgen.render import EventMark, Frame, Trail, draw_html, draw_png, draw_svg
-from worldgen.render.palette import (
-    FIRE,
-    FLOOR,
-    GREY,
-    LOOP,
-    NAMED,
-    PAPER,
-    START,
-    TUNNEL,
-    WALL,
-    mix,
-    rgb,
-)
+from worldgen.render.marks import MARKS, hue, mix, rgb
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 
@@ -70,16 +58,16 @@ def near(colour, other, tolerance=6):
 
 def test_walls_are_dark_where_the_world_has_them_and_not_mirrored():
     world = small_world()
-    assert near(pixel(world, 1.05, 0.35), WALL)
-    assert not near(pixel(world, 1.05, 1.2 - 0.35), WALL, 60)
+    assert near(pixel(world, 1.05, 0.35), hue("wall"))
+    assert not near(pixel(world, 1.05, 1.2 - 0.35), hue("wall"), 60)
 
 
 def test_the_map_stands_in_a_wall_for_outside_everything_is_solid():
     world = small_world()
     frame = Frame.of(world)
     picture = decoded(draw_png(world))
-    assert near(picture[frame.top - 2, frame.left + 300], WALL)
-    assert near(picture[frame.bottom + 2, frame.left - 2], WALL)
+    assert near(picture[frame.top - 2, frame.left + 300], hue("wall"))
+    assert near(picture[frame.bottom + 2, frame.left - 2], hue("wall"))
 
 
 @pytest.mark.gate
@@ -88,7 +76,7 @@ def test_the_floor_is_bluer_near_the_target_and_clear_far_away():
     red = [pixel(world, x, 0.95, witness=False)[0] for x in (1.62, 1.38, 0.73, 0.02)]
     assert red == sorted(red)
     assert red[-1] - red[0] > 60
-    assert near(pixel(world, 0.01, 0.01), FLOOR, 12)
+    assert near(pixel(world, 0.01, 0.01), hue("floor"), 12)
 
 
 def test_without_signal_the_floor_is_plain():
@@ -96,7 +84,7 @@ def test_without_signal_the_floor_is_plain():
     assert (
         pixel(world, 1.55, 0.95, signal=False)
         == pixel(world, 0.05, 0.05, signal=False)
-        == rgb(FLOOR)
+        == rgb(hue("floor"))
     )
 
 
@@ -108,8 +96,10 @@ def test_equal_ratios_of_distance_are_equal_steps_of_tint():
 
 def test_the_start_is_a_disc_of_the_robots_true_radius():
     world = small_world(certificate=None)
-    assert near(pixel(world, 0.35, 0.35 + 0.061), mix(PAPER, START, 0.45))
-    assert near(pixel(world, 0.35, 0.35 + 0.07), START, 45)
+    assert near(
+        pixel(world, 0.35, 0.35 + 0.061), mix(hue("floor"), hue("start"), MARKS["start"].fill)
+    )
+    assert near(pixel(world, 0.35, 0.35 + 0.07), hue("start"), 60)
     assert pixel(world, 0.35, 0.35 + 0.09)[0] > 200
 
 
@@ -117,14 +107,14 @@ def test_a_robot_too_small_to_see_is_ringed():
     world = World(np.zeros((900, 900), bool), Pose(45.0, 45.0), Target(80.0, 80.0, 0.05))
     column, row = Frame.of(world).to_pixels(45.0, 45.0)
     ring = decoded(draw_png(world))[int(row) - 12 : int(row) - 8, int(column)]
-    assert any(near(colour, START, 40) for colour in ring)
+    assert any(near(colour, hue("start"), 40) for colour in ring)
 
 
 def test_the_loop_is_drawn_in_its_strong_colour_and_the_approach_is_not():
     world, trail = small_world(), square_trail()
-    assert near(pixel(world, 0.75, 0.8, trail=trail), LOOP)
-    assert near(pixel(world, 0.6, 0.95, trail=trail), LOOP)
-    assert not near(pixel(world, 0.5, 0.62, trail=trail), LOOP)
+    assert near(pixel(world, 0.75, 0.8, trail=trail), hue("loop"))
+    assert near(pixel(world, 0.6, 0.95, trail=trail), hue("loop"))
+    assert not near(pixel(world, 0.5, 0.62, trail=trail), hue("loop"))
 
 
 def test_the_floor_that_the_loop_covers_is_tinted_to_the_robots_radius():
@@ -136,27 +126,48 @@ def test_the_floor_that_the_loop_covers_is_tinted_to_the_robots_radius():
 
 def test_a_loop_on_one_spot_is_still_seen():
     trail = Trail([0.35, 0.75, 0.75], [0.35, 0.8, 0.8], 1)
-    assert near(pixel(small_world(), 0.75, 0.8, trail=trail), LOOP)
-    assert near(pixel(small_world(), 0.75, 0.87, trail=trail), LOOP, 30)
+    assert near(pixel(small_world(), 0.75, 0.8, trail=trail), hue("loop"))
+    assert near(pixel(small_world(), 0.75, 0.87, trail=trail), hue("loop"), 30)
     assert "forever on this spot" in draw_svg(small_world(), trail=trail)
 
 
 def test_a_run_without_a_loop_ends_in_a_footprint():
     trail = square_trail(loop_from=None)
-    assert near(pixel(small_world(), 0.6, 0.8 - 0.07, trail=trail), LOOP, 30)
+    assert near(pixel(small_world(), 0.6, 0.8 - 0.07, trail=trail), hue("robot"), 30)
 
 
-@pytest.mark.parametrize(
-    ("kind", "colour"), [("bump", "#1B1F24"), ("tunnel", TUNNEL), ("end", LOOP)]
-)
-def test_marks_are_drawn_where_they_happened(kind, colour):
-    trail = square_trail(marks=[EventMark(1.05, 0.35, kind)])
-    assert near(pixel(small_world(), 1.05, 0.35, trail=trail), colour, 20)
+def test_a_wall_that_a_tunnel_goes_through_is_crossed_out():
+    trail = square_trail(marks=[EventMark(1.05, 0.35, "tunnel")])
+    assert near(pixel(small_world(), 1.05, 0.35, trail=trail), hue("pierced"), 20)
+
+
+def test_a_run_ends_in_a_ring_below_its_path():
+    trail = square_trail(marks=[EventMark(0.9, 1.1, "end")])
+    assert near(pixel(small_world(), 0.9, 1.1, trail=trail), hue("loop"), 20)
+    assert near(pixel(small_world(), 0.9, 1.1 + 0.07, trail=trail), hue("robot"), 60)
+
+
+def test_a_bump_marks_the_sides_of_walls_that_the_robot_touches():
+    trail = square_trail(marks=[EventMark(0.93, 0.35, "bump")])
+    world = small_world()
+    assert near(pixel(world, 1.0045, 0.35, trail=trail), hue("touched"), 20)
+    # Walls that it does not touch have no line, nor have the other sides.
+    assert near(pixel(world, 1.05, 0.35, trail=trail), hue("wall"))
+    assert near(pixel(world, 1.0955, 0.35, trail=trail), hue("wall"))
+    assert near(pixel(world, 1.0045, 0.45, trail=trail), hue("wall"))
+
+
+def test_the_border_is_marked_where_a_robot_touches_it():
+    trail = square_trail(marks=[EventMark(0.35, 0.07, "bump")])
+    frame = Frame.of(small_world())
+    picture = decoded(draw_png(small_world(), trail=trail))
+    column = int(frame.to_pixels(0.35, 0.0)[0])
+    assert near(picture[frame.bottom + 2, column], hue("touched"), 20)
 
 
 def test_an_overlap_shows_the_robots_disc_over_the_wall():
     trail = square_trail(marks=[EventMark(0.95, 0.35, "overlap")])
-    assert near(pixel(small_world(), 0.95 + 0.07, 0.35, trail=trail), TUNNEL, 20)
+    assert near(pixel(small_world(), 0.95 + 0.07, 0.35, trail=trail), hue("pierced"), 20)
 
 
 def test_the_witness_is_dashed_green_and_can_be_left_out():
@@ -164,14 +175,14 @@ def test_the_witness_is_dashed_green_and_can_be_left_out():
     with_path, without = (decoded(draw_png(world, witness=shown)) for shown in (True, False))
     row = int(Frame.of(world).to_pixels(0.0, 1.1)[1])
     left, right = (int(Frame.of(world).to_pixels(x, 0.0)[0]) for x in (0.45, 1.65))
-    green = [near(colour, START, 30) for colour in with_path[row, left:right]]
+    green = [near(colour, hue("start"), 30) for colour in with_path[row, left:right]]
     assert 0.3 < np.mean(green) < 0.9
-    assert not any(near(colour, START, 30) for colour in without[row, left:right])
+    assert not any(near(colour, hue("start"), 30) for colour in without[row, left:right])
 
 
 def test_a_cut_is_drawn_through_its_cells():
     world = small_world(certificate=Cut([[10, 2], [10, 4], [14, 4]], 0.0))
-    assert near(pixel(world, 1.05, 0.40), TUNNEL)
+    assert near(pixel(world, 1.05, 0.40), hue("breach"))
     assert "every gap too narrow" in draw_svg(world)
 
 
@@ -183,13 +194,13 @@ def test_cells_that_change_are_tinted_by_what_they_become():
     ]
     world = small_world(timeline=Timeline.of(events))
     picture, frame = decoded(draw_png(world, signal=False)), Frame.of(world)
-    for x, colour in ((0.35, FIRE), (0.65, GREY)):
+    for x, colour in ((0.35, hue("fire")), (0.65, hue("quiet"))):
         column, row = (int(value) for value in frame.to_pixels(x, 0.95))
         patch = picture[row - 15 : row + 15, column - 15 : column + 15].reshape(-1, 3)
-        assert any(near(spot, mix(FLOOR, colour, 0.30), 8) for spot in patch)
-        assert any(near(spot, mix(FLOOR, colour, 0.89), 12) for spot in patch)
+        assert any(near(spot, mix(hue("floor"), colour, 0.30), 8) for spot in patch)
+        assert any(near(spot, mix(hue("floor"), colour, 0.89), 12) for spot in patch)
     assert any(
-        near(spot, PAPER, 20) for spot in picture[int(frame.to_pixels(0.0, 0.4)[1]), 450:540]
+        near(spot, hue("paper"), 20) for spot in picture[int(frame.to_pixels(0.0, 0.4)[1]), 450:540]
     )
 
 
@@ -243,7 +254,7 @@ def test_svg_is_xml_with_title_scale_and_key():
         for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
     ]
     assert texts[:2] == ['<b>"A & B"</b>', "2 x 1.2 m, cell 0.1 m, robot radius 0.07 m"]
-    assert {"start", "target", "approach", "loop, forever"} <= set(texts)
+    assert {MARKS[name].label for name in ("start", "target", "approach", "loop")} <= set(texts)
 
 
 def test_titles_that_no_file_can_hold_are_made_harmless():
@@ -266,7 +277,9 @@ def test_svg_walls_lie_where_the_frame_puts_them():
     world = small_world()
     frame, svg = Frame.of(world), ElementTree.fromstring(draw_svg(world))
     (walls,) = [
-        path for path in svg.iter("{http://www.w3.org/2000/svg}path") if path.get("fill") == WALL
+        path
+        for path in svg.iter("{http://www.w3.org/2000/svg}path")
+        if path.get("fill") == hue("wall")
     ]
     left, bottom, across, up = (
         float(number) for number in re.findall(r"-?[\d.]+", walls.get("transform"))
@@ -358,12 +371,15 @@ def test_the_floor_ends_where_the_wall_around_it_begins():
     world = small_world()
     frame, picture = Frame.of(world), decoded(draw_png(world, signal=False))
     row, column, end = frame.top + frame.height // 2, frame.left + 300, frame.left + frame.width
-    assert [tuple(picture[row, x]) for x in (end - 1, end)] == [rgb(FLOOR), rgb(WALL)]
+    assert [tuple(picture[row, x]) for x in (end - 1, end)] == [rgb(hue("floor")), rgb(hue("wall"))]
     assert [tuple(picture[y, column]) for y in (frame.bottom - 1, frame.bottom)] == [
-        rgb(FLOOR),
-        rgb(WALL),
+        rgb(hue("floor")),
+        rgb(hue("wall")),
     ]
-    assert [tuple(picture[row, x]) for x in (frame.left - 1, frame.left)] == [rgb(WALL), rgb(FLOOR)]
+    assert [tuple(picture[row, x]) for x in (frame.left - 1, frame.left)] == [
+        rgb(hue("wall")),
+        rgb(hue("floor")),
+    ]
 
 
 def test_named_cells_are_marked_and_the_columns_and_rows_are_numbered():
@@ -374,7 +390,7 @@ def test_named_cells_are_marked_and_the_columns_and_rows_are_numbered():
     for x, y in ((1.05, 0.35), (0.45, 0.95)):
         column, row = (int(at) for at in frame.to_pixels(x, y))
         around = picture[row - 15 : row + 16, column - 15 : column + 16].reshape(-1, 3)
-        assert sum(near(colour, NAMED) for colour in around) > 50
+        assert sum(near(colour, hue("named")) for colour in around) > 50
     texts = re.findall("<text[^>]*>([^<]*)</text>", draw_svg(world, trail=trail))
     assert "cell named in the text" in texts
     assert {str(number) for number in range(20)} <= set(texts)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from worldgen.render import EventMark, Trail, draw_terminal, wants_color
+from worldgen.render.marks import hue, rgb
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Robot, Target, World
 
@@ -149,7 +150,8 @@ def test_the_upper_half_of_a_character_is_the_upper_cell():
     walls = np.array([[False], [True]])
     world = World(walls, Pose(0.05, 0.05), Target(0.05, 0.05, 0.01), robot_radius=0.01)
     first = draw_terminal(world, width=8, truecolor=True).splitlines()[0]
-    assert first.startswith("\x1b[38;2;52;58;67m")
+    red, green, blue = rgb(hue("wall"))
+    assert first.startswith(f"\x1b[38;2;{red};{green};{blue}m")
 
 
 def test_256_colours_are_used_where_more_are_not_known():

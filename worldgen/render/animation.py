@@ -15,32 +15,16 @@ from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
 from worldgen.render.body_parts import BodyPose, body_shapes, front_mark
-from worldgen.render.caption import printable, text_width
+from worldgen.render.caption import printable, text_width, wrapped
 from worldgen.render.disturbance_parts import above_the_trail
-from worldgen.render.fleet_parts import COLOURS, colour_of
 from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, hue, mix, rgb, robot_colours
 from worldgen.render.overlay import Drive
-from worldgen.render.palette import (
-    APPROACH,
-    FIRE,
-    FLOOR,
-    GREY,
-    INK,
-    LOOP,
-    PAPER,
-    PIERCED,
-    PIERCED_GROUND,
-    START,
-    TARGET,
-    TUNNEL,
-    WALL,
-    mix,
-    rgb,
-)
 from worldgen.render.png import draw_parts
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
+from worldgen.render.robot_parts import colour_of
 from worldgen.render.scene import moment_parts
-from worldgen.render.trail_parts import breach_crosses, pierced_parts
+from worldgen.render.trail_parts import breach_crosses, pierced_ground, pierced_parts
 from worldgen.support.arrays import Floats
 from worldgen.timeline import CellState
 from worldgen.world import World
@@ -52,6 +36,11 @@ SECONDS = 9.0
 BLINK = 0.2
 # Time that the last frame is shown, ms.
 HELD = 1500
+# Lines of the title, and of the names of several robots.
+_MOST_TITLE = 2
+_MOST_NAMES = 8
+# Marks whose insides have a tint.
+_TINTED = ("fire", "start", "target")
 # Sizes, px.
 DEFAULT_SIDE = 480
 # Oversampling of trails.
@@ -120,9 +109,12 @@ class _Stage:
         self.world = world
         self.frame = frame
         self.drives = drives
-        self.title = title
         self.line = 19.0 * frame.unit
-        height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
+        self.type = 14.0 * frame.unit
+        room = frame.picture_width - 2.0 * frame.margin
+        self.title_lines = wrapped(printable(title), room, self.type, _MOST_TITLE)
+        lines = len(self.title_lines) + len(self._named()) + 1.4
+        height = frame.bottom + frame.top + round(lines * self.line)
         self.size = frame.picture_width, height
         # Add the marks in the cells.
         self.changes = 0
@@ -137,7 +129,7 @@ class _Stage:
         ]
 
     def _colour(self, robot: int) -> str:
-        return colour_of(robot) if len(self.drives) > 1 else LOOP
+        return colour_of(robot) if len(self.drives) > 1 else hue("loop")
 
     def at(self, time: float) -> Image.Image:
         """Return the picture at a time later than all earlier ones."""
@@ -197,48 +189,44 @@ class _Stage:
         robots = self.world.robots
         robot = robots[number] if len(robots) > 1 else robots[0]
         if not robot.is_disc:
-            edge = Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit)
+            edge = Paint(stroke=hue("ink") if len(self.drives) == 1 else colour, width=2.0 * unit)
             pose = BodyPose(x, y, heading)
-            paints = (Paint(fill=mix(FLOOR, colour, 0.35)), edge)
+            paints = (Paint(fill=mix(hue("floor"), colour, 0.35)), edge)
             return [
                 *body_shapes(robot, pose, self.frame, paints),
-                *front_mark(robot, pose, self.frame, INK),
+                *front_mark(robot, pose, self.frame, hue("ink")),
             ]
         radius = max(robot.radius * self.frame.scale, 3.5 * unit)
         nose = np.array(
             ((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading)))
         )
         return [
-            DrawnCircle(left, top, radius, Paint(fill=mix(FLOOR, colour, 0.35))),
+            DrawnCircle(left, top, radius, Paint(fill=mix(hue("floor"), colour, 0.35))),
             DrawnCircle(
                 left,
                 top,
                 radius,
-                Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit),
+                Paint(stroke=hue("ink") if len(self.drives) == 1 else colour, width=2.0 * unit),
             ),
-            DrawnLine(nose, Paint(stroke=INK, width=2.0 * unit)),
+            DrawnLine(nose, Paint(stroke=hue("ink"), width=2.0 * unit)),
         ]
 
     def _words(self, time: float) -> list[Primitive]:
+        """Return the title, the time, and of several robots the name of each on a line of its own."""
         left = float(self.frame.margin)
         top = self.frame.bottom + self.frame.top + 0.75 * self.line
-        size = 14.0 * self.frame.unit
-        words = f"{time:.2f} s"
         parts: list[Primitive] = []
-        if self.title:
+        lines = [(line, hue("ink")) for line in self.title_lines]
+        lines.append((f"{time:.2f} s", hue("quiet")))
+        lines += [(drive.name, self._colour(k)) for k, drive in enumerate(self._named())]
+        for words, colour in lines:
             room = self.size[0] - 2.0 * left
-            parts.append(Text(left, top, size, _fitted(self.title, room, size), INK))
+            parts.append(Text(left, top, self.type, _fitted(words, room, self.type), colour))
             top += self.line
-        parts.append(Text(left, top, size, words, GREY))
-        left += text_width("00000.00 s", size) + 12.0 * self.frame.unit
-        for k, drive in enumerate(self.drives if len(self.drives) > 1 else ()):
-            name = _fitted(drive.name, self.size[0] / len(self.drives), size)
-            # Names that don't fit on the line are dropped.
-            if left + text_width(name, size) > self.size[0]:
-                break
-            parts.append(Text(left, top, size, name, self._colour(k)))
-            left += text_width(name, size) + 12.0 * self.frame.unit
         return parts
+
+    def _named(self) -> Sequence[Drive]:
+        return self.drives[:_MOST_NAMES] if len(self.drives) > 1 else ()
 
 
 class _GrowingTrail:
@@ -276,11 +264,13 @@ def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
     unit = frame.unit
     entry = drive.trail.loop_from
     if entry is None:
-        yield _GrowingTrail(points, drive.times, colour, 2.2 * unit)
+        yield _GrowingTrail(points, drive.times, colour, MARKS["trail"].width * unit)
         return
-    before = APPROACH if colour == LOOP else mix(FLOOR, colour, 0.5)
-    yield _GrowingTrail(points[: entry + 1], drive.times[: entry + 1], before, 1.8 * unit)
-    yield _GrowingTrail(points[entry:], drive.times[entry:], colour, 3.0 * unit)
+    before = mix(hue("floor"), colour, MARKS["approach"].fade[-1])
+    yield _GrowingTrail(
+        points[: entry + 1], drive.times[: entry + 1], before, MARKS["approach"].width * unit
+    )
+    yield _GrowingTrail(points[entry:], drive.times[entry:], colour, MARKS["loop"].width * unit)
 
 
 def _fitted(text: str, room: float, size: float) -> str:
@@ -298,32 +288,20 @@ def _palette() -> Image.Image:
 
     These are each meaning's colour, and its edges against floor, wall and paper.
     """
-    pierced = (PIERCED, PIERCED_GROUND)
-    solid = (
-        PAPER,
-        FLOOR,
-        WALL,
-        INK,
-        LOOP,
-        APPROACH,
-        START,
-        TARGET,
-        FIRE,
-        GREY,
-        TUNNEL,
-        *COLOURS,
-        *pierced,
-    )
+    names = ("paper", "floor", "wall", "ink", "loop", "start", "target", "fire", "quiet", "breach")
+    before = mix(hue("floor"), hue("loop"), MARKS["approach"].fade[-1])
+    tints = (mix(hue("floor"), hue(MARKS[name].colour), MARKS[name].fill) for name in _TINTED)
+    solid = (*map(hue, names), before, *tints, *robot_colours(), hue("pierced"), pierced_ground())
     shares = (0.2, 0.35, 0.5, 0.65, 0.82)
     edges = [
         mix(ground, colour, share)
-        for ground in (FLOOR, WALL)
+        for ground in (hue("floor"), hue("wall"))
         for colour in solid
         for share in shares
     ]
-    colours = list(dict.fromkeys((*solid, *(mix(PAPER, INK, share) for share in shares), *edges)))[
-        :256
-    ]
+    colours = list(
+        dict.fromkeys((*solid, *(mix(hue("paper"), hue("ink"), share) for share in shares), *edges))
+    )[:256]
     palette = Image.new("P", (1, 1))
     palette.putpalette([value for colour in colours for value in rgb(colour)])
     return palette

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from worldgen.render.frame import Frame
-from worldgen.render.palette import PAPER, START, TARGET, TUNNEL, mix
+from worldgen.render.marks import MARKS, Mark, hue
 from worldgen.render.polyline import along, arc_length
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
-from worldgen.support.arrays import Bools, Floats
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import Robot, Target, Witness, World
 
 # Outlines along a witness; more would hide the map.
@@ -22,6 +22,9 @@ MOST_OUTLINES = 7
 _MOST_POSES = 600
 # Cells; with less to spare, a body touches a wall.
 _TOUCH = 1 / 1024
+# Cells. Walls are touched together if their distances differ by less, and not beyond a distance.
+_SAME = 0.03
+_NEAR = 0.5
 # Cells by which the room at places that are about as tight may differ.
 _AS_TIGHT = 0.1
 # A body that is clear at more degrees than these, or in more ranges, isn't held by its heading.
@@ -92,18 +95,15 @@ def robot_points(points: Floats, pose: BodyPose) -> Floats:
 
 
 def solid_body(
-    robot: Robot, pose: BodyPose, frame: Frame, *, colour: str, tint: float, width: float
+    robot: Robot, pose: BodyPose, frame: Frame, *, colour: str, mark: Mark
 ) -> list[Primitive]:
     """Return a polygon in its colour, visible on walls and floor, with its front."""
     unit = frame.unit
-    paints = (
-        Paint(stroke=PAPER, width=(width + 3.0) * unit),
-        Paint(fill=mix(PAPER, colour, tint), stroke=colour, width=width * unit),
+    casing = Paint(
+        fill=hue("floor"), stroke=hue("floor"), width=(mark.width + 3.0) * unit, opacity=0.8
     )
-    return [
-        *body_shapes(robot, pose, frame, paints),
-        *front_mark(robot, pose, frame, mix(colour, "#000000", 0.3)),
-    ]
+    paints = (casing, mark.inside(colour), mark.line(unit, colour))
+    return [*body_shapes(robot, pose, frame, paints), *front_mark(robot, pose, frame, colour)]
 
 
 def spread_poses(x: Floats, y: Floats, headings: Floats, reach: float, most: int) -> list[BodyPose]:
@@ -129,20 +129,26 @@ def spread_poses(x: Floats, y: Floats, headings: Floats, reach: float, most: int
     ]
 
 
-def witness_parts(world: World, proof: Witness, frame: Frame) -> list[Primitive]:
-    """Return a few outlines of the body along its witness, and a stronger one where it is tightest."""
-    robot = world.robots[0]
-    if robot.is_disc or proof.headings is None or len(proof.x) < 2:
+def witness_parts(
+    world: World, robot: Robot, proof: Witness, frame: Frame, colour: str
+) -> list[Primitive]:
+    """Return a path that fits; of a body, outlines along it and a stronger one where it is tightest."""
+    if len(proof.x) < 2:
         return []
     unit = frame.unit
-    thin = Paint(stroke=START, width=1.1 * unit, opacity=0.55)
+    points = frame.points(np.column_stack((proof.x, proof.y)))
+    parts: list[Primitive] = [
+        DrawnLine(points, paint) for paint in MARKS["witness"].lines(unit, colour)
+    ]
+    if robot.is_disc or proof.headings is None:
+        return parts
+    thin = MARKS["witness-body"].line(unit, colour)
     poses = spread_poses(proof.x, proof.y, proof.headings, robot.radius, MOST_OUTLINES)
-    parts = [part for pose in poses for part in body_shapes(robot, pose, frame, (thin,))]
-    ghost = tightest_pose(world, proof)
+    parts += [part for pose in poses for part in body_shapes(robot, pose, frame, (thin,))]
+    ghost = None if world.is_fleet else tightest_pose(world, proof)
     if ghost is not None:
-        fill = Paint(fill=mix(PAPER, TUNNEL, 0.3), opacity=0.45)
-        line = Paint(stroke=TUNNEL, width=1.8 * unit)
-        parts += body_shapes(robot, ghost, frame, (fill, line))
+        mark = MARKS["tightest"]
+        parts += body_shapes(robot, ghost, frame, (mark.inside(), mark.line(unit)))
     return parts
 
 
@@ -255,36 +261,67 @@ def _fine_poses(proof: Witness, reach: float) -> list[BodyPose]:
 
 
 def _gap(walls: Bools, corners: Floats) -> float:
-    """Return how far apart a polygon and the nearest solid cell are, at most, in cells.
+    """Return how far apart a polygon and the nearest solid cell are, at most, in cells."""
+    _, gaps = _gaps(walls, corners)
+    return float(gaps.min()) if len(gaps) else 2.0
 
-    It is the largest gap along an axis of either: less than the distance next to a corner, but
+
+def _gaps(walls: Bools, corners: Floats) -> tuple[Ints, Floats]:
+    """Return the solid cells (n, 2) near a polygon, and how far away each is, in cells.
+
+    That is the largest gap along an axis of either: less than the distance next to a corner, but
     least where the room is.
     """
-    height, width = walls.shape
-    low = np.floor(corners.min(axis=0)).astype(int) - 2
-    high = np.ceil(corners.max(axis=0)).astype(int) + 2
-    ys, xs = np.mgrid[low[1] : high[1], low[0] : high[0]]
-    outside = (xs < 0) | (ys < 0) | (xs >= width) | (ys >= height)
-    inside = walls[np.clip(ys, 0, height - 1), np.clip(xs, 0, width - 1)]
-    solid = outside | inside
-    if not solid.any():
-        return 2.0
-    cells = np.stack((xs[solid], ys[solid]), axis=1)
+    cells = _solid_near(walls, corners)
     along_side = np.roll(corners, -1, axis=0) - corners
     normals = np.column_stack((along_side[:, 1], -along_side[:, 0]))
     normals /= np.hypot(*normals.T)[:, None]
     offsets = (normals * corners).sum(axis=1)
     nearest = cells @ normals.T + np.minimum(normals, 0.0).sum(axis=1) - offsets
-    gaps = np.maximum(
+    gaps: Floats = np.maximum(
         nearest.max(axis=1),
         np.maximum(cells - corners.max(axis=0), corners.min(axis=0) - cells - 1.0).max(axis=1),
     )
-    return float(gaps.min())
+    return cells, gaps
 
 
-def goal_wedge(
-    target: Target, frame: Frame, radius: float, colour: str = TARGET
-) -> list[Primitive]:
+def _solid_near(walls: Bools, corners: Floats) -> Ints:
+    """Return the solid cells (n, 2), columns and rows, around some points; outside all is solid."""
+    height, width = walls.shape
+    low = np.floor(corners.min(axis=0)).astype(int) - 2
+    high = np.ceil(corners.max(axis=0)).astype(int) + 2
+    ys, xs = np.mgrid[low[1] : high[1], low[0] : high[0]]
+    outside = (xs < 0) | (ys < 0) | (xs >= width) | (ys >= height)
+    solid = outside | walls[np.clip(ys, 0, height - 1), np.clip(xs, 0, width - 1)]
+    return np.stack((xs[solid], ys[solid]), axis=1)
+
+
+def nearest_cells(
+    walls: Bools, robot: Robot, pose: BodyPose, cell_size: float
+) -> list[tuple[int, int]]:
+    """Return the solid cells that a robot touches at a pose: the nearest, if they are near enough.
+
+    Args:
+        walls: (height, width) bool.
+        robot: The robot.
+        pose: Where it bumped.
+        cell_size: m.
+    """
+    if robot.is_disc:
+        place = np.array((pose.x, pose.y)) / cell_size
+        radius = robot.radius / cell_size
+        cells = _solid_near(walls, np.array((place - radius, place + radius)))
+        beyond = np.maximum(np.maximum(cells - place, place - cells - 1.0), 0.0)
+        gaps = np.hypot(*beyond.T) - radius
+    else:
+        cells, gaps = _gaps(walls, outline(robot, pose) / cell_size)
+    if not len(gaps):
+        return []
+    touching = gaps <= min(float(gaps.min()) + _SAME, _NEAR)
+    return [(int(ix), int(iy)) for ix, iy in cells[touching]]
+
+
+def goal_wedge(target: Target, frame: Frame, radius: float, colour: str) -> list[Primitive]:
     """Return a wedge at the rim of a target that points along its goal's heading, if it has one.
 
     Args:
@@ -300,9 +337,9 @@ def goal_wedge(
     ahead = np.array((math.cos(heading), -math.sin(heading)))
     aside = np.array((-ahead[1], ahead[0]))
     unit = frame.unit
-    tip = radius + 15.0 * unit
     base = radius + 3.0 * unit
+    tip = base + MARKS["goal"].size * unit
     points = np.array((x, y)) + np.array((tip * ahead, base * ahead + 6.0 * unit * aside,
                                           base * ahead - 6.0 * unit * aside))  # fmt: skip
-    paint = Paint(fill=colour, stroke=PAPER, width=1.2 * unit)
+    paint = Paint(fill=colour, stroke=hue("floor"), width=1.2 * unit)
     return [DrawnLine(points, paint, closed=True)]

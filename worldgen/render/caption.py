@@ -3,48 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from worldgen.render.body_parts import spare_words
 from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import decoy_mark, push_arrow
-from worldgen.render.fleet_parts import COLOURS, colour_of
+from worldgen.render.marks import MARKS, SPECIFICATION, Mark, hue, mix, robot_colours
 from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import (
-    APPROACH,
-    FIRE,
-    FLOOR,
-    FULL_TINT,
-    GREY,
-    INK,
-    LOOP,
-    LOOP_HEAD,
-    MEMORY,
-    MISSED,
-    PAPER,
-    PIERCED,
-    PIERCED_GROUND,
-    PUSH,
-    START,
-    TARGET,
-    TUNNEL,
-    WALL,
-    mix,
-)
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.trail_parts import (
-    arrow,
-    arrow_head,
-    cross,
-    heading_tick,
-    ring_and_cross,
-    robot_at,
-    robot_disc,
-    stays_put,
-)
+from worldgen.render.robot_parts import start_disc, target_mark
+from worldgen.render.trail_parts import arrow, arrow_head, breach_cross, heading_tick, stays_put
 from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
 
@@ -136,8 +107,8 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     y = frame.bottom + frame.band + 8.0 * unit
     parts: list[Primitive] = []
     for text, size, colour in (
-        (printable(content.title), TITLE_SIZE * unit, INK),
-        (facts(content.world), TEXT_SIZE * unit, GREY),
+        (printable(content.title), TITLE_SIZE * unit, hue("ink")),
+        (facts(content.world), TEXT_SIZE * unit, hue("quiet")),
     ):
         for line in wrapped(text, room, size, MOST_LINES):
             y += LEADING * size
@@ -146,7 +117,7 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     length = bar * frame.scale
     keys = [
         (f"{bar:g} m", _scale_sample(length), length),
-        *((words, sample, ICON * unit) for words, sample in _all_keys(content)),
+        *((words, sample, ICON * unit) for words, sample in _keys(content)),
     ]
     placed, y = _place(keys, left, room, y + 4.0 * unit, unit)
     return parts + placed, round(y + 10.0 * unit)
@@ -176,7 +147,7 @@ def _scale_sample(length: float) -> Sample:
         points = np.array(
             ((x, y - tick), (x, y + tick), (x + length, y + tick), (x + length, y - tick))
         )
-        return [DrawnLine(points, Paint(stroke=INK, width=1.5 * unit))]
+        return [DrawnLine(points, MARKS["scale"].line(unit))]
 
     return sample
 
@@ -198,131 +169,121 @@ def _place(
             y = y + row
         parts += sample(x, y - 0.5 * row, unit)
         begin = x + wide + 6.0 * unit
-        parts.append(Text(begin, y - 0.5 * row + 0.35 * size, size, words, INK))
+        parts.append(Text(begin, y - 0.5 * row + 0.35 * size, size, words, hue("ink")))
         x += width + GAP * unit
     return parts, y
 
 
-def _all_keys(content: Content) -> list[tuple[str, Sample]]:
-    named = [("cell named in the text", _named_sample)] if content.named else []
-    return [*_keys(content), *named]
-
-
 def _keys(content: Content) -> list[tuple[str, Sample]]:
-    world = content.world
-    trail = content.trail
-    changes = content.changes
-    if world.is_fleet:
-        return _robot_keys(content)
-    # Start, target, signal and proof.
-    robot = world.robots[0]
-    start = _start_sample if robot.is_disc else _body_sample(START, 0.45)
-    keys: list[tuple[str, Sample]] = [("start", start), ("target", _target_sample)]
-    if content.signal:
-        keys.append(("signal, halves per ring", _signal_sample))
-    if content.witness and isinstance(world.certificate, Witness):
-        keys.append(("a path that fits", _line(START, 1.8, dash=(7.0, 5.0))))
-        spare = spare_words(world, world.certificate)
+    """Return the words and the samples of the marks in a picture, in the order of ``marks.json``."""
+    shown = _shown(content)
+    fleet = _robot_keys(content) if content.has_several else []
+    marks = [
+        (MARKS[name].label, _sample(name, content))
+        for name in SPECIFICATION.legend
+        if name in shown
+    ]
+    keys = [*fleet, *marks]
+    proof = content.world.certificate
+    if "witness" in shown and isinstance(proof, Witness):
+        spare = spare_words(content.world, proof)
         if spare is not None:
             keys.append((spare, _ghost_sample))
-    if content.witness and isinstance(world.certificate, Cut) and len(world.certificate.cells):
-        keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
-    # Add the run, and the changes.
-    if trail is not None:
-        still = stays_put(trail, content.frame, world.robot_radius)
-        end = _end_sample if robot.is_disc or trail.headings is None else _body_sample(LOOP, 0.3)
-        keys += _trail_keys(trail, on_the_spot=still, end=end)
-    if changes.burns.any():
-        keys.append(("burns", _swatch(mix(PAPER, FIRE, 0.65))))
-    if changes.closes.any():
-        keys.append(("closes later", _swatch(mix(PAPER, GREY, 0.55))))
-    if changes.opens.any():
-        keys.append(("opens later", _opens_sample))
     return keys
+
+
+def _shown(content: Content) -> set[str]:
+    """Return the names of the marks in a picture that its legend explains."""
+    proof = content.world.certificate
+    view = content.view
+    names = {
+        "start",
+        "target",
+        *(["signal"] if view.signal else ()),
+        *(["named"] if content.named else ()),
+    }
+    if view.witness and isinstance(proof, Witness | JointWitness):
+        names.add("witness")
+    if view.witness and isinstance(proof, Cut):
+        names.add("cut" if proof.boxes is None else "cut-poses")
+    for name in ("burns", "closes", "opens"):
+        if getattr(content.changes, name).any():
+            names.add(name)
+    for number, trail in enumerate(content.trails):
+        names |= _of_trail(trail, is_one=not content.has_several)
+        if stays_put(trail, content.frame, content.robot(number)):
+            names.add("spot")
+    if "spot" in names and not content.has_several:
+        names.discard("loop")
+    return names
+
+
+def _of_trail(trail: Trail, *, is_one: bool) -> set[str]:
+    kinds = {mark.kind for mark in trail.marks}
+    disturbances = trail.disturbances
+    memory = trail.memory
+    present = {
+        "trail": trail.loop_from is None,
+        "approach": trail.loop_from is not None and trail.loop_from > 0,
+        "loop": trail.loop_from is not None,
+        "end": is_one,
+        "touched": "bump" in kinds,
+        "pierced": bool(trail.pierced),
+        "overlap": "overlap" in kinds and not trail.pierced,
+        "breach": "tunnel" in kinds and not trail.pierced,
+        "blocked": bool(trail.blocked_by),
+        "pushed": bool(disturbances.pushes),
+        "pushes": bool(disturbances.places),
+        "missed": trail.missed is not None and bool(trail.missed.any()),
+        "remembered": memory is not None and not memory.is_empty,
+        "drift": disturbances.drift_heading is not None,
+        "decoy": bool(disturbances.decoys),
+    }
+    return {name for name, is_there in present.items() if is_there}
 
 
 def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
-    """Return the key to a picture of several robots: their colours, as long as they differ."""
-    robots = content.world.robots
-    shown = min(len(robots), len(COLOURS))
-    keys: list[tuple[str, Sample]] = [
-        (f"robot {number + 1}", _line(colour_of(number), 2.4)) for number in range(shown)
+    """Return the names and colours of several robots, as long as the colours differ."""
+    names = [trail.name for trail in content.trails] or [""] * len(content.world.robots)
+    return [
+        (f"{number + 1}: {name}" if name else f"robot {number + 1}", _line(MARKS["trail"], colour))
+        for number, (name, colour) in enumerate(zip(names, robot_colours(), strict=False))
     ]
-    keys.append(("target", _target_sample))
-    if content.witness and isinstance(content.world.certificate, JointWitness):
-        keys.append(("paths that fit", _line(GREY, 1.4, dash=(5.0, 5.0))))
-    if any(trail.loop_from is not None for trail in content.trails):
-        keys.append(("strong: repeats forever", _line(GREY, 3.2)))
-    if any(trail.blocked_by for trail in content.trails):
-        keys.append(("is blocked by", _blocked_sample))
-    return keys
 
 
-def _trail_keys(trail: Trail, *, on_the_spot: bool, end: Sample) -> list[tuple[str, Sample]]:
-    # The path and its loop.
-    if trail.loop_from is None:
-        keys: list[tuple[str, Sample]] = [("robot's path", _line(LOOP, 2.2, arrow=True))]
-    else:
-        keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
-        spot = ("loop, forever on this spot", end)
-        keys.append(spot if on_the_spot else ("loop, forever", _line(LOOP, 3.2, arrow=True)))
-    # The obstacle that the robot hit.
-    kinds = {mark.kind for mark in trail.marks}
-    if "end" in kinds or trail.loop_from is None:
-        keys.append(("end", end))
-    if "bump" in kinds:
-        keys.append(("bump", _dot(INK, 2.4)))
-    if trail.pierced:
-        keys.append(("a wall that it entered", _pierced_sample))
-    if "overlap" in kinds and not trail.pierced:
-        keys.append(("overlap", _overlap_sample))
-    if "tunnel" in kinds and not trail.pierced:
-        keys.append(("through a wall", _tunnel_sample))
-    # What moved the robot.
-    disturbances = trail.disturbances
-    if disturbances.pushes:
-        keys.append(("push", _push_sample))
-    if disturbances.places:
-        keys.append(("place that pushes", _swatch(mix(PAPER, PUSH, 0.5))))
-    if trail.missed is not None and trail.missed.any():
-        keys.append(("not covered", _swatch(mix(PAPER, MISSED, 0.55))))
-    if trail.memory is not None and not trail.memory.is_empty:
-        keys.append(("the robot's own map", _memory_sample))
-    if disturbances.drift_heading is not None:
-        keys.append(("tilted floor", _line(mix(PAPER, PUSH, 0.6), 1.6)))
-    if disturbances.decoys:
-        keys.append(("decoy source", _decoy_sample))
-    return keys
+def _sample(name: str, content: Content) -> Sample:
+    """Return the sample of a mark; of one of several robots in a colour of none."""
+    mark = MARKS[name]
+    grey = hue("quiet") if content.has_several else ""
+    robot = content.robot(0)
+    if name in ("start", "end") and not robot.is_disc:
+        return _body_sample(mark)
+    if name in _SAMPLES:
+        return _SAMPLES[name]
+    if mark.width and not mark.fill:
+        return _line(mark, grey, arrow=name in ("loop", "trail"))
+    return _swatch(mark)
 
 
-def _line(
-    colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: bool = False
-) -> Sample:
+def _line(mark: Mark, colour: str = "", *, arrow: bool = False) -> Sample:
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
         ends = np.array(((x, y), (x + ICON * unit, y)))
-        paint = Paint(
-            stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash)
-        )
-        head = (
-            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)]
-            if arrow
-            else []
-        )
-        return [DrawnLine(ends, paint), *head]
+        middle = x + 0.5 * ICON * unit
+        drawn = colour or hue(mark.colour)
+        faded = mix(hue("floor"), drawn, mark.fade[-1] if mark.fade else 1.0)
+        parts: list[Primitive] = [DrawnLine(ends, mark.line(unit, faded))]
+        if arrow:
+            size = 1.25 * mark.size * unit
+            parts.append(arrow_head(middle, y, 0.0, size, drawn, casing=unit))
+        return parts
 
     return sample
 
 
-def _swatch(colour: str) -> Sample:
+def _swatch(mark: Mark) -> Sample:
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
-        return [_square(x, y, unit, Paint(fill=colour, stroke=None))]
-
-    return sample
-
-
-def _dot(colour: str, radius: float) -> Sample:
-    def sample(x: float, y: float, unit: float) -> list[Primitive]:
-        return [DrawnCircle(x + 0.5 * ICON * unit, y, radius * unit, Paint(fill=colour))]
+        tint = mix(hue("floor"), hue(mark.colour), max(mark.fill, 0.5))
+        return [_square(x, y, unit, Paint(fill=tint))]
 
     return sample
 
@@ -333,53 +294,48 @@ def _square(x: float, y: float, unit: float, paint: Paint) -> DrawnLine:
 
 
 def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
+    dotted = Paint(stroke=hue("floor"), width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
     inner = np.array(((7.0, -3.0), (19.0, -3.0), (19.0, 3.0), (7.0, 3.0))) * unit
     return [
-        _square(x, y, unit, Paint(fill=WALL)),
+        _square(x, y, unit, Paint(fill=hue("wall"))),
         DrawnLine(np.array((x, y)) + inner, dotted, closed=True),
     ]
 
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
-    tick = Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)
+    tick = MARKS["heading"].line(unit)
     return [
-        *robot_disc(x, y, 7.0 * unit, unit, colour=START, tint=0.45, width=2.0),
+        *start_disc(x, y, 7.0 * unit, unit, hue("start")),
         heading_tick(x, y, 7.0 * unit, 0.0, tick),
     ]
 
 
 def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    stroke = Paint(stroke=TARGET, width=2.0 * unit)
-    return ring_and_cross(x + 0.5 * ICON * unit, y, 5.0 * unit, 8.0 * unit, [stroke])
+    return target_mark(x + 0.5 * ICON * unit, y, 5.0 * unit, unit, hue("target"))
 
 
 def _named_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return named_mark(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
 
 
-def _body_sample(colour: str, tint: float) -> Sample:
+def _body_sample(mark: Mark) -> Sample:
     """Return the sample of a body with its front."""
 
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
         wedge = np.array(((20.0, 0.0), (13.0, -4.0), (13.0, 4.0))) * unit
         return [
-            _square(x, y, unit, Paint(fill=mix(PAPER, colour, tint))),
-            _square(x, y, unit, Paint(stroke=colour, width=2.0 * unit)),
-            DrawnLine(
-                np.array((x, y)) + wedge, Paint(fill=mix(colour, "#000000", 0.3)), closed=True
-            ),
+            _square(x, y, unit, mark.inside()),
+            _square(x, y, unit, mark.line(unit)),
+            DrawnLine(np.array((x, y)) + wedge, Paint(fill=hue(mark.colour)), closed=True),
         ]
 
     return sample
 
 
 def _ghost_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return [
-        _square(x, y, unit, Paint(fill=mix(PAPER, TUNNEL, 0.3))),
-        _square(x, y, unit, Paint(stroke=TUNNEL, width=1.8 * unit)),
-    ]
+    mark = MARKS["tightest"]
+    return [_square(x, y, unit, mark.inside()), _square(x, y, unit, mark.line(unit))]
 
 
 def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -387,7 +343,7 @@ def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
     step = ICON * unit / steps
     parts: list[Primitive] = []
     for index in range(steps):
-        tint = mix(FULL_TINT, FLOOR, index / (steps - 1))
+        tint = mix(MARKS["signal"].full_tint, hue("floor"), index / (steps - 1))
         corners = np.array(
             ((0.0, -6.0 * unit), (step, -6.0 * unit), (step, 6.0 * unit), (0.0, 6.0 * unit))
         )
@@ -398,21 +354,50 @@ def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 
 def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return robot_at(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
-
-
-def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    stripe = Paint(stroke=PIERCED, width=1.4 * unit)
-    stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (5.0, 10.0, 15.0)]
+    mark = MARKS["end"]
+    x += 0.5 * ICON * unit
     return [
-        _square(x, y, unit, Paint(fill=PIERCED_GROUND)),
-        *(DrawnLine(np.array((x, y)) + line * unit, stripe) for line in stripes),
-        _square(x, y, unit, Paint(stroke=PIERCED, width=2.0 * unit)),
+        DrawnCircle(x, y, 6.0 * unit, mark.inside()),
+        DrawnCircle(x, y, 6.0 * unit, mark.line(unit)),
     ]
 
 
+def _spot_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    mark = MARKS["spot"]
+    x += 0.5 * ICON * unit
+    return [
+        DrawnCircle(x, y, 5.5 * unit, mark.inside()),
+        DrawnCircle(x, y, 5.5 * unit, mark.line(0.7 * unit)),
+        DrawnCircle(x, y, 2.0 * unit, Paint(fill=hue(mark.colour))),
+    ]
+
+
+def _touched_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    mark = MARKS["touched"]
+    ends = np.array(((x + 6.0 * unit, y - 4.0 * unit), (x + 20.0 * unit, y - 4.0 * unit)))
+    return [_square(x, y, unit, Paint(fill=hue("wall"))), DrawnLine(ends, mark.line(unit))]
+
+
+def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    mark = MARKS["pierced"]
+    stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (5.0, 10.0, 15.0)]
+    return [
+        _square(x, y, unit, mark.inside()),
+        *(DrawnLine(np.array((x, y)) + line * unit, mark.line(0.7 * unit)) for line in stripes),
+        _square(x, y, unit, mark.line(unit)),
+    ]
+
+
+def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return [DrawnCircle(x + 0.5 * ICON * unit, y, 6.0 * unit, MARKS["overlap"].line(unit))]
+
+
+def _breach_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return breach_cross(x + 0.5 * ICON * unit, y, 0.7 * unit)
+
+
 def _blocked_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return arrow((x, y), (x + (ICON - 8.0) * unit, y), unit, INK, INK)
+    return arrow((x, y), (x + (ICON - 8.0) * unit, y), unit, "blocked")
 
 
 def _push_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -424,20 +409,30 @@ def _decoy_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 
 def _memory_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    line = Paint(stroke=MEMORY, width=1.4 * unit)
+    mark = MARKS["memory"]
     ends = np.array(((x + 4.0 * unit, y), (x + 22.0 * unit, y)))
     return [
-        _square(x, y, unit, Paint(fill=mix(PAPER, MEMORY, 0.25))),
-        DrawnLine(ends, line),
-        *(DrawnCircle(end, y, 2.6 * unit, Paint(fill=MEMORY)) for end in ends[:, 0]),
+        _square(x, y, unit, MARKS["remembered"].inside()),
+        DrawnLine(ends, mark.line(unit)),
+        *(DrawnCircle(end, y, 2.6 * unit, Paint(fill=hue(mark.colour))) for end in ends[:, 0]),
     ]
 
 
-def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return [
-        DrawnCircle(x + 0.5 * ICON * unit, y, 6.0 * unit, Paint(stroke=TUNNEL, width=3.0 * unit))
-    ]
-
-
-def _tunnel_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return cross(x + 0.5 * ICON * unit, y, 5.0 * unit, TUNNEL, 3.5 * unit)
+_SAMPLES: Mapping[str, Sample] = {
+    "start": _start_sample,
+    "target": _target_sample,
+    "signal": _signal_sample,
+    "end": _end_sample,
+    "touched": _touched_sample,
+    "pierced": _pierced_sample,
+    "overlap": _overlap_sample,
+    "breach": _breach_sample,
+    "blocked": _blocked_sample,
+    "pushed": _push_sample,
+    "decoy": _decoy_sample,
+    "remembered": _memory_sample,
+    "opens": _opens_sample,
+    "spot": _spot_sample,
+    "named": _named_sample,
+}
+"""Samples of the marks that are neither a line nor an area."""

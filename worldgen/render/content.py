@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, hue, robot_colours
 from worldgen.render.overlay import Trail
 from worldgen.support.arrays import Bools
 from worldgen.timeline import CellState
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +38,21 @@ class Changes:
         return cls(burns, closes, opens)
 
 
+@dataclass(frozen=True, slots=True)
+class View:
+    """Which of the marks a picture shows.
+
+    Args:
+        signal: True to tint the floor by the target's signal.
+        witness: True to draw the proof's path, or its cut.
+        is_card: True for a small picture, which leaves some marks out.
+    """
+
+    signal: bool
+    witness: bool
+    is_card: bool = False
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Content:
     """One picture's content.
@@ -44,8 +60,7 @@ class Content:
     Args:
         world: What to draw.
         trails: A run in it: a path for each robot; empty to draw none.
-        signal: True to tint the floor by the target's signal.
-        witness: True to draw the proof's path, or its cut.
+        view: Which marks to draw.
         title: First line of the caption.
         frame: The map's place in the picture.
         changes: The cells that the world's timeline changes.
@@ -54,8 +69,7 @@ class Content:
 
     world: World
     trails: Sequence[Trail]
-    signal: bool
-    witness: bool
+    view: View
     title: str
     frame: Frame
     changes: Changes
@@ -64,4 +78,20 @@ class Content:
     @property
     def trail(self) -> Trail | None:
         """The run of a single robot, which is drawn with more of its details."""
-        return self.trails[0] if self.trails and not self.world.is_fleet else None
+        return self.trails[0] if self.trails and not self.has_several else None
+
+    @property
+    def has_several(self) -> bool:
+        """Whether there are several robots, or several runs of one, each in a colour of its own."""
+        return self.world.is_fleet or len(self.trails) > 1
+
+    def robot(self, number: int) -> Robot:
+        """Return the robot of a trail; several trails of one robot show several runs."""
+        robots = self.world.robots
+        return robots[min(number, len(robots) - 1)]
+
+    def colour(self, name: str, number: int) -> str:
+        """Return the colour of a mark of one robot, given its index: its own among several."""
+        if self.world.is_fleet or (self.has_several and name not in ("start", "target")):
+            return robot_colours()[number % len(robot_colours())]
+        return hue(MARKS[name].colour)

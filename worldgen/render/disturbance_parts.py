@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, hue, mix
 from worldgen.render.overlay import Disturbances, Shove
-from worldgen.render.palette import MISSED, PAPER, PUSH, PUSH_HEAD, TARGET, mix
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.trail_parts import arrow, arrow_head
 from worldgen.support.arrays import Bools
@@ -27,7 +27,7 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
     pitch = max(frame.width, frame.height) / _DRIFT_ARROWS
     # The picture's y axis points down.
     along = np.array((math.cos(disturbances.drift_heading), -math.sin(disturbances.drift_heading)))
-    paint = Paint(stroke=mix(PAPER, PUSH, 0.45), width=1.6 * frame.unit)
+    paint = MARKS["drift"].line(frame.unit)
     parts: list[Primitive] = []
     for row in range(math.ceil(frame.height / pitch)):
         for column in range(math.ceil(frame.width / pitch)):
@@ -38,9 +38,10 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
             ends = np.array((middle - 0.22 * pitch * along, middle + 0.22 * pitch * along))
             parts.append(DrawnLine(ends, paint))
             angle = math.atan2(along[1], along[0])
-            size = 9.0 * frame.unit
+            mark = MARKS["drift"]
             x, y = ends[1].tolist()
-            parts.append(arrow_head(x, y, angle, size, mix(PAPER, PUSH, 0.45)))
+            tint = mix(hue("floor"), hue(mark.colour), mark.opacity)
+            parts.append(arrow_head(x, y, angle, mark.size * frame.unit, tint))
     return parts
 
 
@@ -48,10 +49,11 @@ def missed_cells(missed: Bools | None, frame: Frame) -> list[Primitive]:
     """Draw stripes over the cells that the robot should have visited but did not."""
     if missed is None or not missed.any():
         return []
+    mark = MARKS["missed"]
     stripes = 7.0 * frame.unit if frame.cell >= 4.0 * frame.unit else 0.0
-    parts: list[Primitive] = [DrawnCells(missed, MISSED, opacity=0.25)]
+    parts: list[Primitive] = [DrawnCells(missed, hue("missed"), opacity=mark.fill)]
     if stripes:
-        parts.append(DrawnCells(missed, MISSED, opacity=0.6, hatch=stripes))
+        parts.append(DrawnCells(missed, hue("missed"), opacity=mark.opacity, hatch=stripes))
     return parts
 
 
@@ -84,8 +86,8 @@ def _place(place: Shove, frame: Frame, cell_size: float) -> list[Primitive]:
     outline = frame.points(corners + np.array((left, low)))
     middle = frame.to_pixels(left + 0.5 * cell_size, low + 0.5 * cell_size)
     parts: list[Primitive] = [
-        DrawnLine(outline, Paint(fill=PUSH, opacity=0.3), closed=True),
-        DrawnLine(outline, Paint(stroke=PUSH, width=2.0 * frame.unit), closed=True),
+        DrawnLine(outline, MARKS["pushes"].inside(), closed=True),
+        DrawnLine(outline, MARKS["pushes"].line(frame.unit), closed=True),
     ]
     length = math.hypot(place.dx, place.dy)
     if length == 0.0:
@@ -101,16 +103,15 @@ def push_arrow(
 ) -> list[Primitive]:
     """Draw an arrow in the colour of pushes, or a dot if a push only turns the robot."""
     if math.dist(start, end) < 1.0:
-        ring = Paint(stroke=PUSH, width=2.4 * unit)
-        return [DrawnCircle(*start, 8.0 * unit, ring)]
-    return arrow(start, end, unit, PUSH, PUSH_HEAD)
+        return [DrawnCircle(*start, 8.0 * unit, MARKS["pushed"].line(unit))]
+    return arrow(start, end, unit, "pushed")
 
 
 def decoy_mark(x: float, y: float, unit: float) -> list[Primitive]:
     """Draw a dashed ring in the target's colour, without the cross that marks the target."""
-    dashed = Paint(stroke=TARGET, width=2.4 * unit, dash=(3.0 * unit, 4.0 * unit))
+    mark = MARKS["decoy"]
     return [
-        DrawnCircle(x, y, 8.0 * unit, Paint(fill=PAPER, opacity=0.75)),
-        DrawnCircle(x, y, 8.0 * unit, dashed),
-        DrawnCircle(x, y, 2.6 * unit, Paint(fill=TARGET)),
+        DrawnCircle(x, y, mark.size * unit, Paint(fill=hue("floor"), opacity=0.75)),
+        DrawnCircle(x, y, mark.size * unit, mark.line(unit)),
+        DrawnCircle(x, y, 0.3 * mark.size * unit, Paint(fill=hue(mark.colour))),
     ]

@@ -7,6 +7,7 @@ import html
 from worldgen.render.body_parts import spare_words
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
+from worldgen.render.marks import DARK, hue
 from worldgen.render.overlay import Trails
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
@@ -14,21 +15,21 @@ from worldgen.robot_overrides import describe_body
 from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World
 
-STYLE = """
-body { font: 15px/1.5 system-ui, Helvetica, Arial, sans-serif; margin: 2rem auto; max-width: 60rem;
-       padding: 0 1rem; color: #1b1f24; background: #fff; }
-h1 { font-size: 1.25rem; }
-figure { margin: 0; }
-svg { width: 100%; height: auto; max-height: 85vh; background: #fff; }
-table { border-collapse: collapse; margin-top: 1.5rem; }
-th, td { text-align: left; vertical-align: top; padding: .2rem 1.2rem .2rem 0;
-         border-top: 1px solid #c9ced6; }
-th { font-weight: 600; white-space: nowrap; }
-td { overflow-wrap: anywhere; }
-@media (prefers-color-scheme: dark) {
-  body { color: #e6e9ee; background: #1b1f24; }
-  th, td { border-color: #4a515c; }
-}
+STYLE = f"""
+body {{ font: 15px/1.5 system-ui, Helvetica, Arial, sans-serif; margin: 2rem auto; max-width: 60rem;
+       padding: 0 1rem; color: {hue("ink")}; background: {hue("paper")}; }}
+h1 {{ font-size: 1.25rem; }}
+figure {{ margin: 0; }}
+svg {{ width: 100%; height: auto; max-height: 85vh; background: {hue("paper")}; }}
+table {{ border-collapse: collapse; margin-top: 1.5rem; }}
+th, td {{ text-align: left; vertical-align: top; padding: .2rem 1.2rem .2rem 0;
+         border-top: 1px solid {hue("rule")}; }}
+th {{ font-weight: 600; white-space: nowrap; }}
+td {{ overflow-wrap: anywhere; }}
+@media (prefers-color-scheme: dark) {{
+  body {{ color: {hue("ink", DARK)}; background: {hue("paper", DARK)}; }}
+  th, td {{ border-color: {hue("rule", DARK)}; }}
+}}
 """
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from worldgen.render.content import Content
 from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, hue
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import GREY, INK, NAMED
 from worldgen.render.primitives import DrawnLine, Paint, Primitive, Text
 
 _SIZE = 9.0  # of the numbers, units
@@ -40,8 +40,9 @@ def named_mark(x: float, y: float, reach: float, unit: float) -> list[Primitive]
     """
     corners = np.array(((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)))
     diamond = np.array((x, y)) + reach * corners
-    strokes = (Paint(stroke=INK, width=6.0 * unit), Paint(stroke=NAMED, width=3.0 * unit))
-    return [DrawnLine(diamond, stroke, closed=True) for stroke in strokes]
+    mark = MARKS["named"]
+    edge = Paint(stroke=hue("named-edge"), width=mark.casing * unit)
+    return [DrawnLine(diamond, stroke, closed=True) for stroke in (edge, mark.line(unit))]
 
 
 def axis_numbers(content: Content) -> list[Primitive]:
@@ -57,12 +58,12 @@ def axis_numbers(content: Content) -> list[Primitive]:
     for column in range(0, columns, step):
         text = str(column)
         x = frame.left + (column + 0.5) * frame.cell - 0.5 * _DIGIT * size * len(text)
-        parts.append(Text(x, frame.top - gap, size, text, GREY))
+        parts.append(Text(x, frame.top - gap, size, text, hue("quiet")))
     for row in range(0, rows, step):
         text = str(row)
         x = frame.left - gap - _DIGIT * size * len(text)
         y = frame.bottom - (row + 0.5) * frame.cell + 0.36 * size
-        parts.append(Text(x, y, size, text, GREY))
+        parts.append(Text(x, y, size, text, hue("quiet")))
     return parts
 
 

@@ -147,8 +147,9 @@ class Trail:
         memory: The robot's memory at the end; ``None`` if it does not show it.
         blocked_by: The robots, numbered from 1, that this one drives into forever.
         named: Cells (ix, iy) that the text next to the picture names.
-        headings: (n,) float64, rad, at the points; ``None`` if unknown. Only bodies that are not
-            discs are drawn with them.
+        headings: (n,) float64, rad, at the points; ``None`` if unknown. A body that is not a disc is
+            drawn with them, and where the robot ends.
+        name: What a legend calls it among several.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -166,6 +167,7 @@ class Trail:
     blocked_by: tuple[int, ...] = ()
     named: tuple[tuple[int, int], ...] = ()
     headings: Floats | None = None
+    name: str = ""
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.

@@ -16,8 +16,8 @@ from PIL.PngImagePlugin import PngInfo
 
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS, Frame
+from worldgen.render.marks import hue, rgb
 from worldgen.render.overlay import Trails
-from worldgen.render.palette import rgb
 from worldgen.render.polyline import dashes
 from worldgen.render.primitives import (
     DrawnCells,
@@ -108,7 +108,7 @@ class _Canvas:
 
     def __init__(self, frame: Frame, size: tuple[int, int]) -> None:
         self.frame = frame
-        self.image = Image.new("RGB", size, "#FFFFFF")
+        self.image = Image.new("RGB", size, rgb(hue("paper")))
         self.times = FINE if max(size) <= LARGE else COARSE
 
     def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> None:
@@ -211,7 +211,7 @@ class _Canvas:
 
     def _cells(self, part: DrawnCells) -> None:
         frame = self.frame
-        values = coverage(part.mask, frame.width, frame.height)
+        values = coverage(frame.part(part.mask), frame.width, frame.height)
         if part.hatch > 0.0:
             y, x = np.indices(values.shape, dtype=np.float32)
             phase = np.abs(((x + y) / (part.hatch * math.sqrt(2.0))) % 1.0 - 0.5)

@@ -1,53 +1,54 @@
 """Compose a picture: a world, a run in it, and the caption.
 
-The result is a list of primitives in pixels.
+The result is a list of primitives in pixels. What is drawn, and in which order, is in
+``marks.json``, which the pages' player reads too.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from worldgen.render.body_parts import BodyPose, body_shapes, goal_wedge, solid_body, witness_parts
+from worldgen.render.body_parts import witness_parts
 from worldgen.render.caption import caption
-from worldgen.render.content import Changes, Content
+from worldgen.render.certificate_parts import blocked_share, cut_chain
+from worldgen.render.content import Changes, Content, View
 from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
-from worldgen.render.fleet_parts import joint_witness_parts, robot_parts, waypoint_parts
-from worldgen.render.frame import BAND, Frame
-from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
+from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, Mark, hue
+from worldgen.render.memory_parts import floor_of_memory, lines_of_memory, plan_of_memory
 from worldgen.render.named_parts import axis_numbers, named_cells, named_parts
 from worldgen.render.outline import corner_count, outlines
-from worldgen.render.overlay import Trails, each_trail
-from worldgen.render.palette import (
-    FIRE,
-    FLOOR,
-    FULL_TINT,
-    GREY,
-    PAPER,
-    START,
-    TARGET,
-    TUNNEL,
-    WALL,
-    mix,
-)
+from worldgen.render.overlay import Trail, Trails, each_trail
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
-from worldgen.render.trail_parts import (
-    breach_crosses,
-    heading_tick,
-    pierced_parts,
-    ring_and_cross,
-    robot_disc,
-    swept_parts,
-    trail_parts,
+from worldgen.render.robot_parts import (
+    blocked_parts,
+    end_number,
+    start_heading,
+    start_number,
+    start_parts,
+    target_number,
+    target_parts,
+    waypoint_numbers,
 )
-from worldgen.support.arrays import Bools, Floats
-from worldgen.world import Cut, JointWitness, Witness, World
+from worldgen.render.trail_parts import (
+    approach_parts,
+    band_parts,
+    body_parts,
+    breach_crosses,
+    end_parts,
+    loop_parts,
+    overlap_parts,
+    pierced_parts,
+    run_parts,
+    touched_parts,
+)
+from worldgen.support.arrays import Bools
+from worldgen.world import Cut, JointWitness, Robot, Witness, World
 
-# A robot with a smaller radius, units, gets a ring of this radius.
-HIDDEN = 6.0
-FINDER = 11.0
 # Limit on dotted outlines; more of them turn into a grey blur.
 MOST_CORNERS = 4000
 
@@ -91,19 +92,22 @@ def compose(
     named = named_cells(trails)
     frame = Frame.of(world, pixels, is_numbered=bool(named))
     # The floor cannot show the signals of several targets.
-    shown = signal and not world.is_fleet
-    content = Content(world, trails, shown, witness, title, frame, Changes.of(world), named)
+    view = View(signal and not world.is_fleet, witness)
+    content = Content(world, trails, view, title, frame, Changes.of(world), named)
     words, height = caption(content)
-    paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
-    marked = [*named_parts(named, frame), *axis_numbers(content)] if named else []
-    parts = (paper, *_map(content), *marked, *words)
+    paper = _box(0.0, 0.0, frame.picture_width, height, hue("paper"))
+    numbers = axis_numbers(content) if named else []
+    parts = (paper, *_map(content), *numbers, *words)
     return Picture(frame, frame.picture_width, height, title, parts)
 
 
-def map_parts(world: World, frame: Frame) -> list[Primitive]:
-    """Return a world's map alone, without caption, signal or proof, lowest layer first."""
-    paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, PAPER)
-    return [paper, *_map(Content(world, (), False, False, "", frame, Changes.of(world)))]
+def card_parts(
+    world: World, trails: Trails, frame: Frame, *, witness: bool = True
+) -> list[Primitive]:
+    """Return the map of a small picture, without caption and signal, lowest layer first."""
+    paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, hue("paper"))
+    view = View(False, witness, is_card=True)
+    return [paper, *_map(Content(world, each_trail(trails), view, "", frame, Changes.of(world)))]
 
 
 def moment_parts(
@@ -118,49 +122,26 @@ def moment_parts(
         burning: (height, width) bool: the cells that burn.
         height: Height of the picture, px.
     """
-    parts: list[Primitive] = [_box(0.0, 0.0, frame.picture_width, height, PAPER), _band(frame)]
-    parts += [
-        DrawnCells(np.ones_like(solid), FLOOR),
-        DrawnCells(solid, WALL),
-        DrawnCells(burning, FIRE),
+    fire = MARKS["fire"]
+    parts: list[Primitive] = [
+        _box(0.0, 0.0, frame.picture_width, height, hue("paper")),
+        _band(frame),
+        DrawnCells(np.ones_like(solid), hue("floor")),
+        DrawnCells(solid, hue("wall")),
+        DrawnCells(burning, hue(fire.colour), opacity=fire.fill),
     ]
-    if world.is_fleet:
-        return [*parts, *robot_parts(world, (), frame)]
-    return [
-        *parts,
-        *_start_disc(world, frame),
-        *_start_heading(world, frame),
-        *_target(world, frame),
-    ]
+    content = Content(world, (), View(False, True), "", frame, Changes.of(world))
+    for name in ("witness", "start", "heading", "target", "number"):
+        parts += _DRAWN[name](content, MARKS[name])
+    return parts
 
 
 def _map(content: Content) -> list[Primitive]:
-    world = content.world
-    frame = content.frame
-    parts: list[Primitive] = [_band(frame), *_floor(world, frame, signal=content.signal)]
-    if content.trail:
-        parts += under_the_walls(content.trail.disturbances, frame)
-        parts += missed_cells(content.trail.missed, frame)
-        parts += floor_of_memory(content.trail.memory, frame)
-    parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
-    if content.witness:
-        parts += _certificate(world, frame)
-    if world.is_fleet:
-        return [*parts, *robot_parts(world, content.trails, frame)]
-    trail = content.trail
-    robot = world.robots[0]
-    # The start's disc is drawn under the lines, because a cycle often leads through it; its heading
-    # is drawn above.
-    parts += [*(swept_parts(trail, frame, robot) if trail else ()), *_start_disc(world, frame)]
-    parts += [*(trail_parts(trail, frame, robot) if trail else ()), *_start_heading(world, frame)]
-    if trail:
-        parts += above_the_trail(trail.disturbances, frame, world.cell_size)
-        parts += lines_of_memory(trail.memory, frame)
-        parts += [
-            *pierced_parts(trail.pierced, world.walls.shape, frame),
-            *breach_crosses(trail.pierced, frame),
-        ]
-    return [*parts, *_target(world, frame)]
+    parts: list[Primitive] = [_band(content.frame)]
+    for name, mark in MARKS.items():
+        if name in _DRAWN and (mark.on_cards or not content.view.is_card):
+            parts += _DRAWN[name](content, mark)
+    return parts
 
 
 def _box(left: float, top: float, right: float, bottom: float, fill: str) -> DrawnLine:
@@ -176,13 +157,21 @@ def _band(frame: Frame) -> DrawnLine:
         frame.top - band,
         frame.left + frame.width + band,
         frame.bottom + band,
-        WALL,
+        hue("wall"),
     )
 
 
-def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
-    if not signal:
-        return [_box(frame.left, frame.top, frame.left + frame.width, frame.bottom, FLOOR)]
+def _floor(content: Content, mark: Mark) -> list[Primitive]:
+    frame = content.frame
+    fill = hue(mark.colour)
+    return [_box(frame.left, frame.top, frame.left + frame.width, frame.bottom, fill)]
+
+
+def _signal(content: Content, mark: Mark) -> list[Primitive]:
+    if not content.view.signal:
+        return []
+    world = content.world
+    frame = content.frame
     target = world.target
     x, y = frame.to_pixels(target.x, target.y)
     width = world.width * world.cell_size
@@ -191,113 +180,229 @@ def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
         math.hypot(max(target.x, width - target.x), max(target.y, height - target.y)) * frame.scale
     )
     near = max(target.radius * frame.scale, 2.0 * frame.unit)
-    parts: list[Primitive] = [Glow(x, y, near, max(far, near * 1.01), FULL_TINT, FLOOR)]
+    parts: list[Primitive] = [Glow(x, y, near, max(far, near * 1.01), mark.full_tint, hue("floor"))]
     ring = near
     gap = 12.0 * frame.unit
-    line = Paint(stroke=TARGET, width=1.0 * frame.unit, opacity=0.22)
     while ring < far:
         # The signal halves here.
         ring *= math.sqrt(2.0)
         if ring * (1.0 - math.sqrt(0.5)) >= gap:
-            parts.append(DrawnCircle(x, y, ring, line, clipped=True))
+            parts.append(DrawnCircle(x, y, ring, mark.line(frame.unit), clipped=True))
     return parts
 
 
-def _changes(changes: Changes, frame: Frame) -> list[Primitive]:
-    unit = frame.unit
-    # Below this size the stripes of a cell would run together.
-    stripes = 7.0 * unit if frame.cell >= 4.0 * unit else 0.0
-    parts: list[Primitive] = []
-    for mask, colour in ((changes.closes, GREY), (changes.burns, FIRE)):
-        if mask.any():
-            parts.append(DrawnCells(mask, colour, opacity=0.30))
-            if stripes:
-                parts.append(DrawnCells(mask, colour, opacity=0.85, hatch=stripes))
+def _drift(content: Content, mark: Mark) -> list[Primitive]:
+    trail = content.trail
+    return under_the_walls(trail.disturbances, content.frame) if trail else []
+
+
+def _missed(content: Content, mark: Mark) -> list[Primitive]:
+    return missed_cells(content.trail.missed, content.frame) if content.trail else []
+
+
+def _remembered(content: Content, mark: Mark) -> list[Primitive]:
+    return floor_of_memory(content.trail.memory, content.frame) if content.trail else []
+
+
+def _walls(content: Content, mark: Mark) -> list[Primitive]:
+    return [DrawnCells(content.world.walls, hue(mark.colour))]
+
+
+def _cells(mask: Bools, mark: Mark, frame: Frame) -> list[Primitive]:
+    """Return cells with a tint and stripes; below some size the stripes would run together."""
+    if not mask.any():
+        return []
+    colour = hue(mark.colour)
+    parts: list[Primitive] = [DrawnCells(mask, colour, opacity=mark.fill)]
+    if frame.cell >= 4.0 * frame.unit:
+        stripes = mark.size * frame.unit
+        parts.append(DrawnCells(mask, colour, opacity=mark.opacity, hatch=stripes))
+    return parts
+
+
+def _burns(content: Content, mark: Mark) -> list[Primitive]:
+    return _cells(content.changes.burns, mark, content.frame)
+
+
+def _closes(content: Content, mark: Mark) -> list[Primitive]:
+    return _cells(content.changes.closes, mark, content.frame)
+
+
+def _opens(content: Content, mark: Mark) -> list[Primitive]:
+    opens = content.changes.opens
+    unit = content.frame.unit
     # Dotted outlines of very many corners would only make the file large.
-    if changes.opens.any() and corner_count(changes.opens) <= MOST_CORNERS:
-        dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
-        for line in outlines(changes.opens):
-            parts.append(DrawnLine(frame.corners(line), dotted, closed=True))
-    return parts
-
-
-def _certificate(world: World, frame: Frame) -> list[Primitive]:
-    unit = frame.unit
-    proof = world.certificate
-    if isinstance(proof, Witness) and len(proof.x) > 1:
-        points = frame.points(np.column_stack((proof.x, proof.y)))
-        return [
-            DrawnLine(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit))),
-            *witness_parts(world, proof, frame),
-        ]
-    if isinstance(proof, JointWitness):
-        return joint_witness_parts(proof, frame)
-    if isinstance(proof, Cut) and len(proof.cells):
-        points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
-        # The light casing makes the cut visible on both walls and floor.
-        casing = DrawnLine(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
-        return [casing, DrawnLine(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
-    return []
-
-
-def _onto_the_border(points: Floats, frame: Frame) -> Floats:
-    """Return the cut's cells outside the grid, drawn on the wall around it, off the caption."""
-    beyond = BAND / 2 * frame.unit
-    corner = np.array((frame.left, frame.top))
-    ends = corner + np.array((frame.width, frame.height))
-    clipped: Floats = np.clip(points, corner - beyond, ends + beyond)
-    return clipped
-
-
-def _target(world: World, frame: Frame) -> list[Primitive]:
-    unit = frame.unit
-    x, y = frame.to_pixels(world.target.x, world.target.y)
-    radius = max(world.target.radius * frame.scale, 5.0 * unit)
-    reach = radius + 6.0 * unit
-    parts = waypoint_parts(world.robots[0], TARGET, frame)
-    parts.append(DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75)))
-    strokes = (Paint(stroke=PAPER, width=5.0 * unit), Paint(stroke=TARGET, width=2.4 * unit))
-    parts += ring_and_cross(x, y, radius, reach, strokes)
-    return [*parts, *_goal(world, frame, reach)]
-
-
-def _goal(world: World, frame: Frame, reach: float) -> list[Primitive]:
-    """Return the goal's heading, and the outline of a body that stands there."""
-    robot = world.robots[0]
-    target = world.target
-    if target.heading is None:
+    if not opens.any() or corner_count(opens) > MOST_CORNERS:
         return []
+    dotted = Paint(stroke=hue("floor"), width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
+    return [DrawnLine(content.frame.corners(line), dotted, closed=True) for line in outlines(opens)]
+
+
+def _touched(content: Content, mark: Mark) -> list[Primitive]:
+    solid = content.world.walls | content.changes.closes
+    robots = [content.robot(number) for number in range(len(content.trails))]
+    return touched_parts(content.trails, solid, robots, content.frame)
+
+
+def _cut(content: Content, mark: Mark) -> list[Primitive]:
+    proof = content.world.certificate
+    if not content.view.witness or not isinstance(proof, Cut) or not len(proof.cells):
+        return []
+    return cut_chain(proof, content.frame, mark)
+
+
+def _cut_poses(content: Content, mark: Mark) -> list[Primitive]:
+    proof = content.world.certificate
+    if not content.view.witness or not isinstance(proof, Cut) or proof.boxes is None:
+        return []
+    shares = blocked_share(content.world, proof.boxes)
+    colour = hue(mark.colour)
+    some = (shares > 0.0) & (shares < 1.0)
+    stripes = mark.size * content.frame.unit
+    return [
+        DrawnCells(some, colour, opacity=0.35 * mark.fill),
+        DrawnCells(shares >= 1.0, colour, opacity=mark.fill),
+        DrawnCells(shares >= 1.0, colour, opacity=mark.opacity, hatch=stripes),
+    ]
+
+
+def _witness(content: Content, mark: Mark) -> list[Primitive]:
+    proof = content.world.certificate
+    if not content.view.witness or not isinstance(proof, Witness | JointWitness):
+        return []
+    paths = proof.paths if isinstance(proof, JointWitness) else (proof,)
+    world = content.world
     parts: list[Primitive] = []
-    if not robot.is_disc:
-        dashed = Paint(stroke=TARGET, width=1.4 * frame.unit, dash=(4.0 * frame.unit,) * 2)
-        parts += body_shapes(robot, BodyPose(target.x, target.y, target.heading), frame, (dashed,))
-    return [*parts, *goal_wedge(target, frame, reach)]
-
-
-def _start_disc(world: World, frame: Frame) -> list[Primitive]:
-    """Return the robot's body, true to scale; if it is too small to see, a ring marks it."""
-    unit = frame.unit
-    robot = world.robots[0]
-    if not robot.is_disc:
-        pose = BodyPose(world.start.x, world.start.y, world.start.heading)
-        return solid_body(robot, pose, frame, colour=START, tint=0.45, width=2.0)
-    x, y = frame.to_pixels(world.start.x, world.start.y)
-    radius = world.robot_radius * frame.scale
-    shown = max(radius, 3.0 * unit)
-    parts = robot_disc(x, y, shown, unit, colour=START, tint=0.45, width=2.0)
-    if radius < HIDDEN * unit:
-        parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=PAPER, width=4.5 * unit)))
-        parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=START, width=2.2 * unit)))
+    for number, (robot, path) in enumerate(zip(world.robots, paths, strict=False)):
+        colour = content.colour("start", number)
+        parts += witness_parts(world, robot, path, content.frame, colour)
     return parts
 
 
-def _start_heading(world: World, frame: Frame) -> list[Primitive]:
-    """Return a tick on the rim of the start's disc, or of its ring; a body has its own mark."""
-    if not world.robots[0].is_disc:
-        return []
-    x, y = frame.to_pixels(world.start.x, world.start.y)
-    rim = world.robot_radius * frame.scale
-    if rim < HIDDEN * frame.unit:
-        rim = FINDER * frame.unit
-    paint = Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit)
-    return [heading_tick(x, y, rim, world.start.heading, paint)]
+def _of_robots(
+    draw: Callable[[Robot, Frame, str], Iterable[Primitive]], name: str
+) -> Callable[[Content, Mark], list[Primitive]]:
+    """Return a function that draws something of each robot in its colour."""
+
+    def drawn(content: Content, mark: Mark) -> list[Primitive]:
+        return [
+            part
+            for number, robot in enumerate(content.world.robots)
+            for part in draw(robot, content.frame, content.colour(name, number))
+        ]
+
+    return drawn
+
+
+def _of_trails(
+    draw: Callable[[Trail, Frame, Robot, str], Iterable[Primitive]], name: str = "loop"
+) -> Callable[[Content, Mark], list[Primitive]]:
+    """Return a function that draws something of each trail in its robot's colour."""
+
+    def drawn(content: Content, mark: Mark) -> list[Primitive]:
+        return [
+            part
+            for number, trail in enumerate(content.trails)
+            for part in draw(
+                trail, content.frame, content.robot(number), content.colour(name, number)
+            )
+        ]
+
+    return drawn
+
+
+def _pierced(content: Content, mark: Mark) -> list[Primitive]:
+    shape = content.world.walls.shape
+    return [
+        part
+        for trail in content.trails
+        for part in pierced_parts(trail.pierced, shape, content.frame)
+    ]
+
+
+def _breach(content: Content, mark: Mark) -> list[Primitive]:
+    return [
+        part for trail in content.trails for part in breach_crosses(trail.pierced, content.frame)
+    ]
+
+
+def _pushed(content: Content, mark: Mark) -> list[Primitive]:
+    cell = content.world.cell_size
+    return [
+        part
+        for trail in content.trails
+        for part in above_the_trail(trail.disturbances, content.frame, cell)
+    ]
+
+
+def _memory(content: Content, mark: Mark) -> list[Primitive]:
+    return lines_of_memory(content.trail.memory, content.frame) if content.trail else []
+
+
+def _plan(content: Content, mark: Mark) -> list[Primitive]:
+    return plan_of_memory(content.trail.memory, content.frame) if content.trail else []
+
+
+def _blocked(content: Content, mark: Mark) -> list[Primitive]:
+    trails = content.trails
+    return [
+        part
+        for number, trail in enumerate(trails)
+        for other in trail.blocked_by
+        if 0 < other <= len(trails)
+        for part in blocked_parts(content.robot(number), trail, trails[other - 1], content.frame)
+    ]
+
+
+def _numbers(content: Content, mark: Mark) -> list[Primitive]:
+    if not content.has_several:
+        robot = content.world.robots[0]
+        return waypoint_numbers(robot, content.frame, content.colour("target", 0))
+    parts: list[Primitive] = []
+    for number, robot in enumerate(content.world.robots if content.world.is_fleet else ()):
+        parts += target_number(robot, number, content.frame)
+        if not content.trails:
+            parts += start_number(robot, number, content.frame)
+    for number, trail in enumerate(content.trails):
+        parts += end_number(trail, number, content.frame)
+    return parts
+
+
+def _named(content: Content, mark: Mark) -> list[Primitive]:
+    return named_parts(content.named, content.frame) if content.named else []
+
+
+_DRAWN: Mapping[str, Callable[[Content, Mark], list[Primitive]]] = {
+    "floor": _floor,
+    "signal": _signal,
+    "drift": _drift,
+    "missed": _missed,
+    "remembered": _remembered,
+    "wall": _walls,
+    "burns": _burns,
+    "closes": _closes,
+    "opens": _opens,
+    "touched": _touched,
+    "cut": _cut,
+    "cut-poses": _cut_poses,
+    "band": _of_trails(band_parts),
+    "start": _of_robots(start_parts, "start"),
+    "end": _of_trails(end_parts, "end"),
+    "witness": _witness,
+    "trail": _of_trails(run_parts),
+    "approach": _of_trails(approach_parts),
+    "body": _of_trails(body_parts),
+    "loop": _of_trails(loop_parts),
+    "heading": _of_robots(start_heading, "start"),
+    "pushed": _pushed,
+    "memory": _memory,
+    "plan": _plan,
+    "pierced": _pierced,
+    "overlap": _of_trails(overlap_parts),
+    "breach": _breach,
+    "target": _of_robots(target_parts, "target"),
+    "blocked": _blocked,
+    "number": _numbers,
+    "named": _named,
+}
+"""Draws a mark, by its name in ``marks.json``, which has their order."""

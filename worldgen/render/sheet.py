@@ -13,18 +13,15 @@ from PIL import Image, ImageDraw, ImageFont
 from worldgen.errors import InvalidParameter
 from worldgen.render.caption import BAR, scale_bar
 from worldgen.render.disturbance_parts import above_the_trail
-from worldgen.render.fleet_parts import colour_of
+from worldgen.render.event_window import event_window
 from worldgen.render.frame import Frame
+from worldgen.render.marks import SPECIFICATION, darker, hue, rgb
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import GREY, INK, PAPER, mix, rgb
 from worldgen.render.png import draw_parts
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
-from worldgen.render.scene import map_parts
+from worldgen.render.scene import card_parts
 from worldgen.world import World
-
-# Okabe and Ito's colours, without those that a map uses for start and target.
-COLOURS = ("#D55E00", "#56B4E9", "#CC79A7", "#E69F00", "#000000", "#8A6D00", "#7A3B9A", "#5F6773")
 
 # Longer side of a map, px.
 _PANEL = 300
@@ -79,13 +76,13 @@ def draw_sheet(
     # Refuse what cannot be drawn.
     if not panels:
         raise InvalidParameter("empty", "there is no world to draw", "pass at least one")
-    if len(robots) > len(COLOURS):
+    if len(robots) > len(SPECIFICATION.series):
         raise InvalidParameter(
             "too-many-robots",
             "{robots} robots are more than a picture can distinguish",
             "use at most {most}",
             robots=len(robots),
-            most=len(COLOURS),
+            most=len(SPECIFICATION.series),
         )
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
     # Draw the panels, and arrange them in rows.
@@ -99,7 +96,7 @@ def draw_sheet(
     if robots:
         wide = max(wide, math.ceil(_legend_width(robots)))
         top += _LINE + _GAP
-    sheet = Image.new("RGB", (wide + _GAP, top + sum(heights)), PAPER)
+    sheet = Image.new("RGB", (wide + _GAP, top + sum(heights)), hue("paper"))
     if robots:
         _draw_legend(sheet, robots)
     # Paste the panels.
@@ -113,19 +110,20 @@ def draw_sheet(
 
 
 def _panel(panel: Panel, pixels: int) -> Image.Image:
-    # Draw the map with the robots' paths.
-    frame = Frame.of(panel.world, pixels)
-    parts = map_parts(panel.world, frame)
-    for k, shown in enumerate(panel.trails):
-        shift = (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
-        colour = COLOURS[k]
-        # Robots of one world have the colours of their starts, and their paths never coincide.
-        if panel.world.is_fleet and not isinstance(shown, list):
-            shift = 0.0
-            colour = colour_of(k)
-        for trail in shown if isinstance(shown, list) else [shown]:
-            parts += _way(trail, frame, shift, colour)
-            parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
+    # One run is drawn as every failure is, of several each path has a colour of its own.
+    world = panel.world
+    alone = [trail for trail in panel.trails if isinstance(trail, Trail)]
+    if len(alone) == len(panel.trails) and (world.is_fleet or len(alone) < 2):
+        frame = Frame.of(world, pixels, window=event_window(world, alone, pixels))
+        parts = card_parts(world, alone, frame)
+    else:
+        frame = Frame.of(world, pixels)
+        parts = card_parts(world, (), frame)
+        for k, shown in enumerate(panel.trails):
+            shift = (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
+            for trail in shown if isinstance(shown, list) else [shown]:
+                parts += _way(trail, frame, shift, series_colour(k))
+                parts += above_the_trail(trail.disturbances, frame, world.cell_size)
     size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
     picture = draw_parts(parts, frame, size)
     box = (
@@ -141,17 +139,22 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     # A narrow world keeps its text.
     width = max(chart.width, min(math.ceil(text), pixels))
     below = _LINE + chart.height + _BAR_ROOM
-    image = Image.new("RGB", (width, below + _LINE * len(panel.notes)), PAPER)
+    image = Image.new("RGB", (width, below + _LINE * len(panel.notes)), hue("paper"))
     image.paste(chart, (0, _LINE))
     pen = ImageDraw.Draw(image)
     _draw_scale(pen, frame, chart.width, below)
-    pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
+    pen.text((0, _LINE - 6), panel.title, fill=rgb(hue("ink")), font=font, anchor="ls")
     for k, note in enumerate(panel.notes):
         baseline = below + (k + 1) * _LINE - 6
         pen.text(
-            (0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls"
+            (0, baseline), note, fill=rgb(darker(series_colour(k), 0.25)), font=font, anchor="ls"
         )
     return image
+
+
+def series_colour(number: int) -> str:
+    """Return the colour of one of several controllers, given its index."""
+    return hue(SPECIFICATION.series[number])
 
 
 def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int) -> None:
@@ -162,8 +165,8 @@ def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int)
     words = f"{metres:g} m"
     low = bottom - 7
     bar = ((1, low - 5), (1, low), (1 + length, low), (1 + length, low - 5))
-    pen.line(bar, fill=rgb(INK), width=2)
-    pen.text((7 + length, low + 1), words, fill=rgb(INK), font=font, anchor="ls")
+    pen.line(bar, fill=rgb(hue("ink")), width=2)
+    pen.text((7 + length, low + 1), words, fill=rgb(hue("ink")), font=font, anchor="ls")
 
 
 def _way(trail: Trail, frame: Frame, shift: float, colour: str) -> list[Primitive]:
@@ -174,9 +177,9 @@ def _way(trail: Trail, frame: Frame, shift: float, colour: str) -> list[Primitiv
         points = np.repeat(points, 2, axis=0)
     x, y = (float(value) for value in points[-1])
     return [
-        DrawnLine(points, Paint(stroke=PAPER, width=_WIDTH + 1.4, opacity=0.6)),
+        DrawnLine(points, Paint(stroke=hue("paper"), width=_WIDTH + 1.4, opacity=0.6)),
         DrawnLine(points, Paint(stroke=colour, width=_WIDTH)),
-        DrawnCircle(x, y, 4.5, Paint(fill=colour, stroke=PAPER, width=1.2)),
+        DrawnCircle(x, y, 4.5, Paint(fill=colour, stroke=hue("paper"), width=1.2)),
     ]
 
 
@@ -192,7 +195,7 @@ def _draw_legend(sheet: Image.Image, robots: Sequence[str]) -> None:
     x = float(_GAP)
     y = _GAP + _LINE / 2
     for k, name in enumerate(robots):
-        pen.line((x, y, x + 26, y), fill=rgb(COLOURS[k]), width=4)
-        pen.text((x + 34, y), name, fill=rgb(INK), font=font, anchor="lm")
+        pen.line((x, y, x + 26, y), fill=rgb(series_colour(k)), width=4)
+        pen.text((x + 34, y), name, fill=rgb(hue("ink")), font=font, anchor="lm")
         x += 34 + font.getlength(name) + 26
-    pen.text((x, y), _DOT, fill=rgb(GREY), font=font, anchor="lm")
+    pen.text((x, y), _DOT, fill=rgb(hue("quiet")), font=font, anchor="lm")

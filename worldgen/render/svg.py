@@ -13,9 +13,9 @@ from PIL import Image
 from worldgen.render.caption import printable
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS
+from worldgen.render.marks import mix, rgb
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trails
-from worldgen.render.palette import mix, rgb
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
 from worldgen.render.scene import Picture, compose
 from worldgen.support.arrays import Floats, Ints

@@ -14,22 +14,8 @@ import numpy as np
 from worldgen.render.body_parts import BodyPose, outline
 from worldgen.render.caption import facts
 from worldgen.render.content import Changes
+from worldgen.render.marks import MARKS, SPECIFICATION, hue, mix, rgb
 from worldgen.render.overlay import Trail, Trails, each_trail
-from worldgen.render.palette import (
-    APPROACH,
-    FIRE,
-    FLOOR,
-    FULL_TINT,
-    GREY,
-    LOOP,
-    NAMED,
-    START,
-    TARGET,
-    TUNNEL,
-    WALL,
-    mix,
-    rgb,
-)
 from worldgen.render.polyline import along, arc_length
 from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.plain_text import Styled, shown
@@ -46,8 +32,7 @@ _FRAME = 2
 _TARGETS = "ABCDEFGHI"
 # Letters of the first waypoints of a single robot.
 _NUMBERS = "123456789"
-# The signal's steps if only 256 colours are available: the steps of one hue, and where each ends.
-BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
+# Where each step of the signal ends if only 256 colours are available.
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 
 # The meaning of a dot; a higher number hides a lower one.
@@ -67,19 +52,19 @@ class Sign:
 
 
 SIGNS = {
-    FREE: Sign(".", FLOOR),
-    PARTLY: Sign("%", mix(FLOOR, WALL, 0.6), "partly solid"),
-    SOLID: Sign("#", WALL),
-    CLOSES: Sign("x", mix(FLOOR, GREY, 0.6), "closes later"),
-    BURNS: Sign("^", mix(FLOOR, FIRE, 0.7), "burns"),
-    OPENS: Sign("-", GREY, "opens later"),
-    WITNESS: Sign(",", mix(FLOOR, START, 0.6), "a path that fits"),
-    WAY: Sign("*", APPROACH, "trail"),
-    LOOPS: Sign("o", LOOP, "loop"),
-    START_DOT: Sign("S", START, "start"),
-    TARGET_DOT: Sign("G", TARGET, "target"),
-    TUNNELS: Sign("!", TUNNEL, "through a wall"),
-    NAMED_CELL: Sign("?", NAMED, "cell named in the text"),
+    FREE: Sign(".", hue("floor")),
+    PARTLY: Sign("%", mix(hue("floor"), hue("wall"), 0.6), "partly solid"),
+    SOLID: Sign("#", hue("wall")),
+    CLOSES: Sign("x", mix(hue("floor"), hue("quiet"), 0.6), "closes later"),
+    BURNS: Sign("^", mix(hue("floor"), hue("fire"), 0.7), "burns"),
+    OPENS: Sign("-", hue("quiet"), "opens later"),
+    WITNESS: Sign(",", mix(hue("floor"), hue("start"), 0.6), "a path that fits"),
+    WAY: Sign("*", mix(hue("floor"), hue("loop"), MARKS["approach"].fade[-1]), "trail"),
+    LOOPS: Sign("o", hue("loop"), "loop"),
+    START_DOT: Sign("S", hue("start"), "start"),
+    TARGET_DOT: Sign("G", hue("target"), "target"),
+    TUNNELS: Sign("!", hue("breach"), "through a wall"),
+    NAMED_CELL: Sign("?", hue("named"), "cell named in the text"),
 }
 
 # Order of the entries in the key.
@@ -339,15 +324,19 @@ def _colours(dots: Bytes, grid: _Grid, world: World, *, deep: bool) -> Bytes:
     ratio = np.log(square / world.target.radius**2)
     share = ratio / max(float(ratio.max()), 1e-9)
     if deep:
-        tint = np.array(rgb(FULL_TINT), np.float64)
-        floor = np.rint(tint + share[:, :, None] * (np.array(rgb(FLOOR)) - tint)).astype(np.uint8)
+        tint = np.array(rgb(MARKS["signal"].full_tint), np.float64)
+        floor = np.rint(tint + share[:, :, None] * (np.array(rgb(hue("floor"))) - tint)).astype(
+            np.uint8
+        )
     else:
-        floor = np.array([rgb(blue) for blue in BLUES], np.uint8)[np.searchsorted(BLUE_ENDS, share)]
+        floor = np.array([rgb(blue) for blue in SPECIFICATION.blues], np.uint8)[
+            np.searchsorted(BLUE_ENDS, share)
+        ]
     free = dots == FREE
     colours[free] = floor[free]
     part = dots == PARTLY
     solid = (0.35 + 0.65 * grid.shrunk(world.walls))[:, :, None]
-    shade = np.rint(floor + solid * (np.array(rgb(WALL)) - floor)).astype(np.uint8)
+    shade = np.rint(floor + solid * (np.array(rgb(hue("wall"))) - floor)).astype(np.uint8)
     colours[part] = shade[part]
     return colours
 

@@ -1,33 +1,25 @@
-"""Draw a run on the map.
-
-It consists of the path, the endless cycle, the robot's size, and the walls that it hit.
-"""
+"""Draw a run on the map: the path, the endless period, where it ends, and the walls it hit."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from worldgen.render.body_parts import BodyPose, body_shapes, front_mark, spread_poses
-from worldgen.render.frame import Frame
-from worldgen.render.overlay import Trail, WallPenetration
-from worldgen.render.palette import (
-    APPROACH,
-    FLOOR,
-    INK,
-    LOOP,
-    LOOP_HEAD,
-    PAPER,
-    PIERCED,
-    SWEPT,
-    TUNNEL,
-    mix,
+from worldgen.render.body_parts import (
+    BodyPose,
+    body_shapes,
+    front_mark,
+    nearest_cells,
+    spread_poses,
 )
-from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
+from worldgen.render.frame import Frame
+from worldgen.render.marks import MARKS, hue, mix
+from worldgen.render.overlay import Trail, WallPenetration
+from worldgen.render.polyline import along, arc_length, arrow_places, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
-from worldgen.support.arrays import Floats
+from worldgen.support.arrays import Bools, Floats
 from worldgen.world import Robot
 
 # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
@@ -38,118 +30,172 @@ MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
 # Outlines that together are the floor which a body covers.
 MOST_SWEPT = 90
-# More bumps than this would hide the map, and overlapping ones merge anyway.
+# Limit on the marks of one kind; more would hide the map, and overlapping ones merge anyway.
 MOST_DOTS = 400
+# Share of the floor's colour in a wall that the robot entered, so that its stripes stand out.
+_LIGHTER = 0.6
 
 
-def swept_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
-    """Return the floor that the robot's body covers in its cycle.
-
-    It shows which gaps the body does not fit through.
-
-    Args:
-        trail: The run.
-        frame: The map's place in the picture.
-        robot: The robot.
-    """
-    robot_radius = robot.radius
-    if trail.loop_from is None or stays_put(trail, frame, robot_radius):
+def band_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the floor that the robot's body covers in its period: the gaps it does not fit through."""
+    mark = MARKS["band"]
+    if trail.loop_from is None or stays_put(trail, frame, robot):
         return []
     if not robot.is_disc and trail.headings is not None:
         rows = np.unique(np.linspace(trail.loop_from, len(trail.x) - 1, MOST_SWEPT).astype(int))
-        paint = Paint(fill=SWEPT, opacity=0.3)
+        # Their outlines overlap, so each has the colour of what they cover together.
+        paint = Paint(fill=mix(hue("floor"), colour, mark.fill), opacity=0.3)
         return [
             part for row in rows for part in body_shapes(robot, _pose(trail, row), frame, (paint,))
         ]
-    width = 2.0 * robot_radius * frame.scale
-    return [
-        DrawnLine(_thinned(frame.points(trail.loop)), Paint(stroke=SWEPT, width=width, opacity=0.6))
+    width = 2.0 * robot.radius * frame.scale
+    paint = Paint(stroke=colour, width=width, opacity=mark.fill)
+    return [DrawnLine(_thinned(frame.points(trail.loop)), paint)]
+
+
+def end_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the robot where its run ended, below its path, with its heading if that is known."""
+    mark = MARKS["end"]
+    unit = frame.unit
+    last = len(trail.x) - 1
+    if not robot.is_disc and trail.headings is not None:
+        pose = _pose(trail, last)
+        paints = (mark.inside(colour), mark.line(unit, colour))
+        return [*body_shapes(robot, pose, frame, paints), *front_mark(robot, pose, frame, colour)]
+    places = trail.places("end")
+    x, y = frame.points(places[:1] if len(places) else trail.points[-1:])[0].tolist()
+    radius = max((robot.radius if robot.is_disc else robot.inner_radius) * frame.scale, mark.size)
+    parts: list[Primitive] = [
+        DrawnCircle(x, y, radius, mark.inside(colour)),
+        DrawnCircle(x, y, radius, mark.line(unit, colour)),
     ]
+    if trail.headings is not None:
+        tick = Paint(stroke=colour, width=MARKS["heading"].width * unit)
+        parts.append(heading_tick(x, y, radius, float(trail.headings[last]), tick))
+    return parts
+
+
+def approach_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the path into the period, which fades in."""
+    if trail.loop_from is None:
+        return []
+    return _fading(_thinned(frame.points(trail.approach)), "approach", colour, frame.unit)
+
+
+def run_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the path of a run without a period, which fades in."""
+    if trail.loop_from is not None:
+        return []
+    points = _thinned(frame.points(trail.points))
+    unit = frame.unit
+    heads = _heads(
+        points, "trail", colour, unit, max(90.0 * unit, float(arc_length(points)[-1]) / 14)
+    )
+    return [*_fading(points, "trail", colour, unit), *heads]
+
+
+def loop_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return one period as a closed line with one arrow, or a spot if it is too small to see."""
+    if trail.loop_from is None:
+        return []
+    points = _thinned(frame.points(trail.loop))
+    unit = frame.unit
+    if stays_put(trail, frame, robot):
+        return _spot(points[0], robot.inner_radius * frame.scale, colour, unit)
+    length = float(arc_length(points)[-1])
+    lines: list[Primitive] = [
+        DrawnLine(points, paint) for paint in MARKS["loop"].lines(unit, colour)
+    ]
+    return [*lines, *_heads(points, "loop", colour, unit, max(length, 1.0))]
+
+
+def body_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return a few outlines of a body along its period, or its whole path."""
+    if robot.is_disc or trail.headings is None:
+        return []
+    begin = trail.loop_from or 0
+    mark = MARKS["body"]
+    poses = spread_poses(
+        trail.x[begin:], trail.y[begin:], trail.headings[begin:], robot.radius, MOST_FOOTPRINTS
+    )
+    paints = (mark.inside(colour), mark.line(frame.unit, colour))
+    return [part for pose in poses for part in body_shapes(robot, pose, frame, paints)]
+
+
+def touched_parts(
+    trails: Sequence[Trail], walls: Bools, robots: Sequence[Robot], frame: Frame
+) -> list[Primitive]:
+    """Return a line along each side of a wall cell that a robot touches where the trails have bumps.
+
+    Args:
+        trails: A path of each robot.
+        walls: (height, width) bool, the cells that are solid at some time.
+        robots: The robots.
+        frame: The map's place in the picture.
+    """
+    mark = MARKS["touched"]
+    cell_size = frame.cell / frame.scale
+    sides: dict[tuple[int, int, int, int], None] = {}
+    for trail, robot in zip(trails, robots, strict=False):
+        bumps = [one for one in trail.marks if one.kind == "bump"]
+        for one in bumps[:: max(1, -(-len(bumps) // MOST_DOTS))]:
+            pose = BodyPose(one.x, one.y, one.heading or 0.0)
+            for cell in nearest_cells(walls, robot, pose, cell_size):
+                sides.update(dict.fromkeys(_facing(cell, one.x / cell_size, one.y / cell_size)))
+    width = min(mark.width * frame.unit, 0.4 * frame.cell)
+    paint = Paint(stroke=hue(mark.colour), width=width)
+    inset = 0.5 * width / frame.cell
+    parts: list[Primitive] = []
+    height, across = walls.shape
+    for ix, iy, dx, dy in sides:
+        # Between two walls there is nothing to touch.
+        if not (0 <= ix + dx < across and 0 <= iy + dy < height) or walls[iy + dy, ix + dx]:
+            continue
+        # Just inside the wall, from one of its corners to the next.
+        middle = np.array((ix + 0.5 + (0.5 - inset) * dx, iy + 0.5 + (0.5 - inset) * dy))
+        along = (0.5 - inset) * np.array((abs(dy), abs(dx)))
+        parts.append(DrawnLine(frame.corners((middle - along, middle + along)), paint))
+    return parts
+
+
+def _facing(cell: tuple[int, int], x: float, y: float) -> list[tuple[int, int, int, int]]:
+    """Return the sides of a cell that face a place: its indices, and the side's direction."""
+    ix, iy = cell
+    across = -1 if x < ix else int(x > ix + 1)
+    up = -1 if y < iy else int(y > iy + 1)
+    return [(ix, iy, dx, dy) for dx, dy in ((across, 0), (0, up)) if dx or dy]
+
+
+def overlap_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the robot where it cut a wall, in true size at the first places, and crosses."""
+    unit = frame.unit
+    mark = MARKS["overlap"]
+    paints = mark.lines(unit)
+    is_body = not robot.is_disc and trail.headings is not None
+    parts: list[Primitive] = []
+    if is_body:
+        poses = [
+            BodyPose(one.x, one.y, one.heading)
+            for one in trail.marks
+            if one.kind == "overlap" and one.heading is not None
+        ]
+        for pose in poses[:MOST_FOOTPRINTS]:
+            parts += body_shapes(robot, pose, frame, paints)
+    for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
+        # Only the first places are drawn in true size, so that many of them don't cover the map.
+        is_large = index < MOST_FOOTPRINTS and not is_body
+        reach = max(robot.radius * frame.scale, mark.size * unit) if is_large else 3.0 * unit
+        parts += [DrawnCircle(x, y, reach, paint) for paint in paints]
+    # After a pierced wall, crossings are not tunnels.
+    tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
+    for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
+        parts += breach_cross(x, y, unit)
+    return parts
 
 
 def _pose(trail: Trail, row: int) -> BodyPose:
     assert trail.headings is not None
     return BodyPose(float(trail.x[row]), float(trail.y[row]), float(trail.headings[row]))
-
-
-def body_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
-    """Return a few outlines of a body along its trail, and the body at the end, lowest first.
-
-    Args:
-        trail: The run, with headings.
-        frame: The map's place in the picture.
-        robot: The robot, which has a footprint.
-    """
-    assert trail.headings is not None
-    unit = frame.unit
-    begin = trail.loop_from or 0
-    parts: list[Primitive] = []
-    thin = (Paint(fill=LOOP, opacity=0.08), Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6))
-    for pose in spread_poses(
-        trail.x[begin:], trail.y[begin:], trail.headings[begin:], robot.radius, MOST_FOOTPRINTS
-    ):
-        parts += body_shapes(robot, pose, frame, thin)
-    end = _pose(trail, len(trail.x) - 1)
-    strong = (
-        Paint(stroke=PAPER, width=4.4 * unit, opacity=0.8),
-        Paint(fill=LOOP, opacity=0.3),
-        Paint(stroke=LOOP, width=2.0 * unit),
-    )
-    return [*parts, *body_shapes(robot, end, frame, strong), *front_mark(robot, end, frame, LOOP)]
-
-
-def _overlap_outlines(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
-    """Return the outlines of a body at the first places where it cut a wall, if it is known how."""
-    unit = frame.unit
-    paints = (
-        Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8),
-        Paint(stroke=TUNNEL, width=2.6 * unit),
-    )
-    poses = [
-        BodyPose(mark.x, mark.y, mark.heading)
-        for mark in trail.marks
-        if mark.kind == "overlap" and mark.heading is not None
-    ]
-    first = poses[:MOST_FOOTPRINTS]
-    return [part for pose in first for part in body_shapes(robot, pose, frame, paints)]
-
-
-def trail_parts(trail: Trail, frame: Frame, robot: Robot) -> list[Primitive]:
-    """Return the lines, footprints and marks of a trail, lowest first.
-
-    Args:
-        trail: The run.
-        frame: The map's place in the picture.
-        robot: The robot.
-    """
-    robot_radius = robot.radius
-    # Bodies are drawn by their outlines; their discs would be far too large.
-    is_body = not robot.is_disc and trail.headings is not None
-    if is_body:
-        robot_radius = robot.inner_radius
-    outlines = body_parts(trail, frame, robot) if is_body else []
-    radius = robot_radius * frame.scale
-    unit = frame.unit
-    approach = _thinned(frame.points(trail.approach))
-    parts: list[Primitive] = []
-    # Without a loop, there is only the path and its end.
-    if trail.loop_from is None:
-        parts += _way(approach, 2.2 * unit, unit)
-        if not len(trail.places("end")) and not is_body:
-            x, y = frame.points(trail.points[-1:])[0].tolist()
-            parts += robot_at(x, y, radius, unit)
-    else:
-        if len(approach) > 1:
-            parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
-        loop = _thinned(frame.points(trail.loop))
-        still = stays_put(trail, frame, robot_radius)
-        if still:
-            parts += [] if is_body else _spot(loop[0], radius, unit)
-        else:
-            parts += _way(loop, 3.2 * unit, unit) if is_body else _cycle(loop, radius, unit)
-    if is_body:
-        outlines += _overlap_outlines(trail, frame, robot)
-    return outlines + parts + _marks(trail, frame, radius, is_body=is_body)
 
 
 def _thinned(points: Floats) -> Floats:
@@ -160,77 +206,57 @@ def _thinned(points: Floats) -> Floats:
     return points
 
 
-def _way(points: Floats, width: float, unit: float) -> list[Primitive]:
-    if len(points) < 2:
+def _fading(points: Floats, name: str, colour: str, unit: float) -> list[Primitive]:
+    """Return a line in pieces of equal length, each stronger than the one before."""
+    mark = MARKS[name]
+    lengths = arc_length(points)
+    total = float(lengths[-1])
+    if total <= 0.0:
         return []
-    casing = DrawnLine(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
-    line = DrawnLine(points, Paint(stroke=LOOP, width=width))
-    size = 2.2 * width + 4.0 * unit
-    total = float(arc_length(points)[-1])
-    # A path shorter than its arrow heads would be covered by them.
-    if total < 3.0 * size:
-        return [casing, line]
-    spacing = max(90.0 * unit, total / 14.0)
-    heads = [
-        arrow_head(x, y, angle, size, LOOP_HEAD)
-        for x, y, angle in arrow_places(points, spacing, size)
-    ]
-    return [casing, line, *heads]
-
-
-def _cycle(loop: Floats, radius: float, unit: float) -> list[Primitive]:
     parts: list[Primitive] = []
-    for x, y in _footprint_places(loop, radius):
-        parts.append(DrawnCircle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
-        parts.append(DrawnCircle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6)))
-    return parts + _way(loop, 3.2 * unit, unit)
+    if mark.casing:
+        parts.append(DrawnLine(points, mark.lines(unit)[0]))
+    bounds = total * np.arange(len(mark.fade) + 1) / len(mark.fade)
+    ends = along(points, bounds)
+    for k, share in enumerate(mark.fade):
+        inner = points[(lengths > bounds[k]) & (lengths < bounds[k + 1])]
+        piece = np.concatenate((ends[k : k + 1], inner, ends[k + 1 : k + 2]))
+        # A mixed colour, because lines with an opacity add up where a path crosses itself.
+        paint = Paint(stroke=mix(hue("floor"), colour, share), width=mark.width * unit)
+        parts.append(DrawnLine(piece, paint))
+    return parts
 
 
-def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
-    """Return True if the cycle is too small to see as a line. ``robot_radius`` in m."""
+def _heads(points: Floats, name: str, colour: str, unit: float, spacing: float) -> list[Primitive]:
+    size = 1.25 * MARKS[name].size * unit
+    # A path shorter than its arrow head would be covered by it.
+    if len(points) < 2 or float(arc_length(points)[-1]) < 2.0 * size:
+        return []
+    return [
+        arrow_head(x, y, angle, size, colour, casing=1.2 * unit)
+        for x, y, angle in arrow_places(points, spacing, 0.6 * size)
+    ]
+
+
+def stays_put(trail: Trail, frame: Frame, robot: Robot) -> bool:
+    """Return True if the period is too small to see as a line."""
     if trail.loop_from is None:
         return False
+    radius = robot.radius if robot.is_disc else robot.inner_radius
     spread = float(np.max(np.ptp(trail.loop, axis=0))) * frame.scale
-    return spread < max(3.0 * frame.unit, 0.1 * robot_radius * frame.scale)
+    return spread < max(3.0 * frame.unit, 0.1 * radius * frame.scale)
 
 
-def _spot(centre: Floats, radius: float, unit: float) -> list[Primitive]:
-    """Return a cycle on one spot as the robot's disc, without an arrow: it may be turning."""
+def _spot(centre: Floats, radius: float, colour: str, unit: float) -> list[Primitive]:
+    """Return a period on one spot as the robot's disc, without an arrow: it may be turning."""
     x = float(centre[0])
     y = float(centre[1])
-    shown = max(radius, 7.0 * unit)
+    mark = MARKS["spot"]
+    shown = max(radius, mark.size * unit)
     return [
-        DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
-        DrawnCircle(x, y, shown, Paint(stroke=PAPER, width=5.6 * unit, opacity=0.7)),
-        DrawnCircle(x, y, shown, Paint(stroke=LOOP, width=3.6 * unit)),
-        DrawnCircle(x, y, 3.0 * unit, Paint(fill=LOOP)),
-    ]
-
-
-def _footprint_places(loop: Floats, radius: float) -> Floats:
-    """Return where the robot's disc is drawn: the cycle's corners, and where it hit something."""
-    found: list[Floats] = []
-    # Show the robot at corners of the loop, if there are few that don't overlap.
-    for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
-        if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
-            found.append(point)
-        if len(found) > MOST_FOOTPRINTS:
-            break
-    if 2 <= len(found) <= MOST_FOOTPRINTS:
-        # Otherwise spread the discs evenly.
-        return np.array(found)
-    total = float(arc_length(loop)[-1])
-    count = min(MOST_FOOTPRINTS, max(1, int(total / (5.0 * radius))))
-    return along(loop, np.arange(count) * total / count)
-
-
-def robot_at(x: float, y: float, radius: float, unit: float) -> list[Primitive]:
-    """Return the robot's disc at the end of a run, with its centre."""
-    shown = max(radius, 4.0 * unit)
-    return [
-        DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
-        DrawnCircle(x, y, shown, Paint(stroke=LOOP, width=2.0 * unit)),
-        DrawnCircle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+        DrawnCircle(x, y, shown, mark.inside(colour)),
+        *(DrawnCircle(x, y, shown, paint) for paint in mark.lines(unit, colour)),
+        DrawnCircle(x, y, 3.0 * unit, Paint(fill=colour)),
     ]
 
 
@@ -247,58 +273,37 @@ def pierced_parts(
         frame: The map's place in the picture.
     """
     mask = np.zeros(shape, np.bool_)
+    mark = MARKS["pierced"]
     unit = frame.unit
     inside = [cell for cell in cells if 0 <= cell.iy < shape[0] and 0 <= cell.ix < shape[1]]
     mask[[cell.iy for cell in inside], [cell.ix for cell in inside]] = True
     parts: list[Primitive] = []
     if inside:
-        # PIERCED_GROUND on a wall.
-        parts += [DrawnCells(mask, FLOOR, opacity=0.6), DrawnCells(mask, PIERCED, opacity=0.25)]
-        parts.append(DrawnCells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
+        parts += [DrawnCells(mask, hue("floor"), opacity=_LIGHTER)]
+        parts += [DrawnCells(mask, hue(mark.colour), opacity=mark.fill)]
+        hatch = max(4.0 * unit, 0.2 * frame.cell)
+        parts.append(DrawnCells(mask, hue(mark.colour), hatch=hatch))
     for cell in cells:
         square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))
-        width = (2.0 if cell.place is None else 3.0) * unit
-        parts.append(
-            DrawnLine(frame.corners(square), Paint(stroke=PIERCED, width=width), closed=True)
-        )
+        width = (mark.width if cell.place is None else 1.5 * mark.width) * unit
+        paint = Paint(stroke=hue(mark.colour), width=width)
+        parts.append(DrawnLine(frame.corners(square), paint, closed=True))
     return parts
+
+
+def pierced_ground() -> str:
+    """Return the colour below the stripes of a wall that the robot entered."""
+    light = mix(hue("wall"), hue("floor"), _LIGHTER)
+    return mix(light, hue("pierced"), MARKS["pierced"].fill)
 
 
 def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primitive]:
     """Return a red cross wherever the robot entered a wall named by the verdict, above all else."""
     parts: list[Primitive] = []
-    unit = frame.unit
     for cell in cells:
         if cell.place is not None:
             x, y = frame.to_pixels(*cell.place)
-            parts += cross_with_casing(x, y, unit, PIERCED)
-    return parts
-
-
-def _marks(trail: Trail, frame: Frame, radius: float, *, is_body: bool) -> list[Primitive]:
-    unit = frame.unit
-    parts: list[Primitive] = []
-    # A body is drawn at its end with its outline.
-    for place in () if is_body else trail.places("end"):
-        x, y = frame.points(place[None])[0].tolist()
-        parts += robot_at(x, y, radius, unit)
-    for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
-        parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
-        parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
-    for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
-        # Only the first places are drawn in true size, so that many of them don't cover the map.
-        is_large = index < MOST_FOOTPRINTS and not is_body
-        reach = max(radius, 7.0 * unit) if is_large else 3.0 * unit
-        parts.append(DrawnCircle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
-        parts.append(
-            DrawnCircle(
-                x, y, reach, Paint(stroke=PIERCED if trail.pierced else TUNNEL, width=2.6 * unit)
-            )
-        )
-    # After a pierced wall, crossings are not tunnels.
-    tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
-    for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
-        parts += cross_with_casing(x, y, unit, TUNNEL)
+            parts += breach_cross(x, y, frame.unit)
     return parts
 
 
@@ -310,38 +315,15 @@ def _distinct(points: Floats, grain: float) -> Floats:
     return points[chosen[:: max(1, -(-len(chosen) // MOST_DOTS))]]
 
 
-def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[Primitive]:
-    """Return an x-shaped mark."""
-    paint = Paint(stroke=colour, width=width)
-    arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
-    return [DrawnLine(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
-
-
-def cross_with_casing(x: float, y: float, unit: float, colour: str) -> list[Primitive]:
+def breach_cross(x: float, y: float, unit: float) -> list[Primitive]:
     """Return an x-shaped mark that is visible on walls and floor."""
-    return cross(x, y, 7.0 * unit, PAPER, 7.0 * unit) + cross(x, y, 7.0 * unit, colour, 4.0 * unit)
-
-
-def ring_and_cross(
-    x: float, y: float, radius: float, reach: float, strokes: Iterable[Paint]
-) -> list[Primitive]:
-    """Return the mark of a target: in each stroke, the lowest first, a ring and a cross over it."""
-    parts: list[Primitive] = []
-    for stroke in strokes:
-        parts.append(DrawnCircle(x, y, radius, stroke))
-        for dx, dy in ((reach, 0.0), (0.0, reach)):
-            parts.append(DrawnLine(np.array(((x - dx, y - dy), (x + dx, y + dy))), stroke))
-    return parts
-
-
-def robot_disc(
-    x: float, y: float, radius: float, unit: float, *, colour: str, tint: float, width: float
-) -> list[Primitive]:
-    """Return the mark of a start: the robot's disc in its colour, visible on walls and floor."""
+    mark = MARKS["breach"]
+    arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
+    reach = mark.size * unit
     return [
-        DrawnCircle(x, y, radius + 1.5 * unit, Paint(fill=PAPER)),
-        DrawnCircle(x, y, radius, Paint(fill=mix(PAPER, colour, tint))),
-        DrawnCircle(x, y, radius, Paint(stroke=colour, width=width * unit)),
+        DrawnLine(np.array((x, y)) + reach * np.array(arm), paint)
+        for paint in mark.lines(unit)
+        for arm in arms
     ]
 
 
@@ -352,20 +334,21 @@ def heading_tick(x: float, y: float, radius: float, heading: float, paint: Paint
 
 
 def arrow(
-    start: tuple[float, float], end: tuple[float, float], unit: float, colour: str, head: str
+    start: tuple[float, float], end: tuple[float, float], unit: float, name: str
 ) -> list[Primitive]:
-    """Return an arrow between two points of the picture, px, with a head of its own colour."""
+    """Return an arrow between two points of the picture, px: the mark ``pushed`` or ``blocked``."""
+    mark = MARKS[name]
     line = np.array((start, end))
     angle = math.atan2(end[1] - start[1], end[0] - start[0])
-    return [
-        DrawnLine(line, Paint(stroke=PAPER, width=5.4 * unit, opacity=0.8)),
-        DrawnLine(line, Paint(stroke=colour, width=3.0 * unit)),
-        arrow_head(*end, angle, 13.0 * unit, head),
-    ]
+    head = arrow_head(*end, angle, mark.size * unit, hue(mark.colour), casing=unit)
+    return [*(DrawnLine(line, paint) for paint in mark.lines(unit)), head]
 
 
-def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> DrawnLine:
+def arrow_head(
+    x: float, y: float, angle: float, size: float, colour: str, casing: float = 0.0
+) -> DrawnLine:
     """Return a barbed head centred on the point, pointing along ``angle`` (rad, in pixel axes)."""
     shape = size * np.array(((0.6, 0.0), (-0.5, 0.45), (-0.25, 0.0), (-0.5, -0.45)))
     turn = np.array(((math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))))
-    return DrawnLine(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)
+    paint = Paint(fill=colour, stroke=hue("floor") if casing else None, width=casing or 1.0)
+    return DrawnLine(np.array((x, y)) + shape @ turn, paint, closed=True)

@@ -3,6 +3,7 @@
 import { choice, el, grouped, icon, keyButton } from "#player/dom.js";
 import { legendOf } from "#player/legend.js";
 import { hasMap } from "#player/picture/memory.js";
+import { robotColour } from "#player/picture/pen.js";
 import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
 import { makePlots } from "#player/plots.js";
 import { saveMenu } from "#player/saving.js";
@@ -44,19 +45,61 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
     return player;
   }
   const jump = (step) => jumpTo(player, step);
-  parts.timeline = makeTimeline(player, jump);
-  parts.plots = makePlots(player, parts.timeline, jump);
-  player.zoomTime = parts.timeline.zoom;
-  under.replaceChildren(
-    parts.timeline.element,
-    el("div", { class: "below-timeline" }, parts.plots.element, parts.timeline.buttons),
-    controls(player, parts),
-    layers(player, parts),
-    legendOf(drawn),
-    ...thinNote([drawn.run, ...(drawn.others ?? []).map(({ run }) => run)]),
-  );
-  player.update();
+  const fill = () => {
+    parts.timeline = makeTimeline(player, jump);
+    parts.plots = makePlots(player, parts.timeline, jump);
+    player.zoomTime = parts.timeline.zoom;
+    under.replaceChildren(
+      parts.timeline.element,
+      el("div", { class: "below-timeline" }, parts.plots.element, parts.timeline.buttons),
+      controls(player, parts),
+      robotButtons(player, (number) => {
+        bringToFront(player, number);
+        fill();
+        /** @type {HTMLElement | null} */ (under.querySelector(`[data-robot="${number}"]`))?.focus();
+      }),
+      layers(player, parts),
+      legendOf(drawn),
+      ...thinNote([player.drawn.run, ...(drawn.others ?? []).map(({ run }) => run)]),
+    );
+    player.update();
+  };
+  fill();
+  // Who blocks whom is small in a large world.
+  if ([drawn.run, ...(drawn.others ?? []).map(({ run }) => run)].some((run) => run.blocked_by?.length)) player.event();
   return player;
+}
+
+/**
+ * Makes a button for each of several robots of one world, which brings it to the front; none for
+ * one robot, or if a list of the page does that.
+ * @param {Player} player
+ * @param {(number: number) => void} bring
+ * @returns {HTMLElement | string}
+ */
+function robotButtons({ drawn }, bring) {
+  if (!drawn.world.others?.length || !drawn.others?.length) return "";
+  const front = drawn.number ?? 1,
+    numbers = [front, ...drawn.others.map(({ number }) => number)].sort((a, b) => a - b);
+  const chip = (number) => el("span", { class: `chip ${robotColour(number)}` }, String(number));
+  return el(
+    "div",
+    { class: "controls", role: "group", "aria-label": "Robot in front" },
+    numbers.map((number) => el("button", { type: "button", "data-robot": number, "aria-pressed": String(number === front), onclick: () => bring(number) }, chip(number), ` Robot ${number}`)),
+  );
+}
+
+/**
+ * Puts one of several robots in front: it is drawn last, and timeline and plots are about it.
+ * @param {Player} player
+ * @param {number} number
+ */
+function bringToFront({ drawn }, number) {
+  const { run, others = [] } = drawn,
+    next = others.find((one) => one.number === number);
+  if (!run || !next) return;
+  const rest = [{ run, number: drawn.number ?? 1 }, ...others.filter((one) => one !== next)];
+  Object.assign(drawn, { ...next, others: rest.sort((a, b) => a.number - b.number) });
 }
 
 // As tall as the world needs at this width, but short enough to leave room for the controls in the
@@ -74,6 +117,7 @@ function viewButtons(player, parts) {
     keyButton("−", "Zoom out", "-", () => player.zoom(1 / 1.4)),
     keyButton("+", "Zoom in", "+", () => player.zoom(1.4)),
     keyButton("Fit", "Fit the whole world", "0", () => player.fit()),
+    player.drawn.run ? keyButton("Event", "Zoom to what happens", "z", () => player.event()) : null,
     parts.follow,
   );
 }

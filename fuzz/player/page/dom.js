@@ -1,5 +1,7 @@
 // Builds elements without parsing any markup: whatever a name contains is treated as text.
 
+import { SIGNS } from "#player/picture/marks.js";
+
 // The name of SVG's namespace comes from the browser, so that this file contains no web address.
 const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg")?.namespaceURI;
 
@@ -153,27 +155,12 @@ export function say(text) {
   byId("said").textContent = text;
 }
 
-// By verdict, as in sim/verdict.py.
-const SIGNS = {
-  "reached": "✓",
-  "covered": "✓",
-  "still driving": "…",
-  "stopped by you": "■",
-  "loop": "↻",
-  "livelock": "↻",
-  "deadlock": "‖",
-  "starved": "‖",
-  "stalled": "‖",
-  "timeout": "…",
-  "tunnel": "⇥",
-  "overlap": "⇥",
-  "collision": "⇥",
-  "contact": "⇥",
-  "burned": "✹",
-  "crash": "✗",
-  "hang": "✗",
-  "invalid-command": "✗",
-};
+/**
+ * Returns the sign of a verdict.
+ * @param {string} verdict
+ * @returns {string}
+ */
+const signOf = (verdict) => ({ ...SIGNS, "still driving": "…", "stopped by you": "■" })[verdict] ?? "✗";
 
 /**
  * Returns a cause in words: `stands still`. The reason of an error names places in code, so it
@@ -192,7 +179,7 @@ export function causeWords(name) {
  * @returns {HTMLElement}
  */
 export function verdictSign(verdict) {
-  return el("span", { class: "verdict-mark", "aria-hidden": "true" }, SIGNS[verdict] ?? "✗");
+  return el("span", { class: "verdict-mark", "aria-hidden": "true" }, signOf(verdict));
 }
 
 /**

@@ -94,6 +94,7 @@ export function clockKeys(player, steps) {
     Home: () => jumpTo(player, 0),
     End: () => jumpTo(player, player.last),
     r: () => toggleFollow(player),
+    z: () => player.event(),
     e: () => nextMark(player),
     l: () => playPeriod(player),
     ">": () => player.zoomTime?.(2),

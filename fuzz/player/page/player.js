@@ -1,8 +1,11 @@
 // The replay: a clock that counts steps, and a canvas that shows the run at that time.
 
 import { poseAt, stepWithin } from "#player/decode.js";
-import { drawScene } from "#player/picture/map.js";
+import { SHOWN, drawScene, runScene } from "#player/picture/map.js";
 import { fitView } from "#player/picture/pen.js";
+import { eventView } from "#player/picture/view.js";
+
+const VISIBLE = 40; // pixels: diameter of a robot in a view of what happens
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
 const SECONDS = 12; // longest duration of a replay at the default speed
@@ -37,16 +40,17 @@ export function makePlayer(canvas, drawn, changed) {
     playing: false,
     period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,
-    show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, cells: true, memory: true },
+    show: { ...SHOWN },
     drawnMore: null, // called after each frame, while both runs are saved to a file
     view: null, // null: the whole world
     follow: false,
     draw() {
+      const { run } = player.drawn;
       if (player.follow && player.view && run) {
         const { x, y } = poseAt(run, stepWithin(run, player.step));
         player.view = { ...player.view, x, y };
       }
-      drawScene(canvas, { ...drawn, world, run, step: player.step, show: player.show }, player.view);
+      drawScene(canvas, { ...player.drawn, world, run, step: player.step, show: player.show }, player.view);
       const { beside } = drawn;
       if (beside) drawBeside(player, beside);
       if (player.drawnMore) player.drawnMore();
@@ -109,10 +113,10 @@ function sameTime(step, run, other) {
  * @returns {Clock}
  */
 function clockOf(player) {
-  const { run } = player.drawn;
   let frame = 0,
     before = 0;
   const tick = (now) => {
+    const { run } = player.drawn;
     if (!run) return;
     // a frame's time may be earlier than the call of play()
     const passed = Math.max(0, Math.min(0.25, (now - before) / 1000));
@@ -128,6 +132,7 @@ function clockOf(player) {
       player.update();
     },
     play(on) {
+      const { run } = player.drawn;
       if (!run || on === player.playing) return;
       player.playing = on;
       cancelAnimationFrame(frame);
@@ -167,6 +172,14 @@ function cameraOf(player) {
       const scale = Math.min(canvas.clientWidth, canvas.clientHeight) / around;
       player.view = { x: 0, y: 0, scale: Math.max(1.5 * whole().scale, scale) };
       player.follow = true;
+      player.update();
+    },
+    event() {
+      const { run } = player.drawn;
+      if (!run) return;
+      const scene = runScene({ ...player.drawn, run, show: player.show, step: player.last, whole: true }, run);
+      player.view = eventView(scene, canvas.clientWidth, canvas.clientHeight, VISIBLE);
+      player.follow = false;
       player.update();
     },
     move(dx, dy) {

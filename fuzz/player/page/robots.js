@@ -15,6 +15,10 @@ import { robotColour } from "#player/picture/pen.js";
  * @returns {Drawn}
  */
 export function sceneOf(world, robots, number) {
+  return { ...runsOf(world, robots, number), says: robots.map((one) => `${shortName(one.name)}: ${endingOf(one)}`) };
+}
+
+function runsOf(world, robots, number) {
   const front = robots[number];
   // In a world with several robots, each entry has all of them.
   if (front.others?.length)

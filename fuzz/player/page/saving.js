@@ -1,7 +1,8 @@
-// Saves what the player shows as files: a picture of this moment, or a film of the whole run. If
+// Saves what the player shows as files: a picture of this moment with its words and its legend, or a film of the whole run. If
 // two runs are side by side, the file shows both.
 
 import { el, say } from "#player/dom.js";
+import { composed } from "#player/picture/composed.js";
 import { palette } from "#player/picture/pen.js";
 import { usualSpeed } from "#player/player.js";
 
@@ -79,10 +80,9 @@ function nameOf(player, kind) {
 }
 
 async function keepPicture(player) {
-  player.draw();
-  const canvas = await together(player);
-  player.drawnMore = null;
-  keep(nameOf(player, "png"), await new Promise((done) => canvas.toBlob(done, "image/png")));
+  const canvas = composed(player);
+  const blob = await new Promise((/** @type {BlobCallback} */ done) => canvas.toBlob(done, "image/png"));
+  if (blob) keep(nameOf(player, "png"), blob);
 }
 
 // Returns the canvas or, for two runs side by side, a canvas that shows both and is updated

@@ -1,12 +1,15 @@
 // Dark or light colours: the system's, until the page's button changes them.
 // The browser keeps that choice.
 
+import { drawSamples } from "#player/legend.js";
+
 const KEPT = "worldgen-theme"; // key in the browser's storage
 
 function setTheme(theme, button, changed) {
   document.documentElement.dataset.theme = theme;
   button.textContent = theme === "dark" ? "Light" : "Dark";
   button.setAttribute("aria-label", theme === "dark" ? "Use light colours" : "Use dark colours");
+  drawSamples(document);
   changed();
 }
 

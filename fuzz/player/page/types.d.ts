@@ -42,11 +42,11 @@ interface DrawnWorld {
   start: Triple;
   /** x, y and radius in cells. */
   target: Triple;
-  /** Heading that a single robot must have there, rad. */
-  goal_heading?: number;
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
   witness?: PackedWitness | null;
   cut?: CellPlace[] | null;
+  /** Places where a body fits in no heading, and in some only; `fineness` of them along a cell. */
+  cut_poses?: { all: Bits; some: Bits; fineness: number };
   /** Corners of the robot's body in cells, x ahead and y to the left; a disc has none. */
   footprint?: [number, number][];
   /** Heading that the robot must have at the target, rad. */
@@ -142,7 +142,7 @@ interface OpenRun {
   bump: Uint8Array;
   active: Float64Array | null | undefined;
   pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean }>;
-  touched?: Map<string, { ix: number; iy: number; step: number }>;
+  touched?: Map<string, { ix: number; iy: number; dx: number; dy: number; step: number; last: number }>;
   numbered?: number[];
   series?: Series[];
 }
@@ -450,10 +450,79 @@ interface Pen {
   width: number;
   height: number;
   scale: number;
+  /** Pixels of a mark's unit. */
+  unit: number;
   snap(value: number): number;
   px(value: number): number;
   py(value: number): number;
   colours: Record<string, string>;
+}
+
+/** Pixels of the page, and how many of the canvas each has. */
+interface Size {
+  width: number;
+  height: number;
+  ratio: number;
+}
+
+/** How a mark looks: worldgen/render/marks.py. */
+interface MarkLook {
+  colour: string;
+  label?: string;
+  width: number;
+  dash: number[];
+  opacity: number;
+  casing: number;
+  fill: number;
+  size: number;
+  fade: number[];
+  on_cards: boolean;
+}
+
+/** Start, target and body of a robot; its number, if there are several. */
+interface SceneEnds {
+  start: Triple;
+  target: Triple;
+  waypoints?: Triple[];
+  radius: number;
+  footprint?: [number, number][];
+  aim?: number;
+  number: number | null;
+}
+
+/** What is drawn of a run at a time. */
+interface SceneRobot {
+  run: DrawnRun;
+  number: number | null;
+  isFront: boolean;
+  open: OpenRun;
+  /** Row at which the period begins; the number of rows without one. */
+  entry: number;
+  step: number;
+  radius: number;
+  footprint?: [number, number][];
+  pose: Pose;
+  /** Row after the last one that is drawn. */
+  until: number;
+  /** Whether the last place drawn is between two rows. */
+  isDriving: boolean;
+}
+
+/** What the marks of a scene are drawn from. */
+interface Stage {
+  pen: Pen;
+  world: SceneWorld;
+  run?: DrawnRun | null;
+  scene: RunScene | null;
+  show: Shown;
+  sensors?: Sensors | null;
+  named: [number, number][];
+  whole: boolean;
+  isCard: boolean;
+  ms: number;
+  cells: Uint8Array;
+  robots: SceneRobot[];
+  front: (SceneRobot & { within: number }) | null;
 }
 
 interface Pose {
@@ -466,8 +535,8 @@ interface Pose {
 
 type Layer = "changes" | "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
 
-/** The visible parts of a scene; `grid` and the bar `scale` are visible unless they are false. */
-type Shown = Partial<Record<Layer | "grid" | "scale" | "cells", boolean>>;
+/** The visible parts of a scene; `grid`, `numbers` and the bar `scale` are visible unless they are false. */
+type Shown = Partial<Record<Layer | "grid" | "scale" | "cells" | "numbers", boolean>>;
 
 interface OtherRobot {
   run: DrawnRun;
@@ -486,8 +555,12 @@ interface Scene {
   /** The number next to this robot, if there are several robots. */
   number?: number | null;
   others?: OtherRobot[];
-  /** Draws the whole path, as in small pictures. */
+  /** Draws the whole run, as in still pictures. */
   whole?: boolean;
+  /** Leaves out what a small picture has no room for. */
+  isCard?: boolean;
+  /** Size of a canvas that is not on the page. */
+  size?: Size | null;
   /** Cells that the text next to the picture names. */
   named?: [number, number][];
 }
@@ -504,6 +577,8 @@ interface Drawn {
   others?: OtherRobot[];
   named?: [number, number][];
   name?: string;
+  /** What happened, in sentences, the most important first; a picture to keep has them. */
+  says?: string[];
   /** Why there is no run. */
   why?: string;
   /** What this page can save: pairs of a label and a function. */
@@ -566,6 +641,8 @@ interface Camera {
   fit(): void;
   /** Follows the robot. */
   robot(): void;
+  /** Shows what happens at the end: the period, or the robots that block each other. */
+  event(): void;
   move(dx: number, dy: number): void;
 }
 

@@ -1,7 +1,8 @@
 // The page of one world: its robots, any of which can be shown in front, and the player.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
-import { byId, el } from "#player/dom.js";
+import { byId, el, shortName, verdictSign } from "#player/dom.js";
+import { robotColour } from "#player/picture/pen.js";
 import { cameraKeys, clockKeys, layerKeys } from "#player/keys.js";
 import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { followSystem } from "#player/theme.js";
@@ -38,6 +39,12 @@ function onKey(event) {
   act();
 }
 
+// Controller, verdict and reason come before the picture, so that nobody has to scroll for them.
+byId("endings").append(...data.robots.map((one, k) => {
+  const chip = data.robots.length > 1 ? el("span", { class: `chip ${robotColour(k + 1)}` }, String(k + 1)) : null;
+  const sign = one.error ? null : verdictSign(one.verdict);
+  return el("li", { "data-verdict": one.verdict || "crash" }, chip, " ", el("b", {}, shortName(one.name)), ": ", el("span", { class: "ending" }, sign, " ", one.error || one.verdict), one.error ? "" : ` ${one.why}`);
+}));
 byId("main").append(el("div", { class: "stage" }, canvas), instruments, under, list);
 dragToMove(canvas, page);
 followSystem(byId("theme"), () => page.player && page.player.draw());

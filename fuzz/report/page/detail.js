@@ -25,7 +25,7 @@ export function makeDetail(section, failure, neighbours) {
     if (state.player) state.player.play(false);
     canvas.setAttribute("aria-label", `${words}. ${pictureLabel(drawn)}`);
     const beside = besideIn(stage, other, ["As found", "Shrunk"]);
-    state.player = buildPlayer(canvas, under, { ...drawn, beside }, state.player);
+    state.player = buildPlayer(canvas, under, { ...drawn, beside, says: sentencesOf(failure) }, state.player);
     state.shown = drawn;
     for (const button of pair.querySelectorAll("button")) {
       const which = button.dataset.which ?? "";
@@ -100,6 +100,17 @@ function topOf(failure, [before, after]) {
       ? null
       : el("p", { class: "notice" }, `Running it again for this report did not confirm it: ${failure.reason}`),
   );
+}
+
+/**
+ * Returns what happened, for a picture to keep.
+ * @param {ReportFailure} failure
+ * @returns {string[]}
+ */
+function sentencesOf(failure) {
+  const why = failure.why ? `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.` : "";
+  const who = `${failure.controller} under ${failure.motion}: ${failure.words || failure.verdict}.`;
+  return [`${failure.verdict}: ${causeWords(failure.group)}`, failure.sentence, failure.repeats ? `It ${failure.repeats}.` : "", why, who].filter(Boolean);
 }
 
 function tooLarge(drawn) {

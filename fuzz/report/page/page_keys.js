@@ -18,7 +18,7 @@ const KEYS = [
   [["e"], "Go to the next marked step: entry, breach, last new cell"],
   [["b"], "Before or after shrinking"],
   [["+", "−", "0"], "Zoom; show the whole world"],
-  [["r"], "Follow the robot"],
+  [["r", "z"], "Follow the robot; zoom to what happens"],
   [["t", "u", "s", "i", "m", "w"], "Trail, touched walls, sensors, signal, the robot's memory, witness"],
 ];
 

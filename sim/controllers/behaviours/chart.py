@@ -13,6 +13,7 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
 from sim.controllers.behaviours.arbitration import ALWAYS, Arbitration, PartFacts, sentences
+from worldgen.render.marks import hue, mix
 
 # Sizes in px. Questions are in the left column, and the behaviours in the right one.
 _WIDTH = 450
@@ -30,11 +31,14 @@ _IN_QUESTION = 23
 _IN_BOX = 27
 _IN_NOTE = 32
 
+_PAPER = hue("paper")
 _STYLE = (
-    "text{font:13px system-ui,sans-serif;fill:#1b1f24}"
-    ".name{font-weight:600}.small{font-size:11.5px;fill:#57606a}"
-    ".ask{fill:#fff8e5;stroke:#9a6700}.act{fill:#e6f2ff;stroke:#0969da}"
-    ".end{fill:#f3f4f6;stroke:#57606a}.flow{stroke:#57606a;fill:none}.tip{fill:#57606a}"
+    f"text{{font:13px system-ui,sans-serif;fill:{hue('ink')}}}"
+    f".name{{font-weight:600}}.small{{font-size:11.5px;fill:{hue('quiet')}}}"
+    f".ask{{fill:{mix(_PAPER, hue('named'), 0.15)};stroke:{hue('burn')}}}"
+    f".act{{fill:{mix(_PAPER, hue('target'), 0.1)};stroke:{hue('target')}}}"
+    f".end{{fill:{hue('panel')};stroke:{hue('quiet')}}}"
+    f".flow{{stroke:{hue('quiet')};fill:none}}.tip{{fill:{hue('quiet')}}}"
 )
 
 
@@ -183,7 +187,7 @@ def chart_svg(arbitration: Arbitration, title: str) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {chart.width:g} {chart.height:g}" '
         f'{size} role="img">\n<title>{escape(title)}</title>\n<desc>{escape(words)}</desc>\n'
-        f'<style>{_STYLE}</style>\n<rect {size} fill="#ffffff"/>\n{body}\n</svg>\n'
+        f'<style>{_STYLE}</style>\n<rect {size} fill="{_PAPER}"/>\n{body}\n</svg>\n'
     )
 
 

@@ -17,7 +17,7 @@ from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
 from worldgen.interop.readers.gltf_tree import GLTF_HARMLESS
 from worldgen.interop.readers.mesh_slice import metric_reader
-from worldgen.render import palette
+from worldgen.render.marks import hue, rgb
 from worldgen.world import Value, World
 
 Shape: TypeAlias = tuple[Sequence[Sequence[float]], Sequence[Sequence[int]]]
@@ -28,10 +28,10 @@ _CUBE: Shape = (BOX_CORNERS, BOX_TRIANGLES)
 # Sides of the discs of robot and target.
 _SIDES = 48
 _COLOURS = {
-    "wall": palette.WALL,
-    "floor": palette.FLOOR,
-    "robot": palette.START,
-    "target": palette.TARGET,
+    "wall": hue("wall"),
+    "floor": hue("floor"),
+    "robot": hue("start"),
+    "target": hue("target"),
 }
 
 
@@ -194,7 +194,7 @@ def _material(kind: str) -> Any:
     """Return the colour of a kind; glTF's colours are linear, to a good approximation squares."""
     from trimesh.visual.material import PBRMaterial
 
-    shares = [channel / 255.0 for channel in palette.rgb(_COLOURS[kind])]
+    shares = [channel / 255.0 for channel in rgb(_COLOURS[kind])]
     return PBRMaterial(
         name=kind,
         baseColorFactor=[*(round(255.0 * share * share) for share in shares), 255],

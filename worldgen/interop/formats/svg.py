@@ -29,15 +29,15 @@ from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
-from worldgen.render import palette
 from worldgen.render.caption import printable
+from worldgen.render.marks import hue
 from worldgen.world import Witness, World
 
 _STYLE = (
-    f".floor{{fill:{palette.FLOOR}}}.wall{{fill:{palette.WALL};fill-rule:evenodd}}"
-    f".border{{fill:{palette.GREY};fill-rule:evenodd}}"
-    f".target{{fill:{palette.TARGET};fill-opacity:.6}}.robot{{fill:{palette.START};fill-opacity:.6}}"
-    f".heading,.witness{{fill:none;stroke:{palette.START};stroke-linejoin:round}}"
+    f".floor{{fill:{hue('floor')}}}.wall{{fill:{hue('wall')};fill-rule:evenodd}}"
+    f".border{{fill:{hue('quiet')};fill-rule:evenodd}}"
+    f".target{{fill:{hue('target')};fill-opacity:.6}}.robot{{fill:{hue('start')};fill-opacity:.6}}"
+    f".heading,.witness{{fill:none;stroke:{hue('start')};stroke-linejoin:round}}"
 )
 
 

@@ -3,7 +3,7 @@
 It shares nothing with the prover. Each connected part of those poses has a pose nearest to the
 disc's centre. At that pose, one or two cells block the direct line to the centre. So it is the
 centre, the nearest point on the edge of one cell's neighbourhood, or an intersection of two such
-edges (docs/explanation/reachability.md). Edges lie on lines and circles. All such points are
+edges (docs/notes/reachability.md). Edges lie on lines and circles. All such points are
 computed to 180 digits. A point within 10**-80 cell of being clear counts as clear, and one that
 close to the disc counts as inside, so doubtful cases count against the certificate. Floats only
 decide which points are near enough to be examined.

@@ -4,7 +4,7 @@ Two cells are linked if their gap is below 2 r. Each link carries a bit: 1 if it
 closest point, closest point, centre) crosses the ray upwards from the start, xor the same for the
 target. A cycle whose bits add up to an odd number separates start from target, and one exists
 exactly if the two are in different components of the clear poses
-(docs/explanation/reachability.md). A breadth-first search over (cell, bit) in C decides whether
+(docs/notes/reachability.md). A breadth-first search over (cell, bit) in C decides whether
 there is one, and then finds a short one.
 
 Several targets get a bit each; then only a cycle with all bits odd separates the start from them

@@ -1,7 +1,7 @@
 """The search graph: clear points at multiples of 1/k cell, joined to eight neighbours, exactly.
 
 An axis step of one unit has its smallest clearance at an end, a diagonal step at an end or at its
-middle (docs/explanation/reachability.md proves it). So two rasters decide every edge: ``clear`` at
+middle (docs/notes/reachability.md proves it). So two rasters decide every edge: ``clear`` at
 the nodes, ``middle`` at the middles of the unit squares.
 """
 

@@ -3,7 +3,7 @@
 Every connected part of the clear poses in the disc has a pose nearest to the disc's centre. That
 pose is the centre itself, the foot of a perpendicular from it on the edge of one cell's
 neighbourhood, or an intersection of the edges of two neighbourhoods
-(docs/explanation/reachability.md). Such edges are straight lines and arcs, so each coordinate is a
+(docs/notes/reachability.md). Such edges are straight lines and arcs, so each coordinate is a
 + b * sqrt(m) with fractions a, b and m, and every comparison is exact. C computes them.
 """
 

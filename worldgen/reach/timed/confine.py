@@ -3,7 +3,7 @@
 A tile is dead while a single blocked cell is so near that no point of the tile is clear. In one
 slab of time a robot gets no farther than one tile's side, so it stays in its tile or moves to one
 of the eight around it. The tiles reached this way include all that the disc can reach, and
-everything else is out of reach (docs/explanation/reachability.md).
+everything else is out of reach (docs/notes/reachability.md).
 """
 
 from __future__ import annotations

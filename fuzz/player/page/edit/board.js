@@ -1,7 +1,9 @@
 // The drawing board: a canvas that shows the world, the current edit, and the world's proof.
 
 import { openWitness } from "#player/decode.js";
+import { pixelOf } from "#player/picture/many_cells.js";
 import { drawScene } from "#player/picture/map.js";
+import { MARKS } from "#player/picture/marks.js";
 import { bodyPath, frontOf, line, penFor, robotColour, stroke } from "#player/picture/pen.js";
 import { drawnOf, kindOf, othersOf } from "#player/edit/drawn_world.js";
 import { pictureOf } from "#player/edit/pattern_picture.js";
@@ -178,18 +180,17 @@ function drawSignal(pen, { signal, model }) {
   const { width, height } = model.world;
   if (signal.values.length !== width * height) return;
   if (!signal.picture) {
-    const [red, green, blue] = pen.colours.signal.split(" ").map(Number);
     signal.picture = new OffscreenCanvas(width, height);
     const context = signal.picture.getContext("2d"),
       image = context.createImageData(width, height);
     const pixels = new Uint32Array(image.data.buffer),
-      colour = (blue << 16) | (green << 8) | red,
+      colour = pixelOf(pen.colours[MARKS.signal.colour], 0),
       most = Math.log1p(signal.most);
     for (let k = 0; k < signal.values.length; k += 1) {
       if (signal.values[k] < 0) continue;
       const strength = 1 - Math.log1p(signal.values[k]) / most;
       const row = height - 1 - Math.floor(k / width);
-      pixels[row * width + (k % width)] = (Math.round(20 + 180 * strength) << 24) | colour;
+      pixels[row * width + (k % width)] = ((Math.round(20 + 180 * strength) << 24) | colour) >>> 0;
     }
     context.putImageData(image, 0, 0);
   }

@@ -2,8 +2,9 @@
 // that it drives into.
 
 import { drawHead } from "#player/picture/arrows.js";
-import { bodyRadius } from "#player/picture/body.js";
-import { poseAt, stepWithin } from "#player/decode.js";
+import { shownRadius } from "#player/picture/ends.js";
+import { MARKS } from "#player/picture/marks.js";
+import { strokeMark } from "#player/picture/pen.js";
 
 // radii to the right of the line between the centres, so that two robots that block each other have
 // separate arrows
@@ -13,29 +14,16 @@ const INSET = 0.3; // radii from the centres to the arrow's ends, at most a quar
 /**
  * Draws the arrows once the repeating part of the run has begun.
  * @param {Pen} pen
- * @param {RunScene} scene
+ * @param {SceneRobot[]} robots
  */
-export function drawBlocked(pen, { world, run, step, number, others }) {
-  const all = [{ run, number }, ...(others ?? [])].map((one) => ({
-    number: one.number,
-    radius: pen.scale * (one.number === 1 ? bodyRadius(pen, world) : (world.others?.[Number(one.number) - 2]?.radius ?? world.radius)),
-    blockers: hasBegun(one.run, step * run.dt) ? (one.run.blocked_by ?? []) : [],
-    pose: poseAt(one.run, stepWithin(one.run, (step * run.dt) / one.run.dt)),
-  }));
-  for (const { pose, radius, blockers } of all)
-    for (const blocker of blockers) {
-      const other = all.find((one) => one.number === blocker);
-      if (other) drawArrow(pen, pose, other.pose, radius);
+export function drawBlocked(pen, robots) {
+  for (const { run, step, pose, radius } of robots) {
+    const hasBegun = run.loop !== null && step >= run.loop[0];
+    for (const blocker of hasBegun ? (run.blocked_by ?? []) : []) {
+      const other = robots.find((one) => one.number === blocker);
+      if (other) drawArrow(pen, pose, other.pose, shownRadius(pen, "end", radius) * pen.scale);
     }
-}
-
-/**
- * @param {DrawnRun} run
- * @param {number} time - s
- * @returns {boolean}
- */
-function hasBegun(run, time) {
-  return run.loop !== null && time >= run.loop[0] * run.dt;
+  }
 }
 
 /**
@@ -57,15 +45,9 @@ function drawArrow(pen, from, to, radius) {
   ];
   const [left, top] = at(inset);
   const [right, bottom] = at(length - inset);
-  const { context, colours } = pen;
-  for (const [colour, width] of [[colours.floor, 4], [colours.robot, 2]]) {
-    context.beginPath();
-    context.moveTo(left, top);
-    context.lineTo(right, bottom);
-    context.strokeStyle = String(colour);
-    context.lineWidth = Number(width);
-    context.stroke();
-  }
-  context.fillStyle = colours.robot;
-  drawHead(pen, right, bottom, angle);
+  pen.context.beginPath();
+  pen.context.moveTo(left, top);
+  pen.context.lineTo(right, bottom);
+  strokeMark(pen, "blocked");
+  drawHead(pen, right, bottom, angle, MARKS.blocked.size * pen.unit, pen.colours[MARKS.blocked.colour]);
 }

@@ -1,59 +1,71 @@
-// The robot at a time, and the other robots next to it.
+// The robot at a time, where its run ends, and its outlines along the path.
 
-import { poseAt, rowAt, stepWithin } from "#player/decode.js";
-import { bodyPath, frontOf, robotColour, stroke } from "#player/picture/pen.js";
-import { drawOtherTrail } from "#player/picture/trail.js";
+import { drawFront, shownRadius } from "#player/picture/ends.js";
+import { bodyPath, fillMark, frontOf, stroke, strokeMark } from "#player/picture/pen.js";
+import { colourOf } from "#player/picture/scene_robots.js";
+import { MARKS } from "#player/picture/marks.js";
 
-/**
- * @param {Pen} pen
- * @param {SceneWorld} world
- * @returns {number}
- */
-export function bodyRadius(pen, world) {
-  return Math.max(world.radius, 3 / pen.scale);
-}
+const MOST_OUTLINES = 6; // of a body along its path
+const APART = 1.3; // radii between two of them
 
 /**
+ * Draws a robot where it is now.
  * @param {Pen} pen
- * @param {SceneWorld} world
- * @param {Pose} pose
- * @param {RunScene} scene
+ * @param {SceneRobot} one
  */
-export function drawRobot(pen, world, pose, scene) {
-  const { context, px, py, colours } = pen;
-  const radius = bodyRadius(pen, world);
-  // One of several in the world has the colour of its start, its target and its path.
-  const own = world.others?.length ? colours[robotColour(1)] : colours.robot;
-  bodyPath(pen, world.footprint, pose, radius);
-  stroke(pen, pose.bump && !scene.whole ? colours.touched : own, pose.bump ? 2.5 : 1.75);
-  const front = frontOf(world.footprint, radius);
-  context.beginPath();
-  context.moveTo(px(pose.x), py(pose.y));
-  context.lineTo(px(pose.x + Math.cos(pose.heading) * front), py(pose.y + Math.sin(pose.heading) * front));
-  stroke(pen, own, 2);
-}
-
-/**
- * Draws another robot at the same time: its path so far, and its disc.
- * @param {Pen} pen
- * @param {RunScene} scene
- * @param {OtherRobot} other
- */
-export function drawOther(pen, scene, { run, number }) {
-  const step = (scene.step * scene.run.dt) / run.dt;
-  const pose = poseAt(run, stepWithin(run, step)),
-    strong = pen.colours[robotColour(number)],
-    body = scene.world.others?.[number - 2] ?? scene.world,
-    radius = Math.max(body.radius, 3 / pen.scale),
-    front = frontOf(body.footprint, radius);
-  if (scene.show.trail) {
-    drawOtherTrail(pen, run, strong, rowAt(run, Math.min(step, run.steps)) + 1, step <= run.steps ? pose : null);
-  }
-  bodyPath(pen, body.footprint, pose, radius);
-  stroke(pen, strong, 2);
+export function drawRobot(pen, one) {
+  const { pose, footprint } = one,
+    radius = shownRadius(pen, "driving", one.radius),
+    colour = colourOf(pen, "driving", one.number);
+  bodyPath(pen, footprint, pose, radius);
+  if (one.isFront) fillMark(pen, "driving", colourOf(pen, "loop", one.number));
+  stroke(pen, colour, (pose.bump ? 1.5 : 1) * MARKS.driving.width * pen.unit);
+  const front = frontOf(footprint, radius);
   pen.context.beginPath();
   pen.context.moveTo(pen.px(pose.x), pen.py(pose.y));
-  const { x, y, heading } = pose;
-  pen.context.lineTo(pen.px(x + Math.cos(heading) * front), pen.py(y + Math.sin(heading) * front));
-  stroke(pen, strong, 2);
+  pen.context.lineTo(pen.px(pose.x + Math.cos(pose.heading) * front), pen.py(pose.y + Math.sin(pose.heading) * front));
+  stroke(pen, colour, 2 * pen.unit);
+}
+
+/**
+ * Draws a robot where its run ended, below its path.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ */
+export function drawEnd(pen, { pose, footprint, radius, number }) {
+  const colour = colourOf(pen, "end", number),
+    shown = shownRadius(pen, "end", radius);
+  bodyPath(pen, footprint, pose, shown);
+  fillMark(pen, "end", colour);
+  strokeMark(pen, "end", colour);
+  drawFront(pen, pose, footprint, shown, colour);
+}
+
+/**
+ * Draws a few outlines of a body along its period, or along all of its path.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ */
+export function drawOutlines(pen, { open, entry, until, footprint, radius, number }) {
+  if (!footprint) return;
+  const colour = colourOf(pen, "body", number),
+    from = entry < until - 1 ? entry : 0;
+  for (const row of spreadRows(open, from, until, radius)) {
+    bodyPath(pen, footprint, { x: open.x[row], y: open.y[row], heading: open.heading[row] }, 0);
+    fillMark(pen, "body", colour);
+    strokeMark(pen, "body", colour);
+  }
+}
+
+// Returns rows at about equal distances along a path, a few of those that a body passes.
+function spreadRows({ x, y }, from, to, reach) {
+  const lengths = [0];
+  for (let row = from + 1; row < to; row += 1) lengths.push(lengths[lengths.length - 1] + Math.hypot(x[row] - x[row - 1], y[row] - y[row - 1]));
+  const total = lengths[lengths.length - 1],
+    count = Math.max(1, Math.min(MOST_OUTLINES, Math.floor(total / (APART * reach))));
+  return Array.from({ length: count }, (_, k) => {
+    const at = ((k + 0.5) * total) / count,
+      row = lengths.findIndex((length) => length > at);
+    return from + (row < 0 ? lengths.length - 1 : Math.max(0, row - 1));
+  });
 }

@@ -1,49 +1,88 @@
 // The certificate of a world: its witness, or the cut that separates the target from the start.
 
-import { openWorld } from "#player/decode.js";
-import { disc, line, robotColour, stroke } from "#player/picture/pen.js";
-
-// pixels: makes the path and the cut stand out from anything below them, even to people who see few
-// colours
-const CASING = 5;
+import { bytesOf, openWorld } from "#player/decode.js";
+import { MARKS } from "#player/picture/marks.js";
+import { disc, line, strokeMark } from "#player/picture/pen.js";
+import { colourOf } from "#player/picture/scene_robots.js";
 
 /**
- * Draws a timed path, and a dot at its place at the given time.
+ * Draws the path that exists for each robot, and a dot at its place at the given time.
  * @param {Pen} pen
- * @param {{ms: Float64Array, x: Float64Array, y: Float64Array}} witness
- * @param {number} ms
- * @param {string} colour
+ * @param {SceneWorld} world
+ * @param {number | null} ms - null for a still picture, without dots
  */
-function drawWitness(pen, witness, ms, colour) {
-  const strong = pen.colours[colour];
-  line(pen, witness.x, witness.y, 0, witness.x.length);
-  stroke(pen, pen.colours.floor, CASING);
-  stroke(pen, strong, 2, [6, 4]);
-  const next = witness.ms.findIndex((time) => time > ms),
-    last = witness.ms.length - 1;
-  const k = next < 0 ? last : Math.max(0, next - 1),
-    gap = witness.ms[Math.min(k + 1, last)] - witness.ms[k];
-  const share = gap > 0 ? Math.min(1, (ms - witness.ms[k]) / gap) : 0;
-  const along = (column) => column[k] + (column[Math.min(k + 1, last)] - column[k]) * share;
-  disc(pen, along(witness.x), along(witness.y), Math.max(3.5 / pen.scale, 0.08), strong);
+export function drawWitness(pen, world, ms) {
+  const { witness, others = [] } = openWorld(world);
+  const isOne = others.length === 0;
+  [witness, ...others].forEach((path, k) => {
+    if (!path) return;
+    const colour = colourOf(pen, "witness", isOne ? null : k + 1);
+    line(pen, path.x, path.y, 0, path.x.length);
+    strokeMark(pen, "witness", colour);
+    if (ms === null) return;
+    const next = path.ms.findIndex((time) => time > ms),
+      last = path.ms.length - 1;
+    const row = next < 0 ? last : Math.max(0, next - 1),
+      gap = path.ms[Math.min(row + 1, last)] - path.ms[row];
+    const share = gap > 0 ? Math.min(1, (ms - path.ms[row]) / gap) : 0;
+    const along = (column) => column[row] + (column[Math.min(row + 1, last)] - column[row]) * share;
+    disc(pen, along(path.x), along(path.y), Math.max((3.5 * pen.unit) / pen.scale, 0.08), colour);
+  });
 }
 
 /**
+ * Draws the chain of walls that no disc passes.
  * @param {Pen} pen
  * @param {SceneWorld} world
- * @param {number} ms
  */
-export function drawCertificate(pen, world, ms) {
-  const { context, px, py, colours } = pen;
-  const { witness, others = [] } = openWorld(world);
+export function drawCut(pen, { cut }) {
+  if (!cut) return;
+  pen.context.beginPath();
+  for (const [ix, iy] of [...cut, cut[0]]) pen.context.lineTo(pen.px(ix + 0.5), pen.py(iy + 0.5));
+  strokeMark(pen, "cut");
+}
+
+/**
+ * Draws the places where a body fits in no heading, striped, and those where it fits in some only.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawCutPoses(pen, world) {
+  const { cut_poses: poses } = world;
+  if (!poses) return;
+  const { context, colours, unit } = pen,
+    { size, width, fill, opacity, colour } = MARKS["cut-poses"];
   context.save();
-  if (witness) drawWitness(pen, witness, ms, others.length ? robotColour(1) : "start");
-  others.forEach((path, k) => path && drawWitness(pen, path, ms, robotColour(k + 2)));
-  if (world.cut) {
-    context.beginPath();
-    for (const [ix, iy] of [...world.cut, world.cut[0]]) context.lineTo(px(ix + 0.5), py(iy + 0.5));
-    stroke(pen, colours.floor, CASING); // the cut runs over walls
-    stroke(pen, colours.breach, 2.5, [6, 5]);
+  context.fillStyle = context.strokeStyle = colours[colour];
+  const path = (bits) => placesPath(pen, bytesOf(bits), world.width * poses.fineness, world.height * poses.fineness, poses.fineness);
+  path(poses.some);
+  context.globalAlpha = 0.35 * fill;
+  context.fill();
+  path(poses.all);
+  context.globalAlpha = fill;
+  context.fill();
+  context.clip();
+  context.globalAlpha = opacity;
+  context.lineWidth = width * unit;
+  context.beginPath();
+  for (let at = -pen.height; at < pen.width + pen.height; at += size * unit * Math.SQRT2) {
+    context.moveTo(at, pen.height);
+    context.lineTo(at + pen.height, 0);
   }
+  context.stroke();
   context.restore();
+}
+
+// Makes a path of the places that are set, row by row, joined.
+function placesPath({ context, px, py }, bits, width, height, fineness) {
+  context.beginPath();
+  const isSet = (k) => (bits[k >> 3] >> (k & 7)) & 1;
+  for (let row = 0; row < height; row += 1)
+    for (let column = 0; column < width; column += 1) {
+      if (!isSet(row * width + column)) continue;
+      const from = column;
+      while (column + 1 < width && isSet(row * width + column + 1)) column += 1;
+      const top = py((row + 1) / fineness);
+      context.rect(px(from / fineness), top, px((column + 1) / fineness) - px(from / fineness), py(row / fineness) - top);
+    }
 }

@@ -2,13 +2,13 @@
 // future changes.
 
 import { BURNING, FREE, SOLID } from "#player/decode.js";
-import { rimOf } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { rimOf, stroke } from "#player/picture/pen.js";
 
 // The next change of a cell: its new state plus one, because 0 means no change.
 const CLOSES = SOLID + 1,
   BURNS = BURNING + 1;
 const HATCHED = 3; // pixels per cell above which hatching can be told from a plain colour
-const APART = 6; // pixels between two lines of hatching
 const MOST_LABELS = 6; // limit on labelled places where a timed path waits for a wall to open
 
 /**
@@ -47,7 +47,7 @@ export function drawBurnt(pen, world, cells) {
   if (!open?.events || open.done === 0) return;
   const { burnt } = comingIn(open, world.width);
   const { context } = pen;
-  context.fillStyle = pen.colours.burnt;
+  context.fillStyle = pen.colours[MARKS.burnt.colour];
   context.beginPath();
   if (pathOf(pen, world, (k) => burnt[k] === 1 && cells[k] === FREE)) context.fill();
 }
@@ -62,13 +62,12 @@ export function drawComing(pen, world, cells) {
   const { open } = world;
   if (!open?.events) return;
   const { next, opens } = comingIn(open, world.width);
-  const { colours } = pen;
-  hatch(pen, world, (k) => next[k] === BURNS && cells[k] === FREE, colours.fire, 1);
-  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] !== SOLID, colours.wall, 1);
+  hatch(pen, world, (k) => next[k] === BURNS && cells[k] === FREE, "burns", 1);
+  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] !== SOLID, "closes", 1);
   // a wall that burns away opens too
   const frees = (k) => opens[k] === 1 && cells[k] === SOLID;
-  wash(pen, world, frees, colours.floor); // so that the hatching stands out from walls
-  hatch(pen, world, frees, colours.start, -1);
+  wash(pen, world, frees, pen.colours.floor, MARKS.opens.fill); // so that the hatching stands out from walls
+  hatch(pen, world, frees, "opens", -1);
 }
 
 // Adds the rectangles of visible cells to the path; returns whether there are any.
@@ -94,35 +93,33 @@ function pathOf(pen, world, is) {
   return some;
 }
 
-function wash(pen, world, is, colour) {
+function wash(pen, world, is, colour, alpha) {
   const { context } = pen;
   context.save();
-  context.globalAlpha = 0.6;
+  context.globalAlpha = alpha;
   context.fillStyle = colour;
   context.beginPath();
   if (pathOf(pen, world, is)) context.fill();
   context.restore();
 }
 
-function hatch(pen, world, is, colour, slant) {
-  const { context } = pen;
+function hatch(pen, world, is, name, slant) {
+  const { context, unit, width, height } = pen,
+    { colour, fill, opacity, size, width: thick } = MARKS[name];
+  const apart = size * unit * Math.SQRT2;
+  if (slant > 0) wash(pen, world, is, pen.colours[colour], fill);
+  if (pen.scale < HATCHED) return;
   context.save();
   context.beginPath();
   if (pathOf(pen, world, is)) {
     context.clip();
-    context.globalAlpha = pen.scale < HATCHED ? 0.35 : 0.75;
-    context.strokeStyle = context.fillStyle = colour;
-    context.lineWidth = 1.5;
-    if (pen.scale < HATCHED) context.fillRect(0, 0, pen.width, pen.height);
-    else {
-      context.beginPath();
-      const { width, height } = pen;
-      for (let at = -height; at < width + height; at += APART) {
-        context.moveTo(at, slant > 0 ? height : 0);
-        context.lineTo(at + height, slant > 0 ? 0 : height);
-      }
-      context.stroke();
+    context.globalAlpha = opacity;
+    context.beginPath();
+    for (let at = -height; at < width + height; at += apart) {
+      context.moveTo(at, slant > 0 ? height : 0);
+      context.lineTo(at + height, slant > 0 ? 0 : height);
     }
+    stroke(pen, pen.colours[colour], thick * unit);
   }
   context.restore();
 }
@@ -143,7 +140,7 @@ export function drawOpenings(pen, world, cells) {
   context.font = "600 12px system-ui, sans-serif";
   context.lineWidth = 4;
   context.strokeStyle = colours.floor;
-  context.fillStyle = colours.start;
+  context.fillStyle = colours[MARKS.witness.colour];
   for (const { x, y, ms } of openingsOn(world, cells).slice(0, MOST_LABELS)) {
     const words = `opens at ${(ms / 1000).toFixed(1)} s`,
       left = Math.min(px(x) + 8, pen.width - rimOf(pen) - context.measureText(words).width - 4);

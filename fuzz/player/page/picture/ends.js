@@ -1,107 +1,154 @@
 // The starts and the targets.
 
-import { drawNumber } from "#player/picture/numbers.js";
-import { bodyPath, disc, frontOf, ring, robotColour, stroke } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { bodyPath, disc, fillMark, stroke, strokeMark } from "#player/picture/pen.js";
+import { colourOf, endsOf } from "#player/picture/scene_robots.js";
 
 /**
+ * Draws each target as a ring and a cross over it, with the heading that its goal asks for.
  * @param {Pen} pen
  * @param {SceneWorld} world
  */
 export function drawTarget(pen, world) {
-  drawWaypoints(pen, world.waypoints ?? []);
-  for (const { target, aim, footprint, number } of endsOf(world)) {
-    const [x, y, radius] = target;
-    const shown = Math.max(radius, 4 / pen.scale),
-      strong = pen.colours[number ? robotColour(number) : "target"];
-    disc(pen, x, y, shown, strong);
-    ring(pen, x, y, shown + 2.5 / pen.scale, strong, 1.5);
-    if (aim !== undefined) drawAim(pen, [x, y, aim], shown, footprint, strong);
-    if (number) drawNumber(pen, number, pen.px(x + shown) + 5, pen.py(y + shown));
-  }
-  if (world.goal_heading !== undefined) drawGoalHeading(pen, world.target, world.goal_heading);
-}
-
-// Goals before the target, as the target's ring, with their numbers.
-function drawWaypoints(pen, goals) {
-  for (const [k, [x, y, radius]] of goals.entries()) {
-    const shown = Math.max(radius, 4 / pen.scale);
-    ring(pen, x, y, shown, pen.colours.target, 2);
-    drawNumber(pen, k + 1, pen.px(x + shown) + 5, pen.py(y + shown), pen.colours.target);
+  for (const ends of endsOf(world)) {
+    const colour = colourOf(pen, "target", ends.number);
+    for (const [x, y, radius] of [...(ends.waypoints ?? []), ends.target])
+      drawTargetMark(pen, pen.px(x), pen.py(y), Math.max(radius * pen.scale, MARKS.target.size * pen.unit), colour);
+    if (ends.aim !== undefined) drawGoal(pen, ends, colour);
   }
 }
 
-// A line out of the target's ring is the heading that the robot must have there.
-function drawGoalHeading(pen, [x, y, radius], heading) {
-  const rim = Math.max(radius, 4 / pen.scale) + 2.5 / pen.scale;
-  pen.context.beginPath();
-  for (const away of [rim, rim + 12 / pen.scale])
-    pen.context.lineTo(pen.px(x + Math.cos(heading) * away), pen.py(y + Math.sin(heading) * away));
-  stroke(pen, pen.colours.target, 3);
+/**
+ * @param {Pen} pen
+ * @param {number} left - pixels
+ * @param {number} top
+ * @param {number} radius - pixels
+ * @param {string} colour
+ */
+export function drawTargetMark(pen, left, top, radius, colour) {
+  const { context } = pen,
+    reach = radius + 5 * pen.unit;
+  context.beginPath();
+  context.arc(left, top, radius, 0, 2 * Math.PI);
+  fillMark(pen, "target", colour);
+  for (const [dx, dy] of [[reach, 0], [0, reach]]) {
+    context.moveTo(left - dx, top - dy);
+    context.lineTo(left + dx, top + dy);
+  }
+  context.moveTo(left + radius, top);
+  context.arc(left, top, radius, 0, 2 * Math.PI);
+  strokeMark(pen, "target", colour);
 }
 
 /**
  * Draws the heading of a goal as a wedge, and a body that stands there, dashed.
  * @param {Pen} pen
- * @param {Triple} goal - x, y in cells and heading in rad
- * @param {number} shown - radius of the target in cells, as drawn
- * @param {[number, number][] | undefined} footprint
+ * @param {SceneEnds} ends
  * @param {string} colour
  */
-function drawAim(pen, [x, y, heading], shown, footprint, colour) {
-  const { context, px, py } = pen;
+function drawGoal(pen, { target: [x, y, radius], aim = 0, footprint }, colour) {
+  const { context, px, py, unit } = pen;
   if (footprint) {
-    context.setLineDash([4, 4]);
-    bodyPath(pen, footprint, { x, y, heading }, 0);
-    stroke(pen, colour, 1.25);
-    context.setLineDash([]);
+    bodyPath(pen, footprint, { x, y, heading: aim }, 0);
+    strokeMark(pen, "goal", colour);
   }
-  const base = shown * pen.scale + 5,
-    ahead = [Math.cos(heading), -Math.sin(heading)];
+  const base = Math.max(radius * pen.scale, MARKS.target.size * unit) + 8 * unit;
+  const ahead = [Math.cos(aim), -Math.sin(aim)];
   context.beginPath();
-  for (const [far, aside] of [[base + 11, 0], [base, 5], [base, -5]])
+  for (const [far, aside] of [[base + MARKS.goal.size * unit, 0], [base, 6 * unit], [base, -6 * unit]])
     context.lineTo(px(x) + far * ahead[0] - aside * ahead[1], py(y) + far * ahead[1] + aside * ahead[0]);
   context.closePath();
   context.fillStyle = colour;
   context.fill();
-}
-
-/**
- * Returns start and target of each robot, with its number if there are several.
- * @param {SceneWorld} world
- */
-function endsOf(world) {
-  const { start, target, radius, footprint, aim, others } = world;
-  const first = { start, target, radius, footprint, aim };
-  if (!others?.length) return [{ ...first, number: null }];
-  return [first, ...others].map((ends, k) => ({ ...ends, number: k + 1 }));
+  stroke(pen, pen.colours.floor, 1.2 * unit);
 }
 
 /**
  * Draws each robot's body at its start, true to scale unless that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world
- * @param {boolean} [isNumbered] - Whether to draw the number of each of several robots at its start
  */
-export function drawStart(pen, world, isNumbered = false) {
-  const { context, px, py, colours } = pen;
+export function drawStart(pen, world) {
   for (const { start, radius, footprint, number } of endsOf(world)) {
     const [x, y, heading] = start;
-    const front = frontOf(footprint, Math.max(radius, 4 / pen.scale));
-    const shown = Math.max(radius, 4 / pen.scale),
-      strong = colours[number ? robotColour(number) : "start"];
-    // Paths that cross the disc stay visible.
-    context.globalAlpha = 0.2;
-    bodyPath(pen, footprint, { x, y, heading }, shown);
-    context.fillStyle = strong;
-    context.fill();
-    context.globalAlpha = 1;
-    bodyPath(pen, footprint, { x, y, heading }, shown);
-    stroke(pen, strong, 2);
-    // A tick on its rim is its heading.
-    context.beginPath();
-    for (const share of [0.45, 1])
-      context.lineTo(px(x + Math.cos(heading) * front * share), py(y + Math.sin(heading) * front * share));
-    stroke(pen, strong, 3);
-    if (number && isNumbered) drawNumber(pen, number, px(x - shown) - 11, py(y + shown));
+    const colour = colourOf(pen, "start", number);
+    drawBody(pen, "start", { x, y, heading }, footprint, radius, colour);
   }
 }
+
+/**
+ * Draws the tick on each start's rim that is its heading, above the paths.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawHeadings(pen, world) {
+  for (const { start, radius, footprint, number } of endsOf(world)) {
+    const [x, y, heading] = start;
+    drawFront(pen, { x, y, heading }, footprint, shownRadius(pen, "start", radius), colourOf(pen, "start", number));
+  }
+}
+
+/**
+ * Draws a robot's body as a mark, and makes it stand out from what is below it.
+ * @param {Pen} pen
+ * @param {string} name
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {[number, number][] | undefined} footprint
+ * @param {number} radius
+ * @param {string} colour
+ */
+export function drawBody(pen, name, pose, footprint, radius, colour) {
+  bodyPath(pen, footprint, pose, shownRadius(pen, name, radius));
+  fillMark(pen, name, colour);
+  strokeMark(pen, name, colour);
+}
+
+/**
+ * Draws where a robot is ahead: a tick on a disc's rim; in a polygon a wedge, and a dot at its axle.
+ * @param {Pen} pen
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {[number, number][] | undefined} footprint
+ * @param {number} radius
+ * @param {string} colour
+ */
+export function drawFront(pen, pose, footprint, radius, colour) {
+  if (!footprint) {
+    drawTick(pen, pose, radius, colour);
+    return;
+  }
+  const ahead = footprint.map(([along]) => along),
+    aside = footprint.map(([, across]) => across);
+  const extent = (/** @type {number[]} */ values) => Math.max(...values) - Math.min(...values);
+  const front = Math.max(...ahead),
+    size = 0.38 * Math.min(extent(ahead), extent(aside)),
+    ends = aside.filter((_, k) => ahead[k] > front - 1e-9),
+    middle = ends.reduce((sum, value) => sum + value, 0) / ends.length;
+  /** @type {[number, number][]} */
+  const wedge = [[front - 0.25 * size, middle], [front - 1.25 * size, middle + 0.6 * size], [front - 1.25 * size, middle - 0.6 * size]];
+  bodyPath(pen, wedge, pose, 0);
+  pen.context.fillStyle = colour;
+  pen.context.fill();
+  disc(pen, pose.x, pose.y, Math.max((1.6 * pen.unit) / pen.scale, 0.07 * size), colour);
+}
+
+/**
+ * Draws a tick on the rim of a robot, in the direction of its heading.
+ * @param {Pen} pen
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {number} front - cells
+ * @param {string} colour
+ */
+export function drawTick(pen, { x, y, heading }, front, colour) {
+  pen.context.beginPath();
+  for (const share of [0.45, 1]) pen.context.lineTo(pen.px(x + Math.cos(heading) * front * share), pen.py(y + Math.sin(heading) * front * share));
+  strokeMark(pen, "heading", colour);
+}
+
+/**
+ * Returns the radius of a disc in cells, or the least that is visible.
+ * @param {Pen} pen
+ * @param {string} name
+ * @param {number} radius
+ */
+export const shownRadius = (pen, name, radius) => Math.max(radius, (MARKS[name].size * pen.unit) / pen.scale);
+

@@ -1,21 +1,22 @@
 // The ground of a run: floor, walls, flames, the grid and the signal.
 
-import { drawBurnt } from "#player/picture/changes.js";
 import { BURNING, SOLID } from "#player/decode.js";
 import { drawManyCells } from "#player/picture/many_cells.js";
-import { rimOf } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { rimOf, stroke } from "#player/picture/pen.js";
+
+const STOPS = 12; // of the floor's gradient: it is logarithmic, and a canvas's is linear between stops
+const APART = 12; // units: rings of the signal nearer to each other are left out
 
 /**
+ * Draws the floor, and the wall around it: everything outside the grid is solid.
  * @param {Pen} pen
  * @param {SceneWorld} world
- * @param {Uint8Array} cells
- * @param {Scene} scene
  */
-export function drawGround(pen, world, cells, scene) {
+export function drawFloor(pen, world) {
   const { context, px, py, colours } = pen;
   context.fillStyle = colours.panel;
   context.fillRect(0, 0, pen.width, pen.height);
-  // Everything outside the grid is solid, so a rim of wall surrounds the floor.
   const rim = rimOf(pen);
   const left = pen.snap(px(0)),
     right = pen.snap(px(world.width));
@@ -25,36 +26,64 @@ export function drawGround(pen, world, cells, scene) {
   context.fillRect(left - rim, top - rim, right - left + 2 * rim, bottom - top + 2 * rim);
   context.fillStyle = colours.floor;
   context.fillRect(left, top, right - left, bottom - top);
-  drawBurnt(pen, world, cells);
-  if (scene.show.signal && scene.sensors && scene.sensors.signal) drawSignal(pen, world, [left, top, right, bottom]);
-  if (pen.scale > 9 && scene.show.grid !== false) drawGrid(pen, world);
+}
+
+/**
+ * Draws walls and flames.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ */
+export function drawWalls(pen, world, cells) {
   if (drawManyCells(pen, world, cells)) return;
-  drawCells(pen, world, cells, SOLID, colours.wall);
-  context.globalAlpha = 0.6; // so that paths stand out from flames
-  drawCells(pen, world, cells, BURNING, colours.fire);
+  const { context, colours } = pen;
+  drawCells(pen, world, cells, SOLID, colours[MARKS.wall.colour]);
+  context.globalAlpha = MARKS.fire.fill; // so that paths stand out from flames
+  drawCells(pen, world, cells, BURNING, colours[MARKS.fire.colour]);
   context.globalAlpha = 1;
 }
 
-// The signal's strength is 1 / (1 + squared distance), as the robot senses it.
-function drawSignal(pen, world, [left, top, right, bottom]) {
-  const { context, px, py, colours } = pen;
-  const [x, y] = world.target;
-  const reach = 6 * pen.scale;
-  const glow = context.createRadialGradient(px(x), py(y), 0, px(x), py(y), reach);
-  for (let k = 0; k <= 6; k += 1) {
-    const strength = 1 / (1 + k * k) - 1 / 37; // 0 at the edge
-    glow.addColorStop(k / 6, `rgb(${colours.signal} / ${(0.4 * strength).toFixed(3)})`);
-  }
+/**
+ * Tints the floor by the logarithm of the distance from the target, with a ring wherever the signal
+ * halves: it falls with the square of the distance.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawSignal(pen, world) {
+  const { context, px, py, colours, scale, unit } = pen;
+  const [x, y, radius] = world.target,
+    near = Math.max(radius * scale, 2 * unit),
+    far = Math.max(1.01 * near, scale * Math.hypot(Math.max(x, world.width - x), Math.max(y, world.height - y)));
+  const { fill, opacity, width, colour } = MARKS.signal;
+  const glow = context.createRadialGradient(px(x), py(y), 0, px(x), py(y), far);
+  for (let k = 0; k <= STOPS; k += 1)
+    glow.addColorStop((near * (far / near) ** (k / STOPS)) / far, faint(colours[colour], fill * (1 - k / STOPS)));
   context.save();
   context.beginPath();
-  context.rect(left, top, right - left, bottom - top);
+  context.rect(px(0), py(world.height), world.width * scale, world.height * scale);
   context.clip();
   context.fillStyle = glow;
-  context.fillRect(px(x) - reach, py(y) - reach, 2 * reach, 2 * reach);
+  context.fillRect(px(0), py(world.height), world.width * scale, world.height * scale);
+  context.globalAlpha = opacity;
+  for (let ring = near * Math.SQRT2; ring < far; ring *= Math.SQRT2) {
+    if (ring * (1 - Math.SQRT1_2) < APART * unit) continue;
+    context.beginPath();
+    context.arc(px(x), py(y), ring, 0, 2 * Math.PI);
+    stroke(pen, colours[colour], width * unit);
+  }
   context.restore();
 }
 
-function drawGrid(pen, world) {
+// Returns a colour with an opacity.
+function faint(hex, alpha) {
+  return `${hex}${Math.round(255 * alpha).toString(16).padStart(2, "0")}`;
+}
+
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawGrid(pen, world) {
   const { context, px, py, colours } = pen;
   context.save();
   context.lineCap = "butt";
@@ -69,8 +98,8 @@ function drawGrid(pen, world) {
     context.moveTo(left, Math.round(py(iy)) + 0.5);
     context.lineTo(right, Math.round(py(iy)) + 0.5);
   }
-  context.strokeStyle = colours.grid;
-  context.lineWidth = 1;
+  context.strokeStyle = colours[MARKS.grid.colour];
+  context.lineWidth = MARKS.grid.width;
   context.stroke();
   context.restore();
 }

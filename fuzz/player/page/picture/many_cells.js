@@ -1,6 +1,7 @@
 // Cells of a large world, many of which share a pixel: a picture with one pixel per cell,
 // drawn in a single call.
 
+import { MARKS } from "#player/picture/marks.js";
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 
 const MANY = 100_000; // visible cells; fewer are drawn individually, with sharp edges
@@ -98,7 +99,7 @@ function scaled(picture, width, height, isSoft = false) {
 
 // changes to draw into the picture individually; if there are more, it is drawn again
 const FEW = 20_000;
-const FLAMES = 150; // opacity, of 255: makes paths stand out from flames
+const FLAMES = Math.round(255 * MARKS.fire.fill); // opacity: makes paths stand out from flames
 
 // Returns the picture of the current cells; `done` counts their changes. The changes since the
 // picture was made are either the world's events or, in a world that is being edited,
@@ -153,9 +154,14 @@ function drawChanges(known, world, cells, done, { wall, fire }) {
   known.done = done;
 }
 
-// Returns a colour such as #3b434e as a little-endian pixel, the byte order of every machine that
-// runs a browser.
-function pixelOf(hex, alpha) {
+/**
+ * Returns a colour, `#` and six digits, as a little-endian pixel, the byte order of every machine
+ * that runs a browser.
+ * @param {string} hex
+ * @param {number} alpha - Up to 255
+ * @returns {number}
+ */
+export function pixelOf(hex, alpha) {
   const value = parseInt(hex.slice(1), 16);
   const red = value >> 16,
     green = (value >> 8) & 255,

@@ -1,90 +1,120 @@
 // Draws a world and a run at one time on a canvas, layer by layer.
 
-import { bodyRadius, drawOther, drawRobot } from "#player/picture/body.js";
-import { drawBlocked } from "#player/picture/blocked.js";
-import { drawCertificate } from "#player/picture/certificate.js";
-import { drawComing, drawOpenings } from "#player/picture/changes.js";
-import { cellsAt, poseAt, stepWithin } from "#player/decode.js";
+import { cellsAt, stepWithin } from "#player/decode.js";
 import { grouped, plural } from "#player/dom.js";
-import { drawStart, drawTarget } from "#player/picture/ends.js";
-import { drawGround } from "#player/picture/ground.js";
-import { drawMemory } from "#player/picture/memory.js";
+import { drawBlocked } from "#player/picture/blocked.js";
+import { drawEnd, drawOutlines, drawRobot } from "#player/picture/body.js";
+import { drawCut, drawCutPoses, drawWitness } from "#player/picture/certificate.js";
+import { drawBurnt, drawComing, drawOpenings } from "#player/picture/changes.js";
+import { drawHeadings, drawStart, drawTarget } from "#player/picture/ends.js";
+import { drawFloor, drawGrid, drawSignal, drawWalls } from "#player/picture/ground.js";
+import { MARKS } from "#player/picture/marks.js";
+import { drawMemory, drawRemembered } from "#player/picture/memory.js";
 import { drawAxisNumbers, drawNamed } from "#player/picture/named.js";
 import { drawNumbers } from "#player/picture/numbers.js";
-import { bodyPath, penFor } from "#player/picture/pen.js";
+import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
 import { drawScaleBar } from "#player/picture/scale_bar.js";
-import { drawSenses } from "#player/picture/senses.js";
+import { drivenIn } from "#player/picture/scene_robots.js";
+import { drawBearing, drawBeams } from "#player/picture/senses.js";
 import { drawTouched } from "#player/picture/touched.js";
-import { drawTrail } from "#player/picture/trail.js";
+import { drawAhead, drawApproach, drawBand, drawBreachPath, drawLoop } from "#player/picture/trail.js";
+import { drawOff, eventView } from "#player/picture/view.js";
 
 /**
- * Draws a scene.
+ * What is on by default: the path that exists as much as the one that is driven.
+ * @type {Record<Layer | "cells", boolean>}
+ */
+export const SHOWN = { trail: true, witness: true, touched: true, sensors: true, signal: true, changes: true, cells: true, memory: true };
+
+const GRID = 9; // pixels per cell above which the cells' borders are drawn
+
+/**
+ * Draws a mark, by its name in `marks.json`, which has their order.
+ * @type {Record<string, (stage: Stage) => void>}
+ */
+const DRAWN = {
+  floor: ({ pen, world }) => drawFloor(pen, world),
+  // The floor cannot show the signals of several targets.
+  signal: ({ pen, world, show, sensors }) => show.signal && sensors?.signal && !world.others?.length && drawSignal(pen, world),
+  grid: ({ pen, world, show }) => pen.scale > GRID && show.grid !== false && drawGrid(pen, world),
+  remembered: ({ pen, front, show }) => front && show.memory && drawRemembered(pen, front.run, front.within),
+  burnt: ({ pen, world, cells }) => drawBurnt(pen, world, cells),
+  wall: ({ pen, world, cells }) => drawWalls(pen, world, cells),
+  burns: ({ pen, world, cells, show }) => show.changes && drawComing(pen, world, cells),
+  touched: ({ pen, world, robots, show, whole }) => show.touched && drawTouched(pen, world, robots, whole),
+  cut: ({ pen, world, show }) => show.witness && drawCut(pen, world),
+  "cut-poses": ({ pen, world, show }) => show.witness && drawCutPoses(pen, world),
+  band: ({ pen, robots, show, whole }) => show.trail && robots.forEach((one) => drawBand(pen, one, whole)),
+  start: ({ pen, world }) => drawStart(pen, world),
+  end: ({ pen, robots, whole }) => whole && robots.forEach((one) => drawEnd(pen, one)),
+  witness: ({ pen, world, show, whole, ms, cells }) => {
+    if (!show.witness) return;
+    drawWitness(pen, world, whole ? null : ms);
+    if (!whole) drawOpenings(pen, world, cells);
+  },
+  ahead: ({ pen, robots, show, whole }) => show.trail && !whole && robots.forEach((one) => drawAhead(pen, one)),
+  approach: ({ pen, robots, show, whole }) => show.trail && robots.forEach((one) => drawApproach(pen, one, whole)),
+  body: ({ pen, robots, show, whole }) => show.trail && whole && robots.forEach((one) => drawOutlines(pen, one)),
+  loop: ({ pen, robots, show, whole, scene }) => {
+    if (!show.trail) return;
+    robots.forEach((one) => drawLoop(pen, one, whole));
+    if (scene) drawBreachPath(pen, scene);
+  },
+  heading: ({ pen, world }) => drawHeadings(pen, world),
+  memory: ({ pen, front, show }) => front && show.memory && drawMemory(pen, front.run, front.within),
+  pierced: ({ pen, scene }) => scene && drawPierced(pen, scene),
+  target: ({ pen, world }) => drawTarget(pen, world),
+  beam: ({ pen, scene, cells, front, show, sensors }) => scene && front && show.sensors && sensors && drawBeams(pen, { ...scene, sensors }, cells, front.pose),
+  bearing: ({ pen, scene, front, show, sensors }) => scene && front && show.sensors && sensors && drawBearing(pen, scene, front.pose),
+  driving: ({ pen, robots, whole }) => !whole && robots.forEach((one) => drawRobot(pen, one)),
+  blocked: ({ pen, robots }) => drawBlocked(pen, robots),
+  number: ({ pen, world, robots, show }) => show.numbers !== false && drawNumbers(pen, world, robots, Boolean(show.trail)),
+  named: ({ pen, world, show, named, run }) => {
+    if (!show.cells) return;
+    drawNamed(pen, named);
+    if (named.length > 0 || run?.marks.some(({ cell }) => cell)) drawAxisNumbers(pen, world);
+  },
+  off: ({ pen, world, isCard }) => isCard && drawOff(pen, world),
+  scale: ({ pen, world, show }) => show.scale !== false && drawScaleBar(pen, world),
+};
+
+/**
+ * Draws a scene, the lowest mark first.
  * @param {HTMLCanvasElement} canvas
  * @param {Scene} scene
  * @param {View | null} [view]
  */
 export function drawScene(canvas, scene, view = null) {
-  const { world, run } = scene;
-  // In a world of several robots, the first is in front.
-  const number = scene.number ?? (scene.others?.length ? 1 : null);
-  const pen = penFor(canvas, view, world);
+  const { world, run, show, sensors, named = [], whole = false, isCard = false } = scene;
+  const pen = penFor(canvas, view, world, scene.size);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
   const ms = run ? step * run.dt * 1000 : (scene.ms ?? 0);
-  const cells = cellsAt(world, ms);
-  drawGround(pen, world, cells, scene);
-  if (scene.show.changes) drawComing(pen, world, cells);
-  if (scene.show.witness) {
-    drawCertificate(pen, world, ms);
-    drawOpenings(pen, world, cells);
-  }
-  drawTarget(pen, world);
-  if (run) drawRun(pen, { ...scene, run, step, number }, cells);
-  else drawStart(pen, world, true);
-  if (scene.show.cells) drawCellsOf(pen, scene);
-  if (scene.show.scale !== false) drawScaleBar(pen, world);
+  const driven = run ? runScene(scene, run) : null,
+    robots = driven ? drivenIn(driven) : [],
+    last = robots[robots.length - 1];
+  const stage = {
+    pen, world, run, show, sensors, named, whole, isCard, ms, robots,
+    scene: driven,
+    cells: cellsAt(world, ms),
+    front: last ? { ...last, within: stepWithin(last.run, step) } : null,
+  };
+  for (const [name, { on_cards }] of Object.entries(MARKS)) if (!isCard || on_cards) DRAWN[name]?.(stage);
 }
 
 /**
- * Marks the cells that the text next to a scene names. The cell in which the run broke a rule has
- * its own mark.
- * @param {Pen} pen
  * @param {Scene} scene
+ * @param {DrawnRun} run
+ * @returns {RunScene}
  */
-function drawCellsOf(pen, { world, run, named = [] }) {
-  drawNamed(pen, named);
-  if (named.length > 0 || run?.marks.some(({ cell }) => cell)) drawAxisNumbers(pen, world);
+export function runScene(scene, run) {
+  // In a world of several robots, the first is in front.
+  return { ...scene, run, step: scene.step ?? 0, number: scene.number ?? (scene.others?.length ? 1 : null) };
 }
 
 /**
- * Draws the robots of a scene and everything that belongs to them, from the lowest layer to the
- * highest.
- * @param {Pen} pen
- * @param {RunScene} scene
- * @param {Uint8Array} cells
- */
-function drawRun(pen, scene, cells) {
-  const { world, run, show, sensors } = scene;
-  const within = stepWithin(run, scene.step);
-  const pose = poseAt(run, within);
-  if (show.sensors && sensors) drawSenses(pen, { ...scene, sensors }, cells, pose);
-  for (const other of scene.others || []) drawOther(pen, scene, other);
-  bodyPath(pen, world.footprint, pose, bodyRadius(pen, world));
-  pen.context.fillStyle = pen.colours["robot-fill"];
-  pen.context.fill();
-  if (show.memory) drawMemory(pen, run, within);
-  if (show.trail) drawTrail(pen, scene);
-  if (show.touched) drawTouched(pen, scene);
-  drawStart(pen, world);
-  drawPierced(pen, scene);
-  drawRobot(pen, world, pose, scene);
-  drawBlocked(pen, scene);
-  drawNumbers(pen, scene);
-}
-
-/**
- * Draws a small picture: the whole path, and the robot where the run ends.
+ * Draws a small picture: the whole run, cropped to what happens in it.
  * @param {HTMLCanvasElement} canvas
  * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "number" | "others" | "named">} drawn
  * @param {Partial<Shown>} [more] - Further layers
@@ -92,10 +122,20 @@ function drawRun(pen, scene, cells) {
 export function drawSmall(canvas, drawn, more = {}) {
   const { world } = drawn;
   if (!world) return;
-  const show = { trail: true, signal: true, touched: false, sensors: false, witness: false, ...more };
-  const { run, sensors, number, others, named } = drawn;
+  const scene = stillOf({ ...drawn, world }, { ...SHOWN, cells: false, ...more });
+  const driven = scene.run ? runScene(scene, scene.run) : null;
+  drawScene(canvas, { ...scene, isCard: true }, driven && eventView(driven, canvas.clientWidth, canvas.clientHeight));
+}
+
+/**
+ * Returns the scene of a whole run, as a still picture shows it.
+ * @param {Pick<DrawnFailure, "run" | "sensors" | "number" | "others" | "named"> & {world: SceneWorld}} drawn
+ * @param {Shown} show
+ * @returns {Scene}
+ */
+function stillOf({ world, run, sensors, number, others, named }, show) {
   const last = Math.max(...[run, ...(others ?? []).map((other) => other.run)].map((one) => one?.steps ?? 0));
-  drawScene(canvas, { world, run, sensors, number, others, named, show, whole: true, step: last });
+  return { world, run, sensors, number, others, named, show, whole: true, step: last };
 }
 
 /**

@@ -1,7 +1,8 @@
 // A controller's memory: named numbers, and its map at the displayed time.
 
 import { numbersOf, opened, rowAt } from "#player/decode.js";
-import { stroke } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { stroke, strokeMark } from "#player/picture/pen.js";
 
 function openMemory(memory) {
   return opened(memory, () => ({
@@ -59,8 +60,26 @@ function shapesAt(run, step) {
 }
 
 /**
- * Draws the robot's map over the world: what it considers blocked, occupied or hard to drive on,
- * its plan, the points and the graph that it remembers.
+ * Tints what the robot's map considers occupied or hard to drive on.
+ * @param {Pen} pen
+ * @param {DrawnRun} run
+ * @param {number} step
+ */
+export function drawRemembered(pen, run, step) {
+  if (!hasMap(run)) return;
+  const { context, px, py, colours } = pen,
+    { named: shapes, degrees } = shapesAt(run, step);
+  context.save();
+  context.fillStyle = colours[MARKS.remembered.colour];
+  context.globalAlpha = 0.6 * MARKS.remembered.fill;
+  for (const [x0, y0, x1, y1] of shapes.cell) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+  drawDegrees(pen, degrees);
+  context.restore();
+}
+
+/**
+ * Draws the lines of the robot's map: what it considers blocked, its plan, the points and the graph
+ * that it remembers.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {number} step
@@ -68,13 +87,8 @@ function shapesAt(run, step) {
 export function drawMemory(pen, run, step) {
   if (!hasMap(run)) return;
   const { context, px, py, colours } = pen,
-    { named: shapes, degrees } = shapesAt(run, step);
+    { named: shapes } = shapesAt(run, step);
   context.save();
-  context.fillStyle = colours.memory;
-  context.globalAlpha = 0.3;
-  for (const [x0, y0, x1, y1] of shapes.cell) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
-  drawDegrees(pen, degrees);
-  context.globalAlpha = 1;
   const lines = (kind) => {
     context.beginPath();
     for (const [x0, y0, x1, y1] of shapes[kind]) {
@@ -83,11 +97,11 @@ export function drawMemory(pen, run, step) {
     }
   };
   lines("blocked");
-  stroke(pen, colours.memory, 1.25);
+  stroke(pen, colours[MARKS.memory.colour], 0.6 * MARKS.memory.width * pen.unit);
   lines("plan");
-  stroke(pen, colours.memory, 2.5, [2, 5]);
+  strokeMark(pen, "plan");
   lines("edge");
-  stroke(pen, colours.memory, 1.5);
+  strokeMark(pen, "memory");
   for (const [x, y] of shapes.node) drawNode(pen, x, y);
   for (const [x, y, name] of shapes.place) drawPlace(pen, x, y, name);
   context.restore();
@@ -101,9 +115,9 @@ function drawDegrees({ context, px, py }, degrees) {
   }
 }
 
-function drawNode({ context, px, py, colours }, x, y) {
+function drawNode({ context, px, py, colours, unit }, x, y) {
   context.beginPath();
-  context.arc(px(x), py(y), 3.5, 0, 2 * Math.PI);
+  context.arc(px(x), py(y), MARKS.memory.size * unit, 0, 2 * Math.PI);
   context.fillStyle = colours.memory;
   context.fill();
 }

@@ -1,9 +1,9 @@
 // Cells that the text next to a picture names, and the numbers of columns and rows to find them by.
 
-import { rimOf, stroke } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { rimOf, strokeMark } from "#player/picture/pen.js";
 
 const PART = 0.3; // half the diagonal of a mark, in cells
-const LEAST = 5; // pixels
 const MOST = 14; // pixels
 const FONT = "10px system-ui, sans-serif";
 const HIGH = 10; // pixels of the numbers
@@ -14,8 +14,8 @@ const HIGH = 10; // pixels of the numbers
  * @param {[number, number][]} cells
  */
 export function drawNamed(pen, cells) {
-  const { context, px, py, scale, colours } = pen;
-  const reach = Math.min(MOST, Math.max(LEAST, PART * scale));
+  const { context, px, py, scale } = pen;
+  const reach = Math.min(MOST, Math.max(MARKS.named.size * pen.unit, PART * scale));
   for (const [ix, iy] of cells) {
     const x = px(ix + 0.5),
       y = py(iy + 0.5);
@@ -26,8 +26,7 @@ export function drawNamed(pen, cells) {
     context.lineTo(x - reach, y);
     context.closePath();
     // It is hollow, so that the state of the cell stays visible, and has a dark edge against the floor.
-    stroke(pen, colours["named-edge"], 6);
-    stroke(pen, colours.named, 3);
+    strokeMark(pen, "named");
   }
 }
 

@@ -1,13 +1,14 @@
 // Robots' numbers, next to them and along their paths, for people who cannot tell the colours
 // apart.
 
-import { bodyRadius } from "#player/picture/body.js";
-import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
+import { openRun } from "#player/decode.js";
+import { MARKS } from "#player/picture/marks.js";
 import { robotColour } from "#player/picture/pen.js";
+import { endsOf } from "#player/picture/scene_robots.js";
 
 // cells before the first number on a path; the next is twice as far along, and so on
 const FIRST = 6;
-const INSIDE = 9; // pixels: radius of a disc with room for its number
+const INSIDE = 9; // units: radius of a disc with room for its number
 const APART = 18; // minimum distance in pixels between two numbers, or a number and a robot
 
 /**
@@ -33,34 +34,45 @@ function numberedRows(run, number) {
 }
 
 /**
- * Draws the numbers of all robots, if there are several.
+ * Draws the numbers of several robots: at their targets, where they are, and along their paths.
  * @param {Pen} pen
- * @param {RunScene} scene - As for drawScene; without a number there is only one robot
+ * @param {SceneWorld} world
+ * @param {SceneRobot[]} robots
+ * @param {boolean} hasTrails
  */
-export function drawNumbers(pen, { run, step, world, show, number, others }) {
-  if (!number) return;
-  const all = [...(others || []), { run, number }].map((one) => ({ ...one, step: (step * run.dt) / one.run.dt }));
-  const places = [];
-  for (const one of all) {
-    const pose = poseAt(one.run, stepWithin(one.run, one.step)),
-      aside = bodyRadius(pen, world) * pen.scale;
-    // In the middle of a disc that has room, as in the static pictures; else next to it.
-    const isInside = aside >= INSIDE,
-      x = pen.px(pose.x) + (isInside ? -4 : aside + 3),
-      y = pen.py(pose.y) + (isInside ? 5 : -aside - 1);
-    places.push([x + 4, y - 5]);
-    drawNumber(pen, one.number, x, y);
+export function drawNumbers(pen, world, robots, hasTrails) {
+  const { unit } = pen,
+    size = MARKS.number.size * unit;
+  for (const { target: [x, y, radius], start, number, waypoints } of endsOf(world)) {
+    for (const [k, goal] of (waypoints ?? []).entries()) {
+      const aside = goal[2] + (9 * unit) / pen.scale;
+      drawNumber(pen, k + 1, pen.px(goal[0] + aside), pen.py(goal[1] + aside) + 0.36 * size, pen.colours.target);
+    }
+    if (!number) continue;
+    const away = radius + (9 * unit) / pen.scale;
+    drawNumber(pen, number, pen.px(x + away), pen.py(y + away) + 0.36 * size);
+    // Without a run it is at its start.
+    if (robots.length === 0) drawNumber(pen, number, pen.px(start[0]), pen.py(start[1]) + 0.36 * size);
   }
-  if (!show.trail) return;
-  for (const one of all) drawAlong(pen, one, places);
+  const places = [];
+  for (const { number, pose, radius } of robots) {
+    if (!number) continue;
+    // In the middle of a disc that has room, else next to it.
+    const aside = radius * pen.scale,
+      isInside = aside >= INSIDE * unit,
+      x = pen.px(pose.x) + (isInside ? 0 : aside + 7 * unit),
+      y = pen.py(pose.y) + 0.36 * size - (isInside ? 0 : aside + 6 * unit);
+    places.push([x, y - 5]);
+    drawNumber(pen, number, x, y);
+  }
+  if (!hasTrails) return;
+  for (const one of robots) if (one.number) drawAlong(pen, one, places);
 }
 
 // Draws numbers along the path driven so far, except where another number would be too close.
 function drawAlong(pen, one, places) {
   const { x, y } = openRun(one.run),
-    here = rowAt(one.run, Math.min(one.step, one.run.steps));
-  pen.context.save();
-  pen.context.textAlign = "center";
+    here = one.until - 1;
   for (const row of numberedRows(one.run, one.number)) {
     if (row > here) break;
     const place = [pen.px(x[row]), pen.py(y[row])];
@@ -68,23 +80,26 @@ function drawAlong(pen, one, places) {
     places.push(place);
     drawNumber(pen, one.number, place[0], place[1] + 5);
   }
-  pen.context.restore();
 }
 
 /**
- * Draws a robot's number at a place in pixels, in its colour or in another one.
+ * Draws a number around a place in pixels; a robot's in its colour.
  * @param {Pen} pen
  * @param {number} number
  * @param {number} across
  * @param {number} down
  * @param {string} [colour]
  */
-export function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
-  const { context, colours } = pen;
-  context.font = "700 13px system-ui, sans-serif";
-  context.lineWidth = 4;
+function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
+  const { context, colours, unit } = pen,
+    { size, casing } = MARKS.number;
+  context.save();
+  context.textAlign = "center";
+  context.font = `700 ${size * unit}px system-ui, sans-serif`;
+  context.lineWidth = casing * unit;
   context.strokeStyle = colours.floor;
   context.fillStyle = colour;
   context.strokeText(String(number), across, down);
   context.fillText(String(number), across, down);
+  context.restore();
 }

@@ -1,7 +1,12 @@
 // The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings.
 // y points up.
 
+import { MARKS, ROBOTS } from "#player/picture/marks.js";
+
 const LEAST_SCALE = 0.05; // pixels per cell, if a canvas has no space left between its edges
+const USUAL = 480; // pixels: a smaller picture has thinner marks, as the pictures in files do
+const LEAST_UNIT = 0.75;
+const CASING = 0.8; // opacity
 const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
 export const BAR_ROOM = 18; // pixels: the space for the scale bar, below a world that is shown in full
 
@@ -42,12 +47,12 @@ export function rimOf(pen) {
  * @param {HTMLCanvasElement} canvas
  * @param {View | null} view
  * @param {SceneWorld} world
+ * @param {Size | null} [size] - If the canvas is not on the page
  * @returns {Pen}
  */
-export function penFor(canvas, view, world) {
-  const ratio = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth,
-    height = canvas.clientHeight;
+export function penFor(canvas, view, world, size = null) {
+  const ratio = size?.ratio ?? (window.devicePixelRatio || 1);
+  const { width, height } = size ?? { width: canvas.clientWidth, height: canvas.clientHeight };
   const wide = Math.round(width * ratio),
     high = Math.round(height * ratio);
   if (canvas.width !== wide || canvas.height !== high) {
@@ -64,6 +69,7 @@ export function penFor(canvas, view, world) {
     width,
     height,
     scale,
+    unit: Math.min(1, Math.max(LEAST_UNIT, Math.min(width, height) / USUAL)),
     // to the screen's pixels, so that adjacent areas have no seam
     snap: (value) => Math.round(value * ratio) / ratio,
     px: (value) => width / 2 + (value - x) * scale,
@@ -150,17 +156,48 @@ export function stroke(pen, colour, width, dash = []) {
 }
 
 /**
+ * Strokes the path as a mark of `marks.json`, with its casing below it.
+ * @param {Pen} pen
+ * @param {string} name
+ * @param {string} [colour] - Instead of the mark's own
+ * @param {number} [share] - Of its opacity
+ */
+export function strokeMark(pen, name, colour = pen.colours[MARKS[name].colour], share = 1) {
+  const { context, colours, unit } = pen;
+  const { width, casing, dash, opacity } = MARKS[name];
+  if (casing) {
+    context.globalAlpha = CASING;
+    stroke(pen, colours[name === "named" ? "named-edge" : "floor"], casing * unit);
+  }
+  context.globalAlpha = opacity * share;
+  stroke(pen, colour, width * unit, dash.map((length) => length * unit));
+  context.globalAlpha = 1;
+}
+
+/**
+ * Fills the path as a mark of `marks.json`.
+ * @param {Pen} pen
+ * @param {string} name
+ * @param {string} [colour]
+ */
+export function fillMark(pen, name, colour = pen.colours[MARKS[name].colour]) {
+  const { context } = pen;
+  context.globalAlpha = MARKS[name].fill;
+  context.fillStyle = colour;
+  context.fill();
+  context.globalAlpha = 1;
+}
+
+/**
+ * Makes a path around a point.
  * @param {Pen} pen
  * @param {number} x
  * @param {number} y
  * @param {number} radius
- * @param {string} colour
  */
-export function disc(pen, x, y, radius, colour) {
+export function circle(pen, x, y, radius) {
   pen.context.beginPath();
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
-  pen.context.fillStyle = colour;
-  pen.context.fill();
 }
 
 /**
@@ -169,12 +206,11 @@ export function disc(pen, x, y, radius, colour) {
  * @param {number} y
  * @param {number} radius
  * @param {string} colour
- * @param {number} width
  */
-export function ring(pen, x, y, radius, colour, width) {
-  pen.context.beginPath();
-  pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
-  stroke(pen, colour, width);
+export function disc(pen, x, y, radius, colour) {
+  circle(pen, x, y, radius);
+  pen.context.fillStyle = colour;
+  pen.context.fill();
 }
 
 /**
@@ -184,16 +220,31 @@ export function ring(pen, x, y, radius, colour, width) {
  * @param {{x: number, y: number, heading: number}} pose
  * @param {number} radius - of the disc, in cells
  */
-export function bodyPath(pen, footprint, { x, y, heading }, radius) {
+export function bodyPath(pen, footprint, pose, radius) {
+  pen.context.beginPath();
+  addBody(pen, footprint, pose, radius);
+}
+
+/**
+ * Adds a robot's body at a pose to the path.
+ * @param {Pen} pen
+ * @param {[number, number][] | undefined} footprint
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {number} radius
+ */
+export function addBody(pen, footprint, { x, y, heading }, radius) {
   const { context, px, py } = pen;
-  context.beginPath();
   if (!footprint) {
     context.arc(px(x), py(y), radius * pen.scale, 0, 2 * Math.PI);
     return;
   }
   const cos = Math.cos(heading),
     sin = Math.sin(heading);
-  for (const [ahead, left] of footprint) context.lineTo(px(x + ahead * cos - left * sin), py(y + ahead * sin + left * cos));
+  footprint.forEach(([ahead, left], k) => {
+    const [across, down] = [px(x + ahead * cos - left * sin), py(y + ahead * sin + left * cos)];
+    if (k === 0) context.moveTo(across, down);
+    else context.lineTo(across, down);
+  });
   context.closePath();
 }
 
@@ -212,4 +263,19 @@ export function frontOf(footprint, radius) {
  * @param {number} number
  * @returns {string}
  */
-export const robotColour = (number) => `robot-${(number - 1) % 6}`;
+export const robotColour = (number) => `robot-${(number - 1) % ROBOTS}`;
+
+/**
+ * Returns the radius of the largest disc about the axle in a robot's body, which is sure to be in
+ * what the body covers.
+ * @param {{radius: number, footprint?: [number, number][]}} body
+ * @returns {number}
+ */
+export function innerRadius({ radius, footprint }) {
+  if (!footprint) return radius;
+  const distances = footprint.map(([x, y], k) => {
+    const [u, v] = footprint[(k + 1) % footprint.length];
+    return (x * (v - y) - y * (u - x)) / Math.hypot(u - x, v - y);
+  });
+  return Math.max(0, Math.min(...distances));
+}

@@ -2,9 +2,11 @@
 // so that colour is not the only sign.
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
-import { stroke } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { innerRadius, stroke, strokeMark } from "#player/picture/pen.js";
 
 const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found
+const LIGHTER = 0.6; // share of the floor's colour in a wall that the robot entered, below the stripes
 const FINENESS = 0.125; // cells between two places of a path that are examined
 
 /* Returns the wall cells that the robot cuts into, each with the first step in which it does. The
@@ -50,17 +52,6 @@ function cutAt(cells, world, tolerance, x, y) {
   return found;
 }
 
-// Returns the radius of the largest disc about the axle in the robot's body, which is sure to be in
-// what the body covers.
-function innerRadius({ radius, footprint }) {
-  if (!footprint) return radius;
-  const distances = footprint.map(([x, y], k) => {
-    const [u, v] = footprint[(k + 1) % footprint.length];
-    return (x * (v - y) - y * (u - x)) / Math.hypot(u - x, v - y);
-  });
-  return Math.max(0, Math.min(...distances));
-}
-
 // Returns the walls that the centre passes between a row and the previous one.
 function crossed(cells, world, open, row) {
   const dx = open.x[row] - open.x[row - 1],
@@ -99,7 +90,7 @@ function breachPoint(run, mark) {
  * @param {RunScene} scene
  */
 export function drawPierced(pen, scene) {
-  const { context, colours } = pen,
+  const { context } = pen,
     { world, run } = scene;
   context.save();
   for (const { ix, iy, step, named } of piercedCells(world, run).values()) {
@@ -109,8 +100,7 @@ export function drawPierced(pen, scene) {
   for (const mark of run.marks) {
     if (!mark.cell || !(scene.whole || scene.step >= mark.step)) continue;
     const [x, y] = breachPoint(run, mark);
-    crossAt(pen, x, y, colours.floor, 6);
-    crossAt(pen, x, y, colours.pierced, 3.5);
+    crossAt(pen, x, y);
   }
   context.restore();
 }
@@ -126,7 +116,7 @@ function stripe(pen, ix, iy, over, named) {
     context.rect(left, top, scale, scale);
     context.clip();
     // a light ground gives the stripes contrast
-    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) {
+    for (const [colour, alpha] of [[colours.floor, LIGHTER], [colours[MARKS.pierced.colour], MARKS.pierced.fill]]) {
       context.globalAlpha = alpha;
       context.fillStyle = colour;
       context.fillRect(left, top, scale, scale);
@@ -138,21 +128,21 @@ function stripe(pen, ix, iy, over, named) {
       context.moveTo(left + k, top + scale);
       context.lineTo(left + k + scale, top);
     }
-    stroke(pen, colours.pierced, 2);
+    stroke(pen, colours[MARKS.pierced.colour], MARKS.pierced.width * pen.unit);
     context.restore();
   }
   context.beginPath();
   context.rect(left, top, scale, scale);
-  stroke(pen, colours.pierced, over ? (named ? 3 : 2) : 1.5, over ? [] : [4, 3]);
+  stroke(pen, colours[MARKS.pierced.colour], MARKS.pierced.width * pen.unit * (over ? (named ? 1.5 : 1) : 0.75), over ? [] : [4, 3]);
 }
 
-function crossAt(pen, x, y, colour, width) {
+function crossAt(pen, x, y) {
   const { context, px, py } = pen,
-    reach = Math.max(5, Math.min(10, pen.scale / 4));
+    reach = MARKS.breach.size * pen.unit;
   context.beginPath();
   for (const slant of [1, -1]) {
     context.moveTo(px(x) - reach, py(y) - slant * reach);
     context.lineTo(px(x) + reach, py(y) + slant * reach);
   }
-  stroke(pen, colour, width);
+  strokeMark(pen, "breach");
 }

@@ -1,6 +1,7 @@
 // The scale of a picture: a bar of a round length with its unit.
 
-import { BAR_ROOM, palette } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { BAR_ROOM } from "#player/picture/pen.js";
 
 const WIDEST = 0.3; // share of the picture's width that the bar may take
 const LEAST = 24; // pixels: a shorter bar is useless
@@ -43,9 +44,9 @@ export function drawScaleBar(pen, world) {
   const long = metres * perMetre;
   if (!(long > 4)) return;
   const { context, height } = pen;
-  const colours = palette();
+  const { colours } = pen;
   const words = lengthWords(metres);
-  context.font = "11px system-ui, sans-serif";
+  context.font = `${MARKS.scale.size}px system-ui, sans-serif`;
   const wide = long + 10 + context.measureText(words).width;
   // A plate keeps bar and text legible over walls and paths when the view is zoomed.
   context.globalAlpha = 0.8;
@@ -53,7 +54,7 @@ export function drawScaleBar(pen, world) {
   context.fillRect(3, height - HIGH - 3, wide + 8, HIGH);
   context.globalAlpha = 1;
   context.strokeStyle = context.fillStyle = colours.ink;
-  context.lineWidth = 1.5;
+  context.lineWidth = MARKS.scale.width;
   context.setLineDash([]);
   const low = height - 7;
   context.beginPath();

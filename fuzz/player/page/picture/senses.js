@@ -4,7 +4,7 @@
 // Eurographics 1987.
 
 import { SOLID, stateAt } from "#player/decode.js";
-import { stroke } from "#player/picture/pen.js";
+import { strokeMark } from "#player/picture/pen.js";
 
 function beamHeadings(heading, sensors) {
   const { beams, field } = sensors;
@@ -50,23 +50,28 @@ function castBeam(cells, world, x, y, heading, longest) {
  * @param {Uint8Array} cells
  * @param {Pose} pose
  */
-export function drawSenses(pen, scene, cells, pose) {
-  const { context, px, py, colours } = pen,
-    { world, sensors } = scene;
-  if (sensors.beams > 0) {
-    context.beginPath();
-    for (const heading of beamHeadings(pose.heading, sensors)) {
-      const [x, y] = castBeam(cells, world, pose.x, pose.y, heading, sensors.range);
-      context.moveTo(px(pose.x), py(pose.y));
-      context.lineTo(px(x), py(y));
-    }
-    stroke(pen, colours.beam, 1);
-  }
-  const bearing = Math.atan2(world.target[1] - pose.y, world.target[0] - pose.x);
-  const from = Math.max(world.radius, 5 / pen.scale) + 3 / pen.scale,
-    to = from + 9 / pen.scale;
+export function drawBeams(pen, { world, sensors }, cells, pose) {
+  const { context, px, py } = pen;
+  if (!(sensors.beams > 0)) return;
   context.beginPath();
-  context.moveTo(px(pose.x + Math.cos(bearing) * from), py(pose.y + Math.sin(bearing) * from));
-  context.lineTo(px(pose.x + Math.cos(bearing) * to), py(pose.y + Math.sin(bearing) * to));
-  stroke(pen, colours.target, 3);
+  for (const heading of beamHeadings(pose.heading, sensors)) {
+    const [x, y] = castBeam(cells, world, pose.x, pose.y, heading, sensors.range);
+    context.moveTo(px(pose.x), py(pose.y));
+    context.lineTo(px(x), py(y));
+  }
+  strokeMark(pen, "beam");
+}
+
+/**
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ * @param {Pose} pose
+ */
+export function drawBearing(pen, { world }, pose) {
+  const bearing = Math.atan2(world.target[1] - pose.y, world.target[0] - pose.x);
+  const from = Math.max(world.radius, 5 / pen.scale) + 3 / pen.scale;
+  pen.context.beginPath();
+  for (const away of [from, from + 9 / pen.scale])
+    pen.context.lineTo(pen.px(pose.x + Math.cos(bearing) * away), pen.py(pose.y + Math.sin(bearing) * away));
+  strokeMark(pen, "bearing");
 }

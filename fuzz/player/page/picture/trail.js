@@ -1,80 +1,162 @@
-// The path of the robot: faint ahead, strong where it has driven.
+// The path of a robot: it fades in up to the period, which is a closed line on the floor it covers.
 
+import { openRun, rowAt } from "#player/decode.js";
 import { drawHeads } from "#player/picture/arrows.js";
-import { openRun, poseAt, rowAt } from "#player/decode.js";
+import { shownRadius } from "#player/picture/ends.js";
 import { drawLine } from "#player/picture/long_line.js";
-import { line, robotColour, stroke } from "#player/picture/pen.js";
+import { MARKS } from "#player/picture/marks.js";
+import { addBody, circle, fillMark, innerRadius, line, stroke, strokeMark } from "#player/picture/pen.js";
+import { colourOf } from "#player/picture/scene_robots.js";
 
-const RECENT = 300; // rows of a long path that are drawn strongest
-const FADES = 5; // steps over which the recent path fades
+const RECENT = 300; // rows of a long path, while it plays, that fade
+const MOST_BAND = 3_000; // rows of a period, while it plays, of which the floor is still drawn
+const MOST_SWEPT = 90; // outlines that together are the floor which a body covers
+const SPOT = 3; // units: a smaller period is drawn as a spot
 
 /**
- * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's
- * colour.
+ * Draws the path that is still to be driven.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ */
+export function drawAhead(pen, { open, number }) {
+  const { width, opacity } = MARKS.ahead;
+  if (!number) drawLine(pen, open, "ahead", { from: 0, to: open.at.length, colour: pen.colours.ahead, width: width * pen.unit, alpha: opacity, once: false });
+}
+
+/**
+ * Draws the path up to the period, or all of it: it fades in.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ * @param {boolean} isWhole - Whether this is a still picture of a whole run
+ */
+export function drawApproach(pen, one, isWhole) {
+  const { open, entry, until, run, pose, number } = one,
+    name = run.loop ? "approach" : "trail",
+    { width, casing, fade } = MARKS[name],
+    colour = colourOf(pen, name, number),
+    last = Math.min(until, entry + 1),
+    first = isWhole ? 0 : Math.max(0, last - RECENT),
+    { context, unit } = pen;
+  const part = (layer, colour, wide, alpha) => drawLine(pen, open, layer, { from: 0, to: last, colour, width: wide * unit, alpha, once: isWhole });
+  if (casing) part("casing", pen.colours.floor, casing, 0.8);
+  if (first > 0) drawLine(pen, open, "before", { from: 0, to: first + 1, colour, width: width * unit, alpha: fade[0], once: false });
+  const bounds = isWhole ? evenly(open, last, fade.length) : fade.map((_, k) => first + Math.round(((last - first) * k) / fade.length));
+  fade.forEach((share, k) => {
+    const to = k + 1 < fade.length ? bounds[k + 1] + 1 : last;
+    line(pen, open.x, open.y, Math.max(0, bounds[k]), Math.min(last, to), one.isDriving && k === fade.length - 1 && until <= entry ? pose : null);
+    context.globalAlpha = share;
+    stroke(pen, colour, width * unit);
+    context.globalAlpha = 1;
+  });
+  if (!run.loop) drawHeads(pen, open, 0, last, "trail", colour);
+}
+
+// Returns the rows at which pieces of about equal length begin.
+function evenly({ x, y }, to, count) {
+  const lengths = [0];
+  for (let row = 1; row < to; row += 1) lengths.push(lengths[row - 1] + Math.hypot(x[row] - x[row - 1], y[row] - y[row - 1]));
+  const total = lengths[lengths.length - 1];
+  return Array.from({ length: count }, (_, k) => Math.max(0, lengths.findIndex((length) => length >= (total * k) / count)));
+}
+
+/**
+ * Draws the floor that the robot's body covers in its period: the gaps that it does not fit through.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ * @param {boolean} isWhole
+ */
+export function drawBand(pen, one, isWhole) {
+  const { open, entry, until, footprint, radius, number } = one;
+  if (entry >= until - 1 || isSpot(pen, one) || (!isWhole && until - entry > MOST_BAND)) return;
+  const { context } = pen,
+    colour = colourOf(pen, "band", number);
+  context.globalAlpha = MARKS.band.fill;
+  if (footprint) {
+    context.beginPath();
+    const step = Math.max(1, (until - 1 - entry) / MOST_SWEPT);
+    for (let row = entry; row < until; row += step) {
+      const k = Math.round(row);
+      addBody(pen, footprint, { x: open.x[k], y: open.y[k], heading: open.heading[k] }, 0);
+    }
+    context.fillStyle = colour;
+    context.fill();
+  } else {
+    line(pen, open.x, open.y, entry, until);
+    stroke(pen, colour, 2 * radius * pen.scale);
+  }
+  context.globalAlpha = 1;
+}
+
+/**
+ * Draws the period as a closed line with one arrow.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ * @param {boolean} isWhole
+ */
+export function drawLoop(pen, one, isWhole) {
+  const { open, entry, until, pose, number } = one,
+    { width, casing } = MARKS.loop,
+    colour = colourOf(pen, "loop", number),
+    { unit } = pen;
+  if (entry >= until) return;
+  if (isWhole && isSpot(pen, one)) {
+    drawSpot(pen, open.x[entry], open.y[entry], innerRadius(one), colour);
+    return;
+  }
+  for (const [layer, hue, wide, alpha] of [["loop-casing", pen.colours.floor, casing, 0.8], ["loop", colour, width, 1]])
+    drawLine(pen, open, String(layer), { from: entry, to: until, colour: String(hue), width: Number(wide) * unit, alpha: Number(alpha), once: isWhole });
+  if (one.isDriving) {
+    line(pen, open.x, open.y, until - 1, until, pose);
+    stroke(pen, colour, width * unit);
+  }
+  drawHeads(pen, open, entry, until, "loop", colour);
+}
+
+/**
+ * Returns whether a period is too small to see as a line.
+ * @param {Pen} pen
+ * @param {Pick<SceneRobot, "open" | "entry" | "run" | "radius" | "footprint">} one
+ * @returns {boolean}
+ */
+function isSpot(pen, one) {
+  const { open, entry, run } = one;
+  const beyond = run.loop ? Math.min(open.at.length, rowAt(run, run.loop[0] + run.loop[1]) + 1) : open.at.length;
+  const spread = Math.max(extent(open.x, entry, beyond), extent(open.y, entry, beyond));
+  return spread < Math.max((SPOT * pen.unit) / pen.scale, 0.1 * innerRadius(one));
+}
+
+function extent(values, from, to) {
+  let low = Infinity,
+    high = -Infinity;
+  for (let row = from; row < to; row += 1) {
+    low = Math.min(low, values[row]);
+    high = Math.max(high, values[row]);
+  }
+  return high - low;
+}
+
+// Draws a period on one spot as the robot's disc, without an arrow: it may be turning.
+function drawSpot(pen, x, y, radius, colour) {
+  const { context, px, py, unit } = pen;
+  circle(pen, x, y, shownRadius(pen, "spot", radius));
+  fillMark(pen, "spot", colour);
+  strokeMark(pen, "spot", colour);
+  context.beginPath();
+  context.arc(px(x), py(y), 3 * unit, 0, 2 * Math.PI);
+  context.fillStyle = colour;
+  context.fill();
+}
+
+/**
+ * Draws the path of the step that breaks the world's rules.
  * @param {Pen} pen
  * @param {RunScene} scene
  */
-export function drawTrail(pen, scene) {
-  const { run } = scene,
-    open = openRun(run),
-    { colours, context } = pen;
-  const here = rowAt(run, scene.step),
-    rows = open.at.length;
-  const entry = run.loop ? rowAt(run, run.loop[0]) : rows;
-  const end = scene.whole ? rows : here + 1,
-    pose = scene.whole || scene.step > run.steps ? null : poseAt(run, scene.step);
-  const own = scene.number ? colours[robotColour(scene.number)] : colours.loop;
-  const before = run.loop && !scene.number ? colours.way : own,
-    last = Math.min(end, entry + 1);
-  const recent = Math.max(0, last - RECENT),
-    part = (name, look) => drawLine(pen, open, name, { alpha: 1, once: scene.whole, ...look });
-  // From the lowest layer to the highest: ahead, driven long ago, driven recently, the loop.
-  if (!scene.whole) part("ahead", { from: 0, to: rows, colour: colours.ahead, width: 1.25, alpha: 0.45 });
-  part("before", { from: 0, to: recent + 1, colour: before, width: 1.75, alpha: 0.4 });
-  const strong = run.loop && scene.number ? 0.5 : 1;
-  for (let part = 0; part < FADES; part += 1) {
-    const [from, to] = [part, part + 1].map((k) => recent + Math.round(((last - recent) * k) / FADES));
-    context.globalAlpha = scene.whole ? strong : strong * (0.4 + (0.6 * (part + 1)) / FADES);
-    line(pen, open.x, open.y, Math.max(0, from - 1), to, part === FADES - 1 && end <= entry ? pose : null);
-    stroke(pen, before, 2.25);
-  }
-  context.globalAlpha = 1;
-  if (end > entry) {
-    const width = scene.number ? 3.5 : 2.75;
-    part("loop", { from: entry, to: end, colour: own, width });
-    line(pen, open.x, open.y, end - 1, end, pose);
-    stroke(pen, own, width);
-  }
-  drawHeads(pen, open, 0, Math.min(end, entry + 1), before);
-  if (end > entry) drawHeads(pen, open, entry, end, own);
-  drawBreachPath(pen, run, scene);
-}
-
-/**
- * Draws another robot's path up to a row, and from there to its current place; faint up to a loop, and the loop stronger.
- * @param {Pen} pen
- * @param {DrawnRun} run
- * @param {string} colour
- * @param {number} until
- * @param {Pose | null} pose
- */
-export function drawOtherTrail(pen, run, colour, until, pose) {
-  const open = openRun(run),
-    entry = run.loop ? rowAt(run, run.loop[0]) : until,
-    loops = until > entry + 1;
-  drawLine(pen, open, "other", { from: 0, to: loops ? entry + 1 : until, colour, width: loops ? 1.25 : 2, alpha: loops ? 0.4 : 1 });
-  if (loops) drawLine(pen, open, "other-loop", { from: entry, to: until, colour, width: 3, alpha: 1 });
-  line(pen, open.x, open.y, until - 1, until, pose);
-  stroke(pen, colour, loops ? 3 : 2);
-  drawHeads(pen, open, loops ? entry : 0, until, colour);
-}
-
-// Draws the path of the step that breaks the world's rules.
-function drawBreachPath(pen, run, scene) {
+export function drawBreachPath(pen, { run, whole, step }) {
   const open = openRun(run);
   for (const mark of run.marks) {
-    if (!mark.cell || (!scene.whole && scene.step < mark.step)) continue;
+    if (!mark.cell || (!whole && step < mark.step)) continue;
     line(pen, open.x, open.y, Math.max(0, rowAt(run, mark.step - 1)), rowAt(run, mark.step) + 1);
-    stroke(pen, pen.colours.breach, 4);
+    stroke(pen, pen.colours[MARKS.breach.colour], MARKS.breach.width * pen.unit);
   }
 }

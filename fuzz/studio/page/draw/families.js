@@ -20,7 +20,7 @@ export function makeFamilies(studio, choose) {
   const shown = new Map();
   let asked = false;
   const draw = () => {
-    for (const { canvas, world } of shown.values()) if (world && canvas.clientWidth > 0) drawSmall(canvas, { world, run: null, sensors: null }, { scale: false });
+    for (const { canvas, world } of shown.values()) if (world && canvas.clientWidth > 0) drawSmall(canvas, { world, run: null, sensors: null }, { scale: false, numbers: false, witness: false });
   };
   const ask = async () => {
     if (asked || element.clientWidth === 0) return;

@@ -35,7 +35,7 @@ const PLAYING = [
   ["l", "Repeat one period of a loop"],
   ["e", "Go to the next marked step"],
   ["> < |", "Timeline: less of the run, more of it, all of it"],
-  ["r", "Follow the robot"],
+  ["r z", "Follow the robot; zoom to what happens"],
   ["b", "Show or hide the flow chart of the robot's behaviours"],
   ["h", "Drive a robot by hand, with the arrow keys; Escape stops"],
   ["t u s i m w c", "Trail, touched walls, sensors, signal, the robot's memory, witness, changes to come"],
