@@ -327,7 +327,7 @@ def parse_waypoints(text: str) -> int | list[tuple[float, float, float]]:
             raise InvalidParameter(
                 "not-positive",
                 "waypoint {name!q} has a radius that is not above 0 m",
-                "omit it for the target's",
+                "write {near} for the target's",
                 name=word,
                 near=",".join(numbers[:2]),
             )
