@@ -18,8 +18,8 @@ from PIL.PngImagePlugin import PngInfo
 
 from worldgen import generate, world_digest
 from worldgen.family import FAMILIES
-from worldgen.render import Panel, Trail, draw_sheet
-from worldgen.world import JointWitness, Value, Witness, World
+from worldgen.render import Panel, draw_sheet
+from worldgen.world import Value, World
 
 DOCS = Path(__file__).parent
 FIRST, EACH = 1, 3  # seeds of every kind
@@ -134,12 +134,7 @@ def draw(family: str) -> bytes:
     panels: list[Panel] = []
     for kind in GALLERY[family]:
         for seed, world in enumerate(worlds(family, kind), FIRST):
-            proof = world.certificate
-            paths = proof.paths if isinstance(proof, JointWitness) else (proof,)
-            trails = tuple(
-                Trail(path.x, path.y) if isinstance(path, Witness) else None for path in paths
-            )
-            panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", trails))
+            panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", ()))
     picture = Image.open(io.BytesIO(draw_sheet(panels, (), **LOOK)))
     about = PngInfo()
     about.add_text("worlds", " ".join(world_digest(panel.world)[:ID] for panel in panels))

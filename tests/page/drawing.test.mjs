@@ -89,7 +89,9 @@ test("at a bump, the sides of the nearest walls that face the robot are marked, 
     drawTouched(pen, room, drivenIn({ world: room, run, step, number: null, show: SHOW }), whole);
     const { calls } = pen.context;
     assert.ok(calls.every(({ name, strokeStyle }) => name !== "stroke" || strokeStyle === "touched"));
-    return pen.context.of("moveTo").map(({ given: [x, y] }) => [Math.floor(x / pen.scale), room.height - 1 - Math.floor(y / pen.scale)].join());
+    const ends = pen.context.of("lineTo");
+    // The cell in which the middle of each line is.
+    return pen.context.of("moveTo").map(({ given: [x, y] }, k) => [Math.floor(x / pen.scale), room.height - 1 - Math.floor((y + ends[k].given[1]) / 2 / pen.scale)].join());
   };
   assert.deepEqual([touched(0), touched(1), touched(2)], [[], ["7,4"], ["7,4"]]);
   assert.deepEqual(touched(0, true), ["7,4"]);

@@ -21,13 +21,13 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "21e44922d4cb1c78",
+        "4a540cf683b83f0d",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "4ac52739e46889b6"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "874633bd1dec9747"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "6c7498c009f5a96b",
+        "3d6f48ee5c3e05cf",
     ),
 }
 

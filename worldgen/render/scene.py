@@ -355,6 +355,9 @@ def _blocked(content: Content, mark: Mark) -> list[Primitive]:
 
 
 def _numbers(content: Content, mark: Mark) -> list[Primitive]:
+    # A small picture of a world without a run shows its walls.
+    if content.view.is_card and not content.trails:
+        return []
     if not content.has_several:
         robot = content.world.robots[0]
         return waypoint_numbers(robot, content.frame, content.colour("target", 0))

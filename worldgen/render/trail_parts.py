@@ -151,9 +151,9 @@ def touched_parts(
         # Between two walls there is nothing to touch.
         if not (0 <= ix + dx < across and 0 <= iy + dy < height) or walls[iy + dy, ix + dx]:
             continue
-        # Just inside the wall, from one of its corners to the next.
+        # Just inside the wall, from one of its corners to the next, where a round end of the next begins.
         middle = np.array((ix + 0.5 + (0.5 - inset) * dx, iy + 0.5 + (0.5 - inset) * dy))
-        along = (0.5 - inset) * np.array((abs(dy), abs(dx)))
+        along = (0.5 - 0.6 * inset) * np.array((abs(dy), abs(dx)))
         parts.append(DrawnLine(frame.corners((middle - along, middle + along)), paint))
     return parts
 

@@ -13,6 +13,9 @@ export const SAMPLE = { width: 26, height: 14 }; // pixels
 // Marks that each of several robots has in its own colour.
 const OWN = new Set(["start", "target", "witness", "approach", "loop", "trail", "end"]);
 
+// Marks that the legend of a small picture explains.
+const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "blocked", "touched", "pierced", "named"]);
+
 /** @typedef {{name: string, words: string, number?: number}} LegendItem */
 
 /**
@@ -63,11 +66,11 @@ export function legendOf(drawn) {
 }
 
 /**
- * Makes the legend of a small picture.
+ * Makes the legend of a small picture: what it is about, next to words that say the rest.
  * @param {Pick<DrawnFailure, "world" | "run" | "named">} drawn
  * @returns {HTMLElement}
  */
-export const legendOfCells = ({ world, ...drawn }) => listOf(world ? marksOf({ ...drawn, world, sensors: null }, true) : []);
+export const legendOfCells = ({ world, ...drawn }) => listOf(world ? marksOf({ ...drawn, world, sensors: null }, true).filter(({ name }) => ABOUT.has(name)) : []);
 
 /** @param {LegendItem[]} items */
 function listOf(items) {

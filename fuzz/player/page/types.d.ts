@@ -560,7 +560,7 @@ interface Scene {
   /** Leaves out what a small picture has no room for. */
   isCard?: boolean;
   /** Size of a canvas that is not on the page. */
-  size?: Size | null;
+  on?: Size | null;
   /** Cells that the text next to the picture names. */
   named?: [number, number][];
 }

@@ -61,7 +61,7 @@ export function composed(player) {
   maps.forEach((one, k) => {
     const map = document.createElement("canvas");
     Object.assign(map, { width: wide * RATIO, height: high * RATIO });
-    drawScene(map, { ...one, show, whole: isWhole, size: { width: wide, height: high, ratio: RATIO } }, one.view && { ...one.view, scale: (one.view.scale * wide) / player.canvas.clientWidth });
+    drawScene(map, { ...one, show, whole: isWhole, on: { width: wide, height: high, ratio: RATIO } }, one.view && { ...one.view, scale: (one.view.scale * wide) / player.canvas.clientWidth });
     const left = EDGE + k * (wide + EDGE);
     context.drawImage(map, left, top, wide, high);
     if (!one.words) return;

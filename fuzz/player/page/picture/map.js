@@ -87,7 +87,7 @@ const DRAWN = {
  */
 export function drawScene(canvas, scene, view = null) {
   const { world, run, show, sensors, named = [], whole = false, isCard = false } = scene;
-  const pen = penFor(canvas, view, world, scene.size);
+  const pen = penFor(canvas, view, world, scene.on);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
   const ms = run ? step * run.dt * 1000 : (scene.ms ?? 0);

@@ -82,18 +82,20 @@ function gapOfBody(footprint, x, y, heading) {
 export function drawTouched(pen, world, robots, isWhole) {
   const { context, px, py, colours } = pen;
   const width = Math.min(MARKS.touched.width * pen.unit, 0.4 * pen.scale),
-    reach = 0.5 - width / 2 / pen.scale;
+    inset = width / 2 / pen.scale,
+    reach = 0.5 - inset,
+    along = 0.5 - 0.6 * inset;
   for (const { run, step: now, radius, footprint } of robots) {
     const touched = [...touchedSides({ ...world, open: openWorld(world), radius, footprint }, run).values()],
       entry = isWhole && run.loop ? run.loop[0] : 0,
       repeated = touched.filter(({ last }) => last > entry);
     for (const { ix, iy, dx, dy, step } of repeated.length > 0 ? repeated : touched) {
       if (!isWhole && step > now) continue;
-      // Just inside the wall, from one of its corners to the next.
+      // Just inside the wall, from one of its corners to the next, where a round end of the next begins.
       const [x, y] = [ix + 0.5 + reach * dx, iy + 0.5 + reach * dy];
       context.beginPath();
-      context.moveTo(px(x - reach * Math.abs(dy)), py(y - reach * Math.abs(dx)));
-      context.lineTo(px(x + reach * Math.abs(dy)), py(y + reach * Math.abs(dx)));
+      context.moveTo(px(x - along * Math.abs(dy)), py(y - along * Math.abs(dx)));
+      context.lineTo(px(x + along * Math.abs(dy)), py(y + along * Math.abs(dx)));
       stroke(pen, colours[MARKS.touched.colour], width);
     }
   }
