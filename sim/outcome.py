@@ -90,6 +90,7 @@ class Outcome:
         points: Points of the path after the start.
         cells_left: Cells that a coverage task still requires.
         cells_wanted: Cells to visit; 0 for another task.
+        goals: Goals that the robot arrived at.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
@@ -114,6 +115,7 @@ class Outcome:
     points: int = 0
     cells_left: int = 0
     cells_wanted: int = 0
+    goals: int = 0
     entry: int = -1
     cause: str = ""
     cause_step: int = -1
@@ -208,6 +210,8 @@ class Episode:
         cells_left: Cells that a coverage task still requires; ``None`` for another task.
         area_covered: Area of the cells that its centre was in after a step, including the start's,
             m2.
+        goals_reached: How many of its waypoints and its target it arrived at; ``None`` for a robot
+            without waypoints.
         shortfall: What the last state lacks, of a run that did not arrive at a goal with a heading,
             or at which a step has to end; else ``None``.
         ran: What was run, if it was recorded in this process.
@@ -223,6 +227,7 @@ class Episode:
     trace: Trace | None = None
     area_covered: float = 0.0
     cells_left: int | None = None
+    goals_reached: int | None = None
     shortfall: Shortfall | None = None
     ran: Ran | None = field(default=None, repr=False, compare=False)
 

@@ -26,6 +26,7 @@ from sim.outcome import Episode, Outcome, Ran, Runnable, area_of, wall_evidence
 from sim.runners.controller_host import host_of
 from sim.runners.decide import decide
 from sim.runners.lattice import LatticeRun
+from sim.runners.recording import has_waypoints
 from sim.trace import state_digest
 from sim.verdict import ARRIVALS, BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.support.arrays import Words
@@ -178,6 +179,7 @@ def _episode(
         collisions=outcome.collisions,
         area_covered=area_of(outcome.cells_visited, world),
         cells_left=outcome.cells_left if outcome.cells_wanted else None,
+        goals_reached=outcome.goals if has_waypoints(world, options) else None,
         trace_digest=outcome.digest,
         evidence=evidence,
         trace=outcome.trace,
