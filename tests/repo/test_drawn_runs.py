@@ -13,7 +13,7 @@ AGAIN = "run python -m docs.draw_runs, and look at what it draws"
 
 # Drawn by other scripts, which have tests of their own, or from what others' programs recorded.
 FROM_ELSEWHERE = re.compile(
-    r"(gallery|compose|difficulty|fire|library|report|studio|census|thesis|audit|nav2)\b"
+    r"(gallery|compose|difficulty|fire|library|report|studio|census|thesis|audit|nav2|watchdogs)\b"
 )
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from build_tools.cores import CORES, ROOT
 from build_tools.targets import TARGETS
+from build_tools.wasm import compile_module
 from build_tools.wheels import build_wheel
 
 pytestmark = pytest.mark.nightly
@@ -49,6 +50,19 @@ def test_a_wheel_has_all_cores_and_needs_nothing_that_its_system_lacks(target, t
                 check_windows(module)
             else:
                 check_unix(module, target)
+
+
+def test_the_modules_for_pages_are_the_same_wherever_they_are_compiled(tmp_path):
+    pytest.importorskip("ziglang", reason="NOT BUILT: pip install -e '.[dev]' brings ziglang")
+    core = next(core for core in CORES if core.in_pages)
+    made = [tmp_path / name / "_core.wasm" for name in ("one", "other")]
+    for module in made:
+        compile_module(core, module, module.parent / "work")
+    assert made[0].read_bytes() == made[1].read_bytes()
+    # A second time there is nothing to compile.
+    objects = {file: file.stat().st_mtime_ns for file in (made[0].parent / "work").glob("*.o")}
+    compile_module(core, made[0], made[0].parent / "work")
+    assert objects == {file: file.stat().st_mtime_ns for file in objects}
 
 
 def check_windows(module):

@@ -17,7 +17,7 @@ const BREACHES = {
   burned: ["Caught", "is caught"],
 };
 
-/** @typedef {{ verdict: string, steps: number, entry: number, period: number, last_new_cell: number, hit: LiveRun["hit"] }} Judged */
+/** @typedef {import("#player/live/verdict.js").Judged} Judged */
 
 /**
  * Returns which steps to draw: densely where a reader looks, evenly elsewhere.

@@ -32,7 +32,7 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
     if (recipe) {
       const budget = edited ? budgetOf(world, recipe, proof) : recipe.steps;
       const runs = recipe.motion === "stepped" ? runStepped : runOnLattice;
-      const found = await runs(simulator, world, recipe, budget, pause);
+      const found = await runs(simulator, world, recipe, proof.witness, budget, pause);
       if (typeof found === "string") why = found;
       else run = found;
     }

@@ -13,7 +13,7 @@ import {
   toLattice,
   toMetres,
 } from "#player/live/lattice.js";
-import { RECORDED_AT_ONCE, endingOf, verdictOf } from "#player/live/verdict.js";
+import { RECORDED_AT_ONCE, endingOf, evidenceOf, fnv1a, multipleOf, verdictOf } from "#player/live/verdict.js";
 
 /** @typedef {import("#player/live/core.js").Core} Core */
 
@@ -31,11 +31,12 @@ const NEXT = [0, 1, 2].flatMap((away) =>
  * @param {Core} core the simulator
  * @param {LiveWorld} world
  * @param {LiveRecipe} recipe of a motion model on the lattice
+ * @param {LiveProof["witness"]} witness
  * @param {number} budget steps
  * @param {() => Promise<void>} pause throws if a newer question has come
  * @returns {Promise<LiveRun | string>} the run, or why it cannot start
  */
-export async function runOnLattice(core, world, recipe, budget, pause) {
+export async function runOnLattice(core, world, recipe, witness, budget, pause) {
   const arena = layOut(core, world, recipe);
   const { settings, start } = arena;
   if (!start) return "The robot overlaps a wall at its start.";
@@ -56,6 +57,9 @@ export async function runOnLattice(core, world, recipe, budget, pause) {
   const report = core.all(at, "WgReport");
   const digest = core.whole(at, "WgReport", "digest");
   const verdict = verdictOf(endingOf(core, report.ending), /** @type {any} */ (report));
+  const known = core.get(episode, "WgEpisode", "search.known");
+  const words = core.get(episode, "WgEpisode", "search.words");
+  const state = known ? core.view(known, words, "uint64_t").slice() : new BigUint64Array();
   core.call("wg_episode_free", episode);
 
   const isLoop = verdict === "loop";
@@ -68,6 +72,11 @@ export async function runOnLattice(core, world, recipe, budget, pause) {
     last_new_cell: report.last_new_cell,
     hit: hitOf(verdict, report),
   };
+  const evidence = evidenceOf(judged, {
+    stateDigest: () => fnv1a(state),
+    burned: report.hit_state === core.constants.WG_SOLID ? "solid" : "burning",
+    multiple: multipleOf(recipe, report.steps, witness),
+  });
   // Again, for the path. The step in which a controller fails isn't part of it.
   core.set(settings, "WgSettings", { digest: 0 });
   const steps = report.steps - Number(isCrash);
@@ -75,7 +84,8 @@ export async function runOnLattice(core, world, recipe, budget, pause) {
   const side = world.cell_size;
   return {
     ...judged,
-    time: Math.round(report.steps * recipe.time_step * 1e9) / 1e9,
+    evidence,
+    time: Number((report.steps * recipe.time_step).toFixed(9)),
     budget,
     digest: digest.toString(16).padStart(16, "0"),
     path_length: report.path_length * core.get(settings, "WgSettings", "metres"),

@@ -4,7 +4,7 @@
 import { Trail, keptSteps } from "#player/live/drawn.js";
 import { add, div, exact, float, floor, fraction, mul, sub } from "#player/live/exact.js";
 import { discNumbers, inCells, solidOf, toLattice } from "#player/live/lattice.js";
-import { RECORDED_AT_ONCE, endingOf, verdictOf } from "#player/live/verdict.js";
+import { RECORDED_AT_ONCE, endingOf, evidenceOf, fnv1a, multipleOf, verdictOf } from "#player/live/verdict.js";
 
 /** @typedef {import("#player/live/core.js").Core} Core */
 
@@ -21,11 +21,12 @@ const MASK = (1n << 64n) - 1n;
  * @param {Core} core the simulator
  * @param {LiveWorld} world
  * @param {LiveRecipe} recipe of `stepped`
+ * @param {LiveProof["witness"]} witness
  * @param {number} budget steps
  * @param {() => Promise<void>} pause throws if a newer question has come
  * @returns {Promise<LiveRun | string>} the run, or why it cannot start
  */
-export async function runStepped(core, world, recipe, budget, pause) {
+export async function runStepped(core, world, recipe, witness, budget, pause) {
   const frame = frameOf(core, world, recipe);
   if (typeof frame === "string") return frame;
   const { constants } = core;
@@ -58,11 +59,20 @@ export async function runStepped(core, world, recipe, budget, pause) {
     last_new_cell,
     hit: place ? frame.placeOf(ended, place) : null,
   };
+  const entered = place === "tunnel" || place === "overlap" ? causeOf(core, ended, place) : {};
+  const { WG_SOLID } = constants;
+  const evidence = evidenceOf(judged, {
+    stateDigest: () => fnv1a(found.state),
+    entered,
+    burned: ended["hit.state"] === WG_SOLID ? "solid" : "burning",
+    multiple: multipleOf(recipe, steps, witness),
+  });
   const trail = new Trail();
   await frame.run({ steps, find_loop: constants.WG_NO_LOOP, digest: 0 }, { trail, isKept: keptSteps(judged) }, pause);
   return {
     ...judged,
-    time: Math.round(steps * recipe.time_step * 1e9) / 1e9,
+    evidence,
+    time: Number((steps * recipe.time_step).toFixed(9)),
     budget,
     digest: found.digest.toString(16).padStart(16, "0"),
     path_length: ended.path_length * (world.cell_size / CELL),
@@ -184,7 +194,12 @@ function frameOf(core, world, recipe) {
       else if (ending !== core.constants.WG_LIMIT || steps >= setup.steps) break;
       await pause();
     }
-    return { all: core.all(state, "WgThesisRun"), digest: core.whole(state, "WgThesisRun", "digest") };
+    const known = core.get(search, "WgSearch", "known");
+    return {
+      all: core.all(state, "WgThesisRun"),
+      digest: core.whole(state, "WgThesisRun", "digest"),
+      state: stateWords(core, core.view(known, words, "uint64_t")),
+    };
   }
 
   /**
@@ -221,6 +236,31 @@ function frameOf(core, world, recipe) {
     cell: [Number(ended[`${name}.x`]) - pad, rowOf(Number(ended[`${name}.y`]))],
   });
   return { run, placeOf };
+}
+
+/**
+ * Returns the move that led into a wall, if there is one.
+ * @param {Core} core
+ * @param {Record<string, number>} ended
+ * @param {string} place
+ */
+function causeOf(core, ended, place) {
+  const { WG_SLIDE, WG_BACK_OFF, WG_CORNER } = core.constants;
+  const cause = new Map([[WG_SLIDE, "slide"], [WG_BACK_OFF, "back-off"], [WG_CORNER, "corner"]]).get(ended[`${place}.cause`]);
+  return cause ? { cause, since: ended[`${place}.began`] } : {};
+}
+
+/**
+ * Returns a state in the words of a trace, which has its whole numbers as floats.
+ * @param {Core} core
+ * @param {BigUint64Array} known
+ */
+function stateWords(core, known) {
+  const words = known.slice();
+  const floats = new Float64Array(words.buffer);
+  const first = core.offset("WgThesisState", "collision") / 8;
+  for (let k = first; k < words.length; k++) floats[k] = Number(BigInt.asIntN(64, words[k]));
+  return words;
 }
 
 /**
