@@ -181,7 +181,7 @@ def test_a_target_in_a_closed_room_is_proved_to_be_out_of_reach(page, tmp_path):
     before = page.evaluate("shift")
     drag(page, (12, 3), ROOM)
     page.locator("#change-proof.bad", has_text="blocked").wait_for()
-    page.locator(".legend .cut").wait_for()
+    page.locator(".legend li", has_text="cut: every gap").wait_for()
     assert page.evaluate("shift") == before
     world = saved(page, tmp_path)
     assert (world.target.x, world.target.y) == (1.25, 0.95)
@@ -206,6 +206,8 @@ def test_the_start_its_heading_and_the_radius_can_be_changed_and_reset(page, tmp
 
 def test_keys_can_do_it_all(page, tmp_path):
     begin(page)
+    said = page.locator("#said")
+    said.filter(has_text="loop forever").wait_for(state="attached")
     page.locator("#board").focus()
     page.keyboard.press("ArrowRight")  # shows the cursor, in the middle, and moves it
     for key in ["ArrowDown"] * 2:
@@ -218,6 +220,7 @@ def test_keys_can_do_it_all(page, tmp_path):
     page.locator("#board").focus()
     page.keyboard.press("Control+z")
     assert (saved(page, tmp_path).walls == room().walls).all()
+    said.filter(has_text="loop forever").wait_for(state="attached")
     page.locator("#board").focus()
     page.keyboard.press("ArrowUp")
     ix, iy = map(int, page.locator("#said").text_content().split(":")[0].split(", "))
