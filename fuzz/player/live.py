@@ -136,6 +136,8 @@ def live_world(world: World) -> dict[str, Any]:
         found["footprint"] = [list(corner) for corner in robot.footprint]
     if robot.drive.is_car:
         found["car"] = True
+    if robot.waypoints:
+        found["waypoints"] = len(robot.waypoints)
     if world.is_dynamic:
         found["changes"] = True
     if world.is_fleet:
@@ -146,7 +148,8 @@ def live_world(world: World) -> dict[str, Any]:
 def has_live_proof(world: World) -> bool:
     """Return True if a page can decide whether the target of an edited world can be reached."""
     robot = world.robots[0]
-    return robot.is_disc and not (world.is_fleet or world.is_dynamic or robot.drive.is_car)
+    is_simple = robot.is_round and not robot.waypoints
+    return is_simple and not (world.is_fleet or world.is_dynamic)
 
 
 def why_not_live(world: World, controller: Controller, options: RunOptions) -> str:

@@ -836,6 +836,8 @@ interface LiveWorld {
   footprint?: [number, number][];
   /** Set if the robot turns by steering. */
   car?: boolean;
+  /** Number of goals before the target, if there are any. */
+  waypoints?: number;
   /** Set if cells change over time. */
   changes?: boolean;
   /** Their number, if there are several. */

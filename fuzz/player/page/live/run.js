@@ -167,9 +167,9 @@ function settingsOf(core, world, recipe) {
   }
   const own = core.make("WgSettings", { ...recipe.settings, pushes, decoys });
   core.set(own, "WgSettings", {
-    target_x: toLattice(world.target[0], side),
-    target_y: toLattice(world.target[1], side),
-    target_radius_sq: targetSq(world),
+    "target.x": toLattice(world.target[0], side),
+    "target.y": toLattice(world.target[1], side),
+    "target.radius_sq": targetSq(world),
     top_speed: world.speed,
     start_speed: Math.min(Number(recipe.start_speed), world.speed),
   });
