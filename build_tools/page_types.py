@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, Union
 import msgspec
 
 from fuzz.campaign.store import Budget
+from fuzz.overview.answer import Headline, RankedCause
 from fuzz.studio.answers import ANSWERING, answer
 from fuzz.studio.requests import protocol
 from fuzz.unit.result import StrategyYield
@@ -55,7 +56,10 @@ def page_types() -> str:
         if kind not in (msgspec.Struct, protocol.Request, protocol.Reply)
     ]
     others = [one for one in structs if not issubclass(one, protocol.Request)]
-    tables = [_interface(kind) for kind in (*dict.fromkeys([*others, StrategyYield]), Budget)]
+    tables = [
+        _interface(kind)
+        for kind in (*dict.fromkeys([*others, Headline, RankedCause, StrategyYield]), Budget)
+    ]
     messages = [_message(name, kind) for name, kind in protocol.REQUESTS.items()]
     kinds = "/** Each kind of request: its fields, the parts of its answer, and the answer. */"
     return "\n".join([_HEAD, *tables, kinds, "interface Messages {", *messages, "}", ""])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from decimal import Decimal
@@ -92,18 +93,13 @@ def turned(heading: float) -> int:
 
 
 def _off_centre(case: Case) -> int:
-    places = [
-        place
-        for robot in case.world.robots
-        for place in (robot.start.x, robot.start.y, robot.target.x, robot.target.y)
-    ]
+    places = [place for robot in case.world.robots for point in robot.places for place in point]
     return sum(in_cells(place, case.world.cell_size) % 1 * 2 != 1 for place in places)
 
 
 def _covered(case: Case) -> int:
     return sum(
-        math.dist((robot.start.x, robot.start.y), (robot.target.x, robot.target.y))
-        < robot.radius + robot.target.radius
+        math.dist(robot.places[0], robot.places[1]) < robot.radius + robot.goals[0].radius
         for robot in case.world.robots
     )
 
@@ -113,7 +109,8 @@ def _distance(case: Case) -> int:
     pairs = [
         pair
         for robot in world.robots
-        for pair in ((robot.start.x, robot.target.x), (robot.start.y, robot.target.y))
+        for one, two in itertools.pairwise(robot.places)
+        for pair in zip(one, two, strict=True)
     ]
     cells = [[math.floor(in_cells(place, world.cell_size)) for place in pair] for pair in pairs]
     return sum(abs(a - b) for a, b in cells)
@@ -125,7 +122,7 @@ def _numbers(case: Case) -> int:
     robots = sum(
         number_cost(robot.radius, DEFAULT_ROBOT_RADIUS)
         + number_cost(robot.speed, DEFAULT_ROBOT_SPEED)
-        + number_cost(robot.target.radius, world.cell_size / 2)
+        + sum(number_cost(goal.radius, world.cell_size / 2) for goal in robot.goals)
         for robot in world.robots
     )
     return (
@@ -136,11 +133,15 @@ def _numbers(case: Case) -> int:
 
 
 ORDER: tuple[Measure, ...] = (
-    Measure("robots", "robots", lambda case: len(case.world.robots)),
+    Measure(
+        "robots",
+        "robots, and their waypoints",
+        lambda case: sum(len(robot.goals) for robot in case.world.robots),
+    ),
     Measure("cells", "cells of the grid", lambda case: case.world.walls.size),
     Measure("solid", "solid cells", lambda case: case.world.solid_cells),
     Measure("events", "events of the timeline", lambda case: len(case.world.timeline)),
-    Measure("covered", "robots whose disc overlaps their target at the start", _covered),
+    Measure("covered", "robots whose disc overlaps their first goal at the start", _covered),
     Measure(
         "heading",
         "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3; summed over all robots",
@@ -148,13 +149,15 @@ ORDER: tuple[Measure, ...] = (
     ),
     Measure(
         "off-centre",
-        "coordinates of start and target that are not in the middle of a cell",
+        "coordinates of start and goals that are not in the middle of a cell",
         _off_centre,
     ),
-    Measure("distance", "cells from start to target, along both axes", _distance),
+    Measure(
+        "distance", "cells from start to target, through all waypoints, along both axes", _distance
+    ),
     Measure(
         "numbers",
-        "cost of radius, speed, target, time step and options: 0 for the usual number, 1 to 4 "
+        "cost of radius, speed, goals, time step and options: 0 for the usual number, 1 to 4 "
         "for one digit (1 before 2, 2 before 5, 5 before others), plus 10 per further digit",
         _numbers,
     ),

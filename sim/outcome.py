@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol, TypeAlias
 
 from sim._core import lib
 from sim.evidence import (
@@ -18,7 +18,9 @@ from sim.evidence import (
 )
 from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
+from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
+from worldgen.plugins.entry_points import points_of
 from worldgen.support.arrays import Words
 from worldgen.world import World
 
@@ -88,6 +90,7 @@ class Outcome:
         points: Points of the path after the start.
         cells_left: Cells that a coverage task still requires.
         cells_wanted: Cells to visit; 0 for another task.
+        goals: Goals that the robot arrived at.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
@@ -112,6 +115,7 @@ class Outcome:
     points: int = 0
     cells_left: int = 0
     cells_wanted: int = 0
+    goals: int = 0
     entry: int = -1
     cause: str = ""
     cause_step: int = -1
@@ -174,6 +178,23 @@ class Runnable(Protocol):
 
 
 @dataclass(frozen=True)
+class Ran:
+    """What a recorded episode ran, so that a notebook can show it.
+
+    Args:
+        world: The world.
+        name: The controller's name.
+        controller: The controller; for several robots the first one's.
+        options: How it was run, a :class:`~sim.RunOptions`.
+    """
+
+    world: World
+    name: str
+    controller: Any
+    options: Any
+
+
+@dataclass(frozen=True)
 class Episode:
     """What happened in one run.
 
@@ -189,8 +210,11 @@ class Episode:
         cells_left: Cells that a coverage task still requires; ``None`` for another task.
         area_covered: Area of the cells that its centre was in after a step, including the start's,
             m2.
+        goals_reached: How many of its waypoints and its target it arrived at; ``None`` for a robot
+            without waypoints.
         shortfall: What the last state lacks, of a run that did not arrive at a goal with a heading,
             or at which a step has to end; else ``None``.
+        ran: What was run, if it was recorded in this process.
     """
 
     verdict: Verdict
@@ -203,7 +227,34 @@ class Episode:
     trace: Trace | None = None
     area_covered: float = 0.0
     cells_left: int | None = None
+    goals_reached: int | None = None
     shortfall: Shortfall | None = None
+    ran: Ran | None = field(default=None, repr=False, compare=False)
+
+    def show(self) -> Any:
+        """Return the interactive player of this run, which a notebook shows below its cell.
+
+        Raises:
+            InvalidParameter: If the run was not recorded.
+        """
+        if self.ran is None:
+            raise InvalidParameter(
+                "not-recorded",
+                "this run was not recorded in this process, so there is nothing to play",
+                "simulate it with record=True",
+            )
+        return _viewer("page")(self, self.ran)
+
+    def _repr_png_(self) -> bytes | None:
+        """Return the picture that a notebook shows; ``None`` if the run was not recorded."""
+        if self.ran is None:
+            return None
+        picture: bytes = _viewer("picture")(self, self.ran)
+        return picture
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what was run: other processes have it, and a controller may be unable to go."""
+        return {name: value for name, value in vars(self).items() if name != "ran"}
 
     @property
     def went_into_a_wall(self) -> bool:
@@ -255,6 +306,12 @@ class FleetEpisode(Episode):
     def went_into_a_wall(self) -> bool:
         """Whether one of the robots drove into a wall."""
         return any(one.went_into_a_wall for one in self.robots)
+
+
+def _viewer(name: str) -> Any:
+    """Return what shows episodes in notebooks; pictures and pages build on this module."""
+    (point,) = (point for point in points_of("worldgen.viewers") if point.name == name)
+    return point.load()
 
 
 def wall_evidence(outcome: Outcome) -> WallEvidence:

@@ -51,11 +51,14 @@ class Trace:
             recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
         after_memory: How many words at the end of a state follow the memory: a robot's message to
-            others, or what a body or a car keeps of its last turn and its steering.
+            others, how many waypoints it has passed, and what a body or a car keeps of its last turn
+            and its steering.
         path_heading: (m,) rad, the heading on the way to each point of the path; empty for a disc
             that turns on the spot, whose heading does not matter there.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
         task: The robot's task: ``target`` or ``cover``.
+        passed: (n + 1,) int64, how many of its waypoints the robot has arrived at; empty without
+            waypoints.
     """
 
     time_step: float
@@ -78,6 +81,7 @@ class Trace:
     path_heading: Floats = field(default_factory=lambda: np.zeros(0))
     robot: RobotOptions | None = None
     task: str = "target"
+    passed: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @property
     def steps(self) -> int:

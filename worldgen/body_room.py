@@ -10,14 +10,17 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from hashlib import sha256
 
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import TURN, heading_from_lattice
+from worldgen.lattice import TURN, cell_middle, heading_from_lattice
+from worldgen.random_streams import RandomStream
 from worldgen.reach import decide
-from worldgen.robot import Pose, Robot, Target
-from worldgen.robot_overrides import RobotOverrides
+from worldgen.reach.still.cells import reachable_cells
+from worldgen.robot import Drive, Pose, Robot, Target
+from worldgen.robot_overrides import RobotOverrides, waypoints_at
 from worldgen.support.arrays import Bools, Floats
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, Value, Witness, World
@@ -81,7 +84,8 @@ class FittedRobot:
         if not self.overrides.given():
             return world
         robot = replace(world.robots[0], radius=self.radius)
-        return with_room(world, self.overrides.applied_to_robot(robot))
+        world = with_room(world, self.overrides.applied_to_robot(robot))
+        return with_chosen_waypoints(world, self.overrides)
 
 
 def layout_radius(robot: Robot, *, any_heading: bool = False) -> float:
@@ -164,7 +168,8 @@ def with_room(world: World, robot: Robot) -> World:
     """Return a family's world with a robot, which fits at its start and somewhere in its target.
 
     If the body is in a wall at the start, it gets another heading. If it fits with none, at the start
-    or the target, walls make way until it can turn there.
+    or the target, walls make way until it can turn there. So do they at its waypoints, which stay where
+    they are; only the border is in the way there.
 
     Args:
         world: The world; its robot says where start and target are.
@@ -189,7 +194,55 @@ def with_room(world: World, robot: Robot) -> World:
         if fits is None or (target.heading is not None and fits != wanted):
             walls, place = _cleared(world, walls, robot, place)
             target = replace(target, x=place[0], y=place[1])
+    for goal in robot.waypoints:
+        walls = _without_cells_at(world, walls, robot, goal)
     return replace(world.bare, walls=walls, robots=(replace(robot, start=start, target=target),))
+
+
+def with_chosen_waypoints(world: World, overrides: RobotOverrides) -> World:
+    """Return the world with as many waypoints as are asked for, if their places are not given.
+
+    They are in the middle of cells that a disc in the robot can reach from its start if nothing
+    changes, chosen by the walls, the start and the target. If there are fewer, some are the same. A
+    world that has as many waypoints stays as it is.
+
+    Raises:
+        InvalidParameter: If there is no such cell.
+    """
+    robot = world.robots[0]
+    count = overrides.waypoint_count
+    if not overrides.chooses_waypoints or len(robot.waypoints) == count:
+        return world
+    disc = replace(
+        robot, footprint=(), drive=Drive(), radius=robot.inner_radius or robot.radius, waypoints=()
+    )
+    still = replace(world.bare, timeline=Timeline(), robots=(disc,))
+    cells = np.argwhere(reachable_cells(still)).tolist()
+    if not cells:
+        raise InvalidParameter(
+            "no-room",
+            "waypoints={count}, and the robot reaches the middle of no cell",
+            "use a larger size or cell_size, or a smaller robot",
+            count=count,
+        )
+    made = sha256(np.packbits(world.walls).tobytes() + repr((disc.start, disc.target)).encode())
+    rng = RandomStream(int.from_bytes(made.digest()[:8], "little"))
+    places: list[tuple[float, float, float]] = []
+    for _ in range(count):
+        iy, ix = cells[rng.below(len(cells))]
+        if len(cells) > count - len(places) - 1:
+            cells.remove([iy, ix])
+        places.append((cell_middle(ix, world.cell_size), cell_middle(iy, world.cell_size), 0.0))
+    robot = replace(robot, waypoints=waypoints_at(places, robot.target))
+    return replace(world.bare, robots=(robot,))
+
+
+def _without_cells_at(world: World, walls: Bools, robot: Robot, goal: Target) -> Bools:
+    """Return walls without the cells nearer to a goal than the robot's radius, except at the border."""
+    near = _is_near(world, (goal.x / world.cell_size, goal.y / world.cell_size), robot)
+    near[[0, -1], :] = False
+    near[:, [0, -1]] = False
+    return walls & ~near
 
 
 def with_fitting_heading(world: World) -> World:
@@ -286,9 +339,17 @@ def _cleared(
             )
         middle.append(min(max(round(2.0 * at / side), low), high) / 2.0)
     x, y = middle
+    walls = walls & ~_is_near(world, (x, y), robot)
+    return walls, (round(x * side, 9), round(y * side, 9))
+
+
+def _is_near(world: World, place: tuple[float, float], robot: Robot) -> Bools:
+    """Return (height, width) bool, the cells nearer to a place, cells, than the robot's radius."""
+    x, y = place
+    reach = robot.radius / world.cell_size
     columns = np.arange(world.width)
     rows = np.arange(world.height)
     across = np.maximum(np.maximum(columns - x, x - columns - 1.0), 0.0)
     up = np.maximum(np.maximum(rows - y, y - rows - 1.0), 0.0)
-    walls = walls & ~(across[None, :] ** 2 + up[:, None] ** 2 < reach * reach)
-    return walls, (round(x * side, 9), round(y * side, 9))
+    near: Bools = across[None, :] ** 2 + up[:, None] ** 2 < reach * reach
+    return near

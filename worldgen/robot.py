@@ -25,6 +25,8 @@ Corner: TypeAlias = tuple[float, float]
 MOST_CORNERS: Final = 16
 # Cells from the axle to the farthest corner of a footprint, so that exact tests fit into 128 bits.
 MOST_OF_A_FOOTPRINT = 256
+# Goals that a robot must arrive at before its target.
+MOST_WAYPOINTS: Final = 64
 # Slowest steering of a car, 1/s: eleven days to full lock.
 SLOWEST_STEERING = 1e-6
 
@@ -119,6 +121,7 @@ class Robot:
         footprint: Corners of a convex polygon, m, in the robot's frame; none for a disc. They are
             kept counter-clockwise, without those on a straight side.
         drive: How it may move.
+        waypoints: Goals that it must arrive at before the target, in order.
 
     Raises:
         InvalidWorld: If the footprint is not a convex polygon of 3 to 16 corners.
@@ -130,8 +133,10 @@ class Robot:
     speed: float = DEFAULT_ROBOT_SPEED
     footprint: tuple[Corner, ...] = ()
     drive: Drive = Drive()
+    waypoints: tuple[Target, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "waypoints", tuple(self.waypoints))
         # An empty list would compare unequal to no footprint.
         footprint = convex_footprint(self.footprint) if len(self.footprint) else ()
         object.__setattr__(self, "footprint", footprint)
@@ -152,7 +157,19 @@ class Robot:
     @property
     def is_plain(self) -> bool:
         """True for a disc that turns on the spot and only has to touch its target."""
-        return self.is_disc and self.drive == Drive() and self.target.is_plain
+        return (
+            self.is_disc and self.drive == Drive() and self.target.is_plain and not self.waypoints
+        )
+
+    @property
+    def goals(self) -> tuple[Target, ...]:
+        """All goals in the order in which the robot must arrive at them; the last is the target."""
+        return (*self.waypoints, self.target)
+
+    @property
+    def places(self) -> tuple[Corner, ...]:
+        """X and y, m, of the start and of all goals, in order."""
+        return ((self.start.x, self.start.y), *((goal.x, goal.y) for goal in self.goals))
 
     @property
     def inner_radius(self) -> float:
@@ -248,26 +265,51 @@ def _corner(corner: Sequence[float]) -> Corner:
     return x, y
 
 
-def check_goal(robot: Robot, prefix: str) -> None:
-    """Reject what a goal cannot be; ``prefix`` precedes names in messages.
+def check_goals(robot: Robot, prefix: str) -> None:
+    """Reject what goals cannot be; ``prefix`` precedes names in messages.
 
     Raises:
-        InvalidWorld: If a word is unknown, or a number is not finite or below 0.
+        InvalidWorld: If a word is unknown, a number is not finite or below 0, or there are too many
+            waypoints.
     """
-    goal = robot.target
-    for name, value, known in (
-        ("arrival", goal.arrival, ARRIVALS),
-        ("contact", robot.contact, CONTACTS),
-    ):
-        if value not in known:
+    if len(robot.waypoints) > MOST_WAYPOINTS:
+        raise InvalidWorld(
+            "too-many-waypoints",
+            "{count} {name}; a robot has at most {most}",
+            "leave some out",
+            name=f"{prefix}waypoints",
+            count=len(robot.waypoints),
+            most=MOST_WAYPOINTS,
+        )
+    for number, waypoint in enumerate(robot.waypoints, start=1):
+        if waypoint.contact is not None:
             raise InvalidWorld(
-                "unknown-name",
-                "{name}={value!q} is not one of {known!l}",
-                "use one of them",
-                name=f"{prefix}{name}",
-                value=value,
-                known=list(known),
+                "contact-of-waypoint",
+                "{name} {number} has contact={contact!q}; the contact is the whole run's",
+                "give it to the target alone",
+                name=f"{prefix}waypoint",
+                number=number,
+                contact=waypoint.contact,
             )
+        _check_goal(waypoint, f"{prefix}waypoint {number} ")
+    _check_word(f"{prefix}contact", robot.contact, CONTACTS)
+    _check_goal(robot.target, prefix)
+
+
+def _check_word(name: str, value: str, known: Sequence[str]) -> None:
+    if value not in known:
+        raise InvalidWorld(
+            "unknown-name",
+            "{name}={value!q} is not one of {known!l}",
+            "use one of them",
+            name=name,
+            value=value,
+            known=list(known),
+        )
+
+
+def _check_goal(goal: Target, prefix: str) -> None:
+    _check_word(f"{prefix}arrival", goal.arrival, ARRIVALS)
     if goal.heading is not None and not math.isfinite(goal.heading):
         raise InvalidWorld(
             "not-finite",

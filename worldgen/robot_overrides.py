@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -19,7 +19,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.parameters import Parameter, Written, parameters_of_fields
 from worldgen.parameters.bounds import Bounds
 from worldgen.parameters.known_names import unknown_name
-from worldgen.robot import ARRIVALS, Corner, Drive, Robot, Target, convex_footprint
+from worldgen.robot import ARRIVALS, MOST_WAYPOINTS, Corner, Drive, Robot, Target, convex_footprint
 
 if TYPE_CHECKING:
     from worldgen.world import World
@@ -29,6 +29,7 @@ _BOX = re.compile(rf"({_NUMBER})\s*[xX*]\s*({_NUMBER})(?:\s*@\s*({_NUMBER}))?")
 # Corners as here, as in JSON, and as in Nav2's parameters.
 _BETWEEN = re.compile(r"[\s,;()\[\]]+")
 _BOX_EXAMPLE = "0.62x0.9"
+_PLACES_EXAMPLE = "'1.2,3.4 0.5,2.1'"
 _CORNERS_EXAMPLE = "'0.45,0 -0.3,0.3 -0.3,-0.3'"
 
 
@@ -51,6 +52,9 @@ class RobotOverrides:
             difference from it.
         contact: What a wall does to a move into it: slide along the wall, stop there, or fail,
             which ends the run.
+        waypoints: Places, "X,Y X,Y", m, that the robot must arrive at before the target, in order;
+            each with the target's radius and arrival, or with a radius of its own: X,Y,RADIUS. A
+            family, and a campaign, also takes a number of waypoints, and chooses where they are.
 
     Raises:
         InvalidParameter: If a value is out of range or cannot be read.
@@ -65,6 +69,7 @@ class RobotOverrides:
     arrival: Annotated[str | None, Written(metavar="touch|step|stop[:SPEED[:TURN_RATE]]")] = None
     target_heading: Annotated[str | None, Written(metavar="RAD[:TOLERANCE]")] = None
     contact: Literal["slide", "stop", "fail"] | None = None
+    waypoints: Annotated[str | None, Written(metavar="X,Y[,RADIUS]...|N")] = None
 
     def __post_init__(self) -> None:
         for option in self.declared():
@@ -73,6 +78,7 @@ class RobotOverrides:
         # Read them once, so that a mistake is found before any work begins.
         self._body()
         self._goal()
+        self._places()
 
     @classmethod
     def declared(cls) -> tuple[Parameter, ...]:
@@ -96,7 +102,7 @@ class RobotOverrides:
     @property
     def changes_body(self) -> bool:
         """True if they are about the body or the drive, not only about the goal."""
-        goal = ("arrival", "target_heading", "contact")
+        goal = ("arrival", "target_heading", "contact", "waypoints")
         return any(name not in goal for name in self.given())
 
     @property
@@ -105,6 +111,28 @@ class RobotOverrides:
         body = self._body()
         return body is not None and not covers_axle(body)
 
+    @property
+    def waypoint_count(self) -> int:
+        """How many waypoints they ask for; 0 if the option is omitted."""
+        asked = self._asked()
+        return asked if isinstance(asked, int) else len(asked)
+
+    @property
+    def chooses_waypoints(self) -> bool:
+        """True if they ask for a number of waypoints, not for places."""
+        return isinstance(self._asked(), int)
+
+    def moved(self, dx: float, dy: float) -> RobotOverrides:
+        """Return these overrides with their places moved, m."""
+        places = self._places()
+        if places is None or dx == dy == 0.0:
+            return self
+        words = [
+            ",".join(repr(value) for value in (x + dx, y + dy, *([radius] if radius else [])))
+            for x, y, radius in places
+        ]
+        return replace(self, waypoints=" ".join(words))
+
     def applied_to_robot(self, robot: Robot) -> Robot:
         """Return the robot with these changes.
 
@@ -112,25 +140,36 @@ class RobotOverrides:
             InvalidParameter: If an option is a car's, and the robot is not one.
         """
         footprint = self._body()
+        target = replace(robot.target, **self._goal())
         return replace(
             robot,
             footprint=robot.footprint if footprint is None else footprint,
             drive=self._drive(robot.drive),
-            target=replace(robot.target, **self._goal()),
+            target=target,
+            waypoints=self._waypoints(robot.waypoints, target),
         )
 
     def applied_to(self, world: World) -> World:
         """Return the world with these changes of its robot.
 
         It loses what was only true of the other robot: its failure, its provenance unless that is a
-        map's, and its certificate if the body, the drive or the heading at the target changes.
+        map's, and its certificate if the body, the drive, a waypoint or a goal's heading changes.
 
         Raises:
-            InvalidParameter: If an option is a car's, and the robot is not one; or for a fleet.
+            InvalidParameter: If an option is a car's, and the robot is not one; for a fleet; or if they
+            ask for a number of waypoints, without places.
             InvalidWorld: If no world can have such a robot.
         """
         if not self.given():
             return world
+        if self.chooses_waypoints:
+            raise InvalidParameter(
+                "no-places",
+                "waypoints={name!q} is a number of places to choose, and this world's are not chosen",
+                f"write the places, such as {_PLACES_EXAMPLE}",
+                name=self.waypoints,
+                near="1.2,3.4",
+            )
         if world.is_fleet:
             option = next(iter(self.given()))
             raise InvalidParameter(
@@ -144,11 +183,7 @@ class RobotOverrides:
         after = self.applied_to_robot(before)
         if after == before:
             return world
-        is_proved = (after.footprint, after.drive, after.target.heading) == (
-            before.footprint,
-            before.drive,
-            before.target.heading,
-        )
+        is_proved = _proved_of(after) == _proved_of(before)
         made = world.provenance
         return replace(
             world,
@@ -157,6 +192,23 @@ class RobotOverrides:
             provenance=made if made is not None and made.is_of_map else None,
             failure=None,
         )
+
+    def _waypoints(self, given: tuple[Target, ...], target: Target) -> tuple[Target, ...]:
+        """Return the waypoints of a robot with these ones, whose goal is this target."""
+        places = self._places()
+        if places is not None:
+            return waypoints_at(places, target)
+        if self.arrival is None:
+            return given
+        return tuple(replace(goal, **_arrival(self.arrival)) for goal in given)
+
+    def _places(self) -> list[tuple[float, float, float]] | None:
+        asked = self._asked()
+        return None if isinstance(asked, int) else asked or None
+
+    def _asked(self) -> int | list[tuple[float, float, float]]:
+        """Return the places of the waypoints, or how many there are to be; none if omitted."""
+        return [] if self.waypoints is None else parse_waypoints(self.waypoints)
 
     def _body(self) -> tuple[Corner, ...] | None:
         return None if self.footprint is None else parse_footprint(self.footprint)
@@ -204,6 +256,12 @@ class RobotOverrides:
         return changes
 
 
+def _proved_of(robot: Robot) -> tuple[object, ...]:
+    """Return what a certificate is about, of a robot's body, drive and goals."""
+    goals = [(goal.x, goal.y, goal.radius, goal.heading) for goal in robot.goals]
+    return robot.footprint, robot.drive, goals
+
+
 def option_flag(name: str) -> str:
     """Return the spelling of an option on the command line: ``--turning-radius``."""
     return "--" + name.replace("_", "-")
@@ -228,6 +286,62 @@ def parse_footprint(text: str) -> tuple[Corner, ...]:
             near = _BOX_EXAMPLE
         message = fault.message.replaced({"name": text, "near": near})
         raise InvalidParameter.of(message) from fault
+
+
+def waypoints_at(
+    places: Iterable[tuple[float, float, float]], target: Target
+) -> tuple[Target, ...]:
+    """Return waypoints at places, which ask for the arrival that the target asks for.
+
+    Args:
+        places: x and y, m, and the radius, m, or 0 for the target's.
+        target: The target.
+    """
+    goal = replace(target, heading=None, contact=None)
+    return tuple(replace(goal, x=x, y=y, radius=radius or target.radius) for x, y, radius in places)
+
+
+def parse_waypoints(text: str) -> int | list[tuple[float, float, float]]:
+    """Return x and y, m, and the radius, m, or 0 for the target's, of places such as ``1.2,3.4 5,6``.
+
+    Returns:
+        The places; or a number, if that is all that the text is.
+
+    Raises:
+        InvalidParameter: If one has another form, a radius is not above 0, or there are too many.
+    """
+    count = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else None
+    places = []
+    for word in () if count is not None else filter(None, re.split(r"[\s;()\[\]]+", text)):
+        numbers = word.strip(",").split(",")
+        if not 2 <= len(numbers) <= 3 or not all(map(DECIMAL.fullmatch, numbers)):
+            raise InvalidParameter(
+                "wrong-form",
+                "waypoint {name!q} is not a place, x and y in m, with or without a radius",
+                f"write one such as 1.2,3.4 or 1.2,3.4,0.1, and several as {_PLACES_EXAMPLE}",
+                name=word,
+                near="1.2,3.4",
+            )
+        x, y, *radius = map(float, numbers)
+        if radius and not radius[0] > 0.0:
+            raise InvalidParameter(
+                "not-positive",
+                "waypoint {name!q} has a radius that is not above 0 m",
+                "write {near} for the target's",
+                name=word,
+                near=",".join(numbers[:2]),
+            )
+        places.append((x, y, radius[0] if radius else 0.0))
+    asked = len(places) if count is None else count
+    if not 1 <= asked <= MOST_WAYPOINTS:
+        raise InvalidParameter(
+            "too-many-waypoints" if asked else "wrong-form",
+            "waypoints: {count} places; there must be 1 to {most}",
+            f"write them as {_PLACES_EXAMPLE}",
+            count=asked,
+            most=MOST_WAYPOINTS,
+        )
+    return places if count is None else count
 
 
 def _corners(text: str) -> list[Corner]:
@@ -393,3 +507,17 @@ def describe_goal(goal: Target) -> str:
         goal.contact or "", ""
     )
     return ", ".join(filter(None, (words, contact)))
+
+
+def describe_waypoint(robot: Robot, number: int) -> str:
+    """Return which of a robot's goals one is, and where: ``waypoint 2 of 3, at (1.2, 3.4)``.
+
+    Args:
+        robot: The robot.
+        number: Number of the goal, from 0.
+    """
+    goal = robot.goals[number]
+    what = "the target"
+    if number < len(robot.waypoints):
+        what = f"waypoint {number + 1} of {len(robot.waypoints)}"
+    return f"{what}, at ({goal.x:.6g}, {goal.y:.6g})"

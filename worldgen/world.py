@@ -34,7 +34,7 @@ from worldgen.robot import (
     Robot,
     Target,
     check_body,
-    check_goal,
+    check_goals,
 )
 from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
@@ -203,6 +203,8 @@ def _frozen_array(
 class Witness(HoldsFrozen):
     """A timed path that the robot could drive; it proves that the target can be reached.
 
+    If the robot has waypoints, a point of the path is in each of them, in order.
+
     Args:
         times: (n,) float64, s, ascending; the first is 0.
         x: (n,) float64, m; straight lines between the points.
@@ -318,12 +320,15 @@ class Cut(HoldsFrozen):
             which the body overlaps a wall: headings from ``heading`` to ``heading + span``, 1/65536
             turn; y from ``y`` to ``y + side`` and x from ``x_begin`` to ``x_end``, 1/1024 cell; all
             bounds included. None for a chain.
+        waypoint: Number, from 1, of the robot's waypoint that it separates from the start; 0 for the
+            target.
     """
 
     cells: Ints
     clearance: float
     robot: int = 1
     boxes: Ints | None = None
+    waypoint: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(
@@ -336,7 +341,8 @@ class Cut(HoldsFrozen):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
             return NotImplemented
-        return (self.clearance, self.robot) == (other.clearance, other.robot) and all(
+        ours = (self.clearance, self.robot, self.waypoint)
+        return ours == (other.clearance, other.robot, other.waypoint) and all(
             np.array_equal(getattr(self, name), getattr(other, name)) for name in ("cells", "boxes")
         )
 
@@ -534,6 +540,9 @@ class World(HoldsFrozen):
         if isinstance(proof, Cut):
             fits = 1 <= proof.robot <= count
             kind = f"a cut for robot {proof.robot}"
+            if fits and not 0 <= proof.waypoint <= len(self.robots[proof.robot - 1].waypoints):
+                fits = False
+                kind = f"a cut for waypoint {proof.waypoint}"
             # Poses in which a body overlaps a wall say nothing about discs and fleets.
             if proof.boxes is not None:
                 fits = count == 1 and not self.robots[0].is_disc
@@ -563,6 +572,10 @@ class World(HoldsFrozen):
             radius_fault(f"{prefix or 'robot_'}radius", robot.radius, self.cell_size),
             speed_fault(f"{prefix or 'robot_'}speed", robot.speed, self.cell_size),
             radius_fault(f"{prefix}target radius", robot.target.radius, self.cell_size),
+            *(
+                radius_fault(f"{prefix}waypoint {number} radius", goal.radius, self.cell_size)
+                for number, goal in enumerate(robot.waypoints, start=1)
+            ),
         ):
             if fault is not None:
                 raise InvalidWorld.of(fault)
@@ -573,10 +586,12 @@ class World(HoldsFrozen):
                 name=f"{prefix}start",
                 heading=robot.start.heading,
             )
-        check_goal(robot, prefix)
+        check_goals(robot, prefix)
         check_body(robot, self.cell_size, prefix)
         self._check_inside(f"{prefix}start", robot.start.x, robot.start.y)
         self._check_inside(f"{prefix}target", robot.target.x, robot.target.y)
+        for number, goal in enumerate(robot.waypoints, start=1):
+            self._check_inside(f"{prefix}waypoint {number}", goal.x, goal.y)
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width = self.width * self.cell_size
@@ -618,6 +633,21 @@ class World(HoldsFrozen):
             number: The robot's number, from 1.
         """
         return replace(self.bare, robots=(self.robots[number - 1],))
+
+    def for_goal(self, number: int) -> World:
+        """Return this world with one of its only robot's goals as the target, without waypoints.
+
+        Args:
+            number: The goal's number, from 0; the last one is the target.
+        """
+        robot = self.robots[0]
+        if not robot.waypoints:
+            return self
+        goal = replace(robot.goals[number], contact=robot.target.contact)
+        # A cut may be about another goal.
+        proof = None if isinstance(self.certificate, Cut) else self.certificate
+        robots = (replace(robot, target=goal, waypoints=()),)
+        return replace(self, robots=robots, certificate=proof)
 
     @property
     def unread(self) -> tuple[str, ...]:

@@ -30,8 +30,8 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
     *settings = looks->settings[looks->kinds[run]];
     settings->start_x = places->start_x * WG_UNIT + WG_UNIT / 2;
     settings->start_y = places->start_y * WG_UNIT + WG_UNIT / 2;
-    settings->target_x = places->target_x * WG_UNIT + WG_UNIT / 2;
-    settings->target_y = places->target_y * WG_UNIT + WG_UNIT / 2;
+    settings->target.x = places->target_x * WG_UNIT + WG_UNIT / 2;
+    settings->target.y = places->target_y * WG_UNIT + WG_UNIT / 2;
 
     // A scene also sets the target's radius and a finer heading.
     int64_t heading = (int64_t)WG_FINER_HEADINGS * (bytes[4] % WG_LAYOUT_HEADINGS);
@@ -48,7 +48,7 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
         settings->reach = looks->discs[radius].reach;
         settings->radius = looks->radii[radius];
     }
-    settings->target_radius_sq = looks->targets[target];
+    settings->target.radius_sq = looks->targets[target];
     settings->seed = looks->seeds[run];
 }
 
@@ -253,8 +253,8 @@ void wg_look_note_step(WgSeat *seat)
         look->contact = wg_least(look->contact, contact);
     }
     seat->touched = touches;
-    int64_t dx = state->x - settings->target_x;
-    int64_t dy = state->y - settings->target_y;
+    int64_t dx = state->x - settings->target.x;
+    int64_t dy = state->y - settings->target.y;
     if (dx * dx + dy * dy < look->straight_sq * WG_UNIT * WG_UNIT) {
         look->closer = 1;
     }

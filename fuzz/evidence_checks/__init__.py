@@ -10,6 +10,7 @@ Contents:
     check_breach: Finds errors in the claim that a walled-off target is reached.
     budget, burned, contact, covered, loop, reached, walls: Modules, one for each kind of verdict; each is
         imported when a run has that verdict.
+    waypoints: Finds errors in the waypoints that a run claims.
 """
 
 from __future__ import annotations
@@ -54,6 +55,14 @@ def check_evidence(
     # A goal that forbids contact ends every run at the first one.
     if world.robots[0].contact == "fail" and trace.bump[:-1].any():
         return f"the robot touches a wall in step {int(trace.bump.argmax())}"
+    # The other checks are about the goal that counts at the end.
+    if world.robots[0].waypoints and len(trace.passed):
+        from fuzz.evidence_checks.waypoints import check_waypoints
+
+        fault = check_waypoints(world, trace)
+        if fault:
+            return fault
+        world = world.for_goal(int(trace.passed[-1]))
     check = _check_of(verdict)
     return check(world, trace, evidence, motion) if check else ""
 

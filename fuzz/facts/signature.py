@@ -29,6 +29,14 @@ from worldgen.world import World
 _ROUNDING = 1e-6
 
 
+def towards_its_goal(world: World, episode: Episode) -> World:
+    """Return the world of a single robot's run with the goal that it never reached as the target."""
+    reached = episode.goals_reached
+    if reached is None:
+        return world
+    return world.for_goal(min(reached, len(world.robots[0].waypoints)))
+
+
 def failure_class(world: World, episode: Episode) -> str:
     """Return a short name for the kind of failure, usable as a file name.
 
@@ -58,6 +66,7 @@ def failure_class(world: World, episode: Episode) -> str:
         return verdict
     if trace is None:
         return verdict
+    world = towards_its_goal(world, episode)
     match evidence:
         case WallEvidence() as wall:
             what = verdict if wall.reached is None else "breach"

@@ -133,7 +133,10 @@ class Windows:
     """
 
     def __init__(self, world: World, step: float) -> None:
-        self._plain = replace(world, certificate=None, provenance=None, failure=None)
+        # Waypoints may be outside of a window.
+        self._waypoints = world.robots[0].waypoints
+        robot = replace(world.robots[0], waypoints=())
+        self._plain = replace(world.bare, robots=(robot,))
         self._made = map_provenance(world)
         self._family = "" if world.provenance is None else world.provenance.family
         # Narrow places for a body are those where it has to turn while it moves.
@@ -305,11 +308,24 @@ class Windows:
             target=replace(self._plain.target, x=target[1], y=target[0]),
             provenance=self._provenance(kind, box, words),
         )
-        world = with_fitting_heading(world)
+        world = with_fitting_heading(self._with_waypoints(world, box))
         decision = decide(world, cut=False)
         if decision.result != REACHABLE:
             return None
         return replace(world, certificate=decision.certificate)
+
+    def _with_waypoints(self, world: World, box: Box) -> World:
+        """Return a window's world with those of the map's waypoints that are in it."""
+        left, low = box.left * self.cell, box.top * self.cell
+        width, height = world.width * self.cell, world.height * self.cell
+        kept = [
+            replace(goal, x=round(goal.x - left, 9), y=round(goal.y - low, 9))
+            for goal in self._waypoints
+            if left <= goal.x <= left + width and low <= goal.y <= low + height
+        ]
+        if not kept:
+            return world
+        return replace(world, robots=(replace(world.robots[0], waypoints=tuple(kept)),))
 
     def _provenance(self, kind: Kind, box: Box, words: str) -> Provenance:
         """Return the map's provenance, with what was changed, for a part of it."""

@@ -15,7 +15,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from fuzz.layouts.variation import generated, layout_disc, overrides_in
-from worldgen.body_room import with_room
+from worldgen.body_room import with_chosen_waypoints, with_room
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
@@ -197,6 +197,7 @@ def world_of_scene(scene: Scene, stream: RandomStream, values: Mapping[str, Valu
         overrides = overrides_in(values)
         if overrides.given():
             world = with_room(world, overrides.applied_to_robot(world.robots[0]))
+            world = with_chosen_waypoints(world, overrides)
         decision = decide(world, cut=False)
     except (InvalidWorld, InvalidParameter):
         return None

@@ -9,7 +9,7 @@ from typing import Any
 from sim.controllers.fields import OF_A_WORLD
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
-from worldgen.body_room import layout_radius, usual_cell
+from worldgen.body_room import layout_radius, usual_cell, with_chosen_waypoints
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
@@ -23,6 +23,8 @@ _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
 _PREFIX = "robot_"
 OVERRIDES = {_PREFIX + option.name: option for option in RobotOverrides.declared()}
 """Quantities of the robot's body, drive and goal: ``robot_footprint``, ``robot_arrival``, ..."""
+WAYPOINTS = f"{_PREFIX}waypoints"
+"""The quantity of goals before the target."""
 OF_THE_ROBOT = frozenset({*_OF_THE_ROBOT, *OVERRIDES})
 """Quantities that :func:`with_robot` sets."""
 # Cells around start and target that layouts leave free, in which a body must be able to turn.
@@ -123,6 +125,7 @@ def with_robot(world: World, values: Mapping[str, Value]) -> World:
 
     Raises:
         InvalidWorld: If the robot does not fit the world.
+        InvalidParameter: If it has no room for as many waypoints.
     """
     robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
     if any(getattr(world, name) != value for name, value in robot.items()):
@@ -130,7 +133,11 @@ def with_robot(world: World, values: Mapping[str, Value]) -> World:
         robots = tuple(replace(one, **parts) for one in world.robots)
         provenance = map_provenance(world)
         world = replace(world, robots=robots, certificate=None, provenance=provenance)
-    return overrides_in(values).applied_to(world)
+    overrides = overrides_in(values)
+    if not overrides.chooses_waypoints:
+        return overrides.applied_to(world)
+    world = replace(overrides, waypoints=None).applied_to(world)
+    return with_chosen_waypoints(world, overrides)
 
 
 def overrides_in(values: Mapping[str, Value]) -> RobotOverrides:

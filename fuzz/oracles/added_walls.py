@@ -108,7 +108,8 @@ def _unneeded(trial: Trial) -> Bools:
     x = np.interp(times, witness.times, witness.x)
     y = np.interp(times, witness.times, witness.y)
     needed = _distance(world, x, y) <= math.ceil(world.robot_radius / world.cell_size) + 1
-    needed |= _distance(world, np.array([world.target.x]), np.array([world.target.y])) == 0
+    goals = np.array(world.robots[0].places[1:])
+    needed |= _distance(world, *goals.T) == 0
     return free & ~needed
 
 

@@ -6,12 +6,13 @@ The coordinates are exact. The new worlds have no certificate.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from worldgen.lattice import exact
-from worldgen.world import Pose, Robot, World
+from worldgen.world import Pose, Robot, Target, World
 
 # The shift differs along the two axes, so that mixing them up shows.
 _COLUMNS = 3
@@ -23,15 +24,18 @@ def turned(world: World) -> World:
 
     def turn(robot: Robot) -> Robot:
         start = robot.start
-        target = robot.target
-        return replace(
-            robot,
-            start=Pose(_across(world, world.height, start.y), start.x, start.heading + math.pi / 2),
-            target=replace(
-                target,
-                x=_across(world, world.height, target.y),
-                y=target.x,
-                heading=None if target.heading is None else target.heading + math.pi / 2,
+        return _with_goals(
+            replace(
+                robot,
+                start=Pose(
+                    _across(world, world.height, start.y), start.x, start.heading + math.pi / 2
+                ),
+            ),
+            lambda goal: replace(
+                goal,
+                x=_across(world, world.height, goal.y),
+                y=goal.x,
+                heading=None if goal.heading is None else goal.heading + math.pi / 2,
             ),
         )
 
@@ -48,16 +52,17 @@ def mirrored(world: World) -> World:
 
     def mirror(robot: Robot) -> Robot:
         start = robot.start
-        target = robot.target
-        return replace(
-            robot,
-            start=Pose(_across(world, world.width, start.x), start.y, math.pi - start.heading),
-            target=replace(
-                target,
-                x=_across(world, world.width, target.x),
-                heading=None if target.heading is None else math.pi - target.heading,
+        return _with_goals(
+            replace(
+                robot,
+                start=Pose(_across(world, world.width, start.x), start.y, math.pi - start.heading),
+                footprint=tuple((x, -y) for x, y in robot.footprint),
             ),
-            footprint=tuple((x, -y) for x, y in robot.footprint),
+            lambda goal: replace(
+                goal,
+                x=_across(world, world.width, goal.x),
+                heading=None if goal.heading is None else math.pi - goal.heading,
+            ),
         )
 
     return replace(
@@ -76,11 +81,12 @@ def shifted(world: World) -> World:
 
     def shift(robot: Robot) -> Robot:
         start = robot.start
-        target = robot.target
-        return replace(
-            robot,
-            start=replace(start, x=float(exact(start.x) + right), y=float(exact(start.y) + up)),
-            target=replace(target, x=float(exact(target.x) + right), y=float(exact(target.y) + up)),
+        return _with_goals(
+            replace(
+                robot,
+                start=replace(start, x=float(exact(start.x) + right), y=float(exact(start.y) + up)),
+            ),
+            lambda goal: replace(goal, x=float(exact(goal.x) + right), y=float(exact(goal.y) + up)),
         )
 
     return replace(
@@ -96,25 +102,32 @@ def scaled(world: World) -> World:
 
     def scale(robot: Robot) -> Robot:
         start = robot.start
-        target = robot.target
-        return replace(
-            robot,
-            start=replace(start, x=2 * start.x, y=2 * start.y),
-            target=replace(
-                target,
-                x=2 * target.x,
-                y=2 * target.y,
-                radius=2 * target.radius,
-                arrival_speed=2 * target.arrival_speed,
+        return _with_goals(
+            replace(
+                robot,
+                start=replace(start, x=2 * start.x, y=2 * start.y),
+                radius=2 * robot.radius,
+                speed=2 * robot.speed,
+                footprint=tuple((2 * x, 2 * y) for x, y in robot.footprint),
+                drive=replace(robot.drive, turning_radius=2 * robot.drive.turning_radius),
             ),
-            radius=2 * robot.radius,
-            speed=2 * robot.speed,
-            footprint=tuple((2 * x, 2 * y) for x, y in robot.footprint),
-            drive=replace(robot.drive, turning_radius=2 * robot.drive.turning_radius),
+            lambda goal: replace(
+                goal,
+                x=2 * goal.x,
+                y=2 * goal.y,
+                radius=2 * goal.radius,
+                arrival_speed=2 * goal.arrival_speed,
+            ),
         )
 
     robots = tuple(map(scale, world.robots))
     return replace(world.bare, robots=robots, cell_size=2 * world.cell_size)
+
+
+def _with_goals(robot: Robot, change: Callable[[Target], Target]) -> Robot:
+    """Return a robot with all of its goals changed."""
+    *waypoints, target = map(change, robot.goals)
+    return replace(robot, target=target, waypoints=tuple(waypoints))
 
 
 def _across(world: World, cells: int, metres: float) -> float:

@@ -10,6 +10,8 @@ Contents:
     sensors_of: The beams and the signal to draw with a run.
     one_file: Builds a self-contained page that includes the player's scripts and style.
     replay_page: Such a page of robots in one world.
+
+``notebook`` shows such a page in a notebook, for ``Episode.show``.
 """
 
 from fuzz.player.one_file import one_file, replay_page

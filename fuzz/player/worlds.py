@@ -81,6 +81,10 @@ def _drawn_kind(robot: Robot, side: float) -> dict[str, Any]:
         found["footprint"] = [[x / side, y / side] for x, y in robot.footprint]
     if robot.target.heading is not None:
         found["aim"] = robot.target.heading
+    if robot.waypoints:
+        found["waypoints"] = [
+            [goal.x / side, goal.y / side, goal.radius / side] for goal in robot.waypoints
+        ]
     return found
 
 

@@ -13,10 +13,11 @@ from msgspec import structs
 from fuzz.cause import Cause, Severity
 from fuzz.corpus import CorpusEntry
 from fuzz.failure import Failure
+from fuzz.overview.answer import how_often_it_arrives
 from fuzz.overview.building import with_worlds
 from fuzz.overview.causes import causes_of
 from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult, read_overview
-from fuzz.overview.terminal import how_often_it_arrives, never_tried
+from fuzz.overview.terminal import never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.diagnosis import cause_of
 from worldgen.files.json_file import plain

@@ -15,7 +15,7 @@ import numpy as np
 
 from fuzz.layouts.features import arena_for
 from fuzz.layouts.layout_bytes import SCENE_BYTES
-from fuzz.layouts.variation import OF_THE_ROBOT, applied
+from fuzz.layouts.variation import OF_THE_ROBOT, WAYPOINTS, applied
 from fuzz.screening import WIDEST, Screening, can_screen, evaluate
 from fuzz.search.task import SearchTask
 from fuzz.unit.config import CampaignConfig
@@ -117,8 +117,11 @@ def unit_size_of(config: CampaignConfig) -> UnitSize:
 def fits(config: CampaignConfig) -> bool:
     """Return True if the strategy suits a campaign.
 
-    It takes a motion model on the pose lattice and one robot that is not too wide for its worlds.
+    It takes a motion model on the pose lattice and one robot without waypoints that is not too wide
+    for its worlds.
     """
+    if any(one.name == WAYPOINTS for one in config.vary):
+        return False
     radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
     small = all(isinstance(value, float) and value <= WIDEST for value in radii)
     return small and config.robots == 1 and can_screen(config.scenario)

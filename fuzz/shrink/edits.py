@@ -55,7 +55,12 @@ def drop_lines(world: World, first: int, count: int, axis: int) -> World | None:
         return replace(place, **place_there)
 
     robots = [
-        replace(robot, start=moved(robot.start), target=moved(robot.target))
+        replace(
+            robot,
+            start=moved(robot.start),
+            target=moved(robot.target),
+            waypoints=tuple(map(moved, robot.waypoints)),
+        )
         for robot in world.robots
     ]
     walls = np.delete(world.walls, np.s_[first:end], axis=axis)

@@ -15,7 +15,7 @@ from worldgen.world import Robot, World
 
 
 def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
-    """Return everything that could still be removed: a robot, a solid cell, a row, a column.
+    """Return everything that could still be removed: a robot, a waypoint, a solid cell, a line.
 
     Args:
         world: A shrunk world.
@@ -42,6 +42,11 @@ def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
     if world.is_fleet:
         for index in range(len(robots)):
             yield f"robot {index + 1}", _changed(world, robots[:index] + robots[index + 1 :])
+    for index, robot in enumerate(robots):
+        for number in range(len(robot.waypoints)):
+            kept = [goal for k, goal in enumerate(robot.waypoints) if k != number]
+            fewer = [*robots[:index], replace(robot, waypoints=tuple(kept)), *robots[index + 1 :]]
+            yield f"waypoint {number + 1} of robot {index + 1}", _changed(world, fewer)
     for iy, ix in np.argwhere(world.walls).tolist():
         walls = world.walls.copy()
         walls[iy, ix] = False
@@ -71,11 +76,11 @@ def _without_line(world: World, line: int, *, by_row: bool) -> World | None:
     for one in world.robots:
         if by_row:
             start = replace(one.start, y=moved(one.start.y))
-            target = replace(one.target, y=moved(one.target.y))
+            *goals, target = [replace(goal, y=moved(goal.y)) for goal in one.goals]
         else:
             start = replace(one.start, x=moved(one.start.x))
-            target = replace(one.target, x=moved(one.target.x))
-        robots.append(replace(one, start=start, target=target))
+            *goals, target = [replace(goal, x=moved(goal.x)) for goal in one.goals]
+        robots.append(replace(one, start=start, target=target, waypoints=tuple(goals)))
 
     events = []
     for event in world.timeline:

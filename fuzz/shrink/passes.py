@@ -44,9 +44,18 @@ def _drop_robots(case: Case) -> Iterator[Edit]:
             yield partial(_robots, case, kept)
 
 
+def _drop_waypoints(case: Case) -> Iterator[Edit]:
+    for index, robot in enumerate(case.world.robots):
+        goals = robot.waypoints
+        for count in [len(goals), *_halves(len(goals))]:
+            for first in range(len(goals) - count, -1, -max(count, 1)):
+                kept = (*goals[:first], *goals[first + count :])
+                yield partial(_robot, case, index, waypoints=kept)
+
+
 def _drop_rows(case: Case) -> Iterator[Edit]:
     world = case.world
-    places = [place for one in world.robots for place in (one.start.y, one.target.y)]
+    places = [y for one in world.robots for _, y in one.places]
     yield from (
         CellEdit(EditKind.DROP_ROWS, first, count)
         for first, count in _runs(world, places, world.height)
@@ -55,7 +64,7 @@ def _drop_rows(case: Case) -> Iterator[Edit]:
 
 def _drop_columns(case: Case) -> Iterator[Edit]:
     world = case.world
-    places = [place for one in world.robots for place in (one.start.x, one.target.x)]
+    places = [x for one in world.robots for x, _ in one.places]
     yield from (
         CellEdit(EditKind.DROP_COLUMNS, first, count)
         for first, count in _runs(world, places, world.width)
@@ -127,6 +136,11 @@ def _centre(case: Case) -> Iterator[Edit]:
             )
             for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
                 yield partial(_robot, case, index, **{name: replace(point, **where)})
+        for number, goal in enumerate(robot.waypoints):
+            x, y = (
+                cell_middle(math.floor(in_cells(place, side)), side) for place in (goal.x, goal.y)
+            )
+            yield partial(_waypoint, case, index, number, x=x, y=y)
 
 
 def _approach(case: Case) -> Iterator[Edit]:
@@ -135,7 +149,7 @@ def _approach(case: Case) -> Iterator[Edit]:
         start = robot.start
         across, up = (
             math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
-            for a, b in ((start.x, robot.target.x), (start.y, robot.target.y))
+            for a, b in ((start.x, robot.goals[0].x), (start.y, robot.goals[0].y))
         )
         # Try large moves first: half of the way, then all along one axis, then a single cell.
         moves = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
@@ -157,6 +171,9 @@ def _simplify_target(case: Case) -> Iterator[Edit]:
     for index, robot in enumerate(case.world.robots):
         for radius in rounder(robot.target.radius, case.world.cell_size / 2):
             yield partial(_robot, case, index, target=replace(robot.target, radius=radius))
+        for number, goal in enumerate(robot.waypoints):
+            for radius in rounder(goal.radius, case.world.cell_size / 2):
+                yield partial(_waypoint, case, index, number, radius=radius)
 
 
 def _simplify_run(case: Case) -> Iterator[Edit]:
@@ -180,9 +197,10 @@ def _round_times(case: Case) -> Iterator[Edit]:
 
 PASSES: tuple[Pass, ...] = (
     Pass("drop-robots", "drop robots: half of them, a quarter, ... one", _drop_robots),
+    Pass("drop-waypoints", "drop waypoints: all, half of them, ... one", _drop_waypoints),
     Pass(
         "drop-rows",
-        "drop rows: all outside or between start and target, then half of the grid, a quarter, "
+        "drop rows: all outside or between start and goals, then half of the grid, a quarter, "
         "... one",
         _drop_rows,
     ),
@@ -201,8 +219,8 @@ PASSES: tuple[Pass, ...] = (
         "turn the start's heading to a multiple of a quarter turn, an eighth, a sixteenth",
         _straighten,
     ),
-    Pass("centre", "put start and target in the middle of their cells", _centre),
-    Pass("approach", "move the start nearer to the target", _approach),
+    Pass("centre", "put start and goals in the middle of their cells", _centre),
+    Pass("approach", "move the start nearer to the first goal", _approach),
     Pass(
         "simplify-robot",
         "give the robot the usual radius and speed, or values with fewer digits",
@@ -210,7 +228,7 @@ PASSES: tuple[Pass, ...] = (
     ),
     Pass(
         "simplify-target",
-        "give the target a radius of half a cell, or a value with fewer digits",
+        "give the goals a radius of half a cell, or a value with fewer digits",
         _simplify_target,
     ),
     Pass(
@@ -262,6 +280,14 @@ def _robot(case: Case, index: int, **parts: Any) -> Case | None:
     robots = list(case.world.robots)
     robots[index] = replace(robots[index], **parts)
     return _robots(case, robots)
+
+
+def _waypoint(case: Case, index: int, number: int, **parts: float) -> Case | None:
+    """Return the case with some parts of one waypoint replaced."""
+    goals = list(case.world.robots[index].waypoints)
+    changes: dict[str, Any] = dict(parts)
+    goals[number] = replace(goals[number], **changes)
+    return _robot(case, index, waypoints=tuple(goals))
 
 
 def _time_step(case: Case, time_step: float) -> Case | None:

@@ -15,7 +15,7 @@ import numpy as np
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP, Cause, Circumstance, Diagnosis
 from fuzz.facts.changed_worlds import OtherWorlds, fails_by_timing, gap_that_stops
 from fuzz.facts.hazards import Hazard, hazard_in
-from fuzz.facts.signature import Standoff, is_entered, standoff
+from fuzz.facts.signature import Standoff, is_entered, standoff, towards_its_goal
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of, passes_target
 from sim.clock.stopping import OutOfTime
@@ -145,6 +145,7 @@ def cause_of_run(world: World, episode: Episode, others: OtherWorlds | None = No
 def _of_robot(world: World, episode: Episode) -> tuple[Cause, RepeatedPart | None]:
     """Return the cause of a single robot's run and, if it names a motion, the part that repeats."""
     evidence = episode.evidence
+    world = towards_its_goal(world, episode)
     known = _BY_VERDICT.get(episode.verdict, Cause.UNKNOWN)
     if episode.trace is None:
         return Cause.WANDERS if episode.verdict == Verdict.TIMEOUT else known, None

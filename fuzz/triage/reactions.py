@@ -115,7 +115,10 @@ class Reactions:
         # Sort the steps by what is around the robot.
         gap, direction = nearest_walls(world, trace, steps, (1.0 + _NEAR) * world.robot_radius)
         wall = np.degrees(_wrapped(direction - sensed))
-        aim = np.arctan2(world.target.y - trace.y[steps], world.target.x - trace.x[steps])
+        # The goal that counts in each step: the target, unless there are waypoints.
+        goals = np.array(world.robots[0].places[1:])
+        x, y = goals[trace.passed[steps] if len(trace.passed) else np.zeros_like(steps)].T
+        aim = np.arctan2(y - trace.y[steps], x - trace.x[steps])
         target = np.degrees(_wrapped(aim - sensed))
         touches = trace.bump[steps]
         near = ~touches & np.isfinite(gap)

@@ -17,7 +17,7 @@ import numpy as np
 from fuzz.facts.contacts import WallBearings
 from sim.clock.stopping import in_time
 from sim.episode import Episode
-from sim.episode.describe import describe_memory_drift
+from sim.episode.describe import describe_memory_drift, describe_missed_goal
 from sim.evidence import BudgetEvidence, FaultEvidence, LoopEvidence
 from sim.trace import Trace
 from worldgen.support.arrays import Floats, Ints
@@ -181,6 +181,12 @@ def describe_period(world: World, episode: Episode) -> str:
     Raises:
         OutOfTime: If there is no more time.
     """
+    words = _of_last_part(world, episode)
+    missed = describe_missed_goal(world, episode)
+    return f"{words}; it {missed}" if words and missed else words
+
+
+def _of_last_part(world: World, episode: Episode) -> str:
     part = last_part(episode)
     trace = episode.trace
     if part is None or trace is None:

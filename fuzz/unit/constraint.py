@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.layouts.variation import OVERRIDES, overrides_in
+from fuzz.layouts.variation import OVERRIDES, WAYPOINTS, overrides_in
 from fuzz.simplicity import Case
 from sim.options.run import switch_class
 from worldgen.errors import WorldgenError
@@ -93,9 +93,15 @@ def _is_one_of(case: Case, name: str, values: Collection[Value]) -> bool:
 
 
 def _has(robot: Robot, name: str, value: Value) -> bool:
-    """Return True if an option changes nothing about a robot, so that it has this value already."""
+    """Return True if an option changes nothing about a robot, so that it has this value already.
+
+    Of waypoints, it may have fewer.
+    """
     # A record may come from anywhere.
     try:
+        # Waypoints are places, which move with the walls, and the number of them only has a limit.
+        if name == WAYPOINTS:
+            return len(robot.waypoints) <= overrides_in({name: value}).waypoint_count
         return overrides_in({name: value}).applied_to_robot(robot) == robot
     except WorldgenError:
         return False

@@ -1,8 +1,9 @@
-"""Find out when a recorded robot arrived, by the rule of the world's goal."""
+"""Find out when a recorded robot arrived, by the rules of the world's goals."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,22 +15,54 @@ from worldgen.world import Target
 _ROUNDING = 1e-9
 
 
-def arrival_time(target: Target, way: AuditPath, *, is_plan: bool) -> float | None:
-    """Return the time when the robot first arrived, s; ``None`` if it never did.
+def arrival_times(goals: Sequence[Target], way: AuditPath, *, is_plan: bool) -> list[float]:
+    """Return the times when the robot first arrived at its goals, in order, s.
+
+    A goal counts from the sample after the arrival at the one before. The list ends before the
+    first goal that it never arrived at.
+    """
+    times: list[float] = []
+    after = -1
+    for number, goal in enumerate(goals):
+        is_last = number == len(goals) - 1
+        arrived = _arrival(goal, way, after, is_plan=is_plan, is_last=is_last)
+        if arrived is None:
+            break
+        time, row = arrived
+        times.append(time)
+        # It is the next goal's turn from the next recorded sample on.
+        after = int(way.samples[min(int(np.searchsorted(way.samples, row)), len(way.samples) - 1)])
+    return times
+
+
+def _arrival(
+    target: Target, way: AuditPath, after: int, *, is_plan: bool, is_last: bool
+) -> tuple[float, int] | None:
+    """Return the time of the first arrival at one goal, s, and the row of the path that ends it.
 
     A robot that has to stand must be slow on the way to the next sample; after the last sample,
-    nothing is known. A plan is assumed to stop at its last pose.
+    nothing is known. A plan is assumed to stop at its last pose, and at waypoints that ask for it.
+
+    Args:
+        target: The goal.
+        way: The path.
+        after: Row of the path at which the goal before was reached; -1 if there is none.
+        is_plan: Whether it is a plan, without times.
+        is_last: Whether the goal is the last one.
     """
     if target.arrival == "touch":
-        return _touch_time(target, way)
+        return _touch(target, way, max(after, 0))
     rows = way.samples
-    there = _in_target(target, way, rows)
+    there = _in_target(target, way, rows) & (rows > after)
     if target.arrival == "stop" and is_plan:
-        there[:-1] = False
+        there[:-1] &= not is_last
     elif target.arrival == "stop":
         there = there[:-1] & _stands(target, way)
     arrived = np.flatnonzero(there)
-    return float(way.times[rows[arrived[0]]]) if len(arrived) else None
+    if not len(arrived):
+        return None
+    row = int(rows[arrived[0]])
+    return float(way.times[row]), row
 
 
 def ends_in_target(target: Target, way: AuditPath) -> bool:
@@ -64,8 +97,17 @@ def _stands(target: Target, way: AuditPath) -> Bools:
     return stands
 
 
-def _touch_time(target: Target, way: AuditPath) -> float | None:
-    """Return the time when the centre first is in the target's disc at an allowed heading, s."""
+def _touch(target: Target, way: AuditPath, first: int) -> tuple[float, int] | None:
+    """Return when the centre first is in the target's disc at an allowed heading.
+
+    Args:
+        target: The goal.
+        way: The path.
+        first: Row of the path from which on it counts.
+
+    Returns:
+        The time, s, and the row that ends the move.
+    """
     # Find the first move that comes within the target's radius.
     x = way.metres[0] - target.x
     y = way.metres[1] - target.y
@@ -77,7 +119,9 @@ def _touch_time(target: Target, way: AuditPath) -> float | None:
     share = np.clip(-(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     gap = np.hypot(ax + share * dx, ay + share * dy)
     aims = _aims(target, way)
-    inside = np.flatnonzero((gap <= target.radius * (1.0 + _ROUNDING)) & (aims[:-1] | aims[1:]))
+    is_near = gap <= target.radius * (1.0 + _ROUNDING)
+    is_near[:first] = False
+    inside = np.flatnonzero(is_near & (aims[:-1] | aims[1:]))
     if not len(inside):
         return None
 
@@ -93,4 +137,4 @@ def _touch_time(target: Target, way: AuditPath) -> float | None:
         enter = max(-(ax[row] * dx[row] + ay[row] * dy[row]) / along - half, 0.0) / along
     begin = float(way.times[row])
     end = float(way.times[row + 1])
-    return begin + min(enter, 1.0) * (end - begin)
+    return begin + min(enter, 1.0) * (end - begin), row + 1

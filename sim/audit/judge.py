@@ -14,13 +14,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from sim.audit.arrival import arrival_time, ends_in_target
+from sim.audit.arrival import arrival_times, ends_in_target
 from sim.audit.bodies import scan_body
 from sim.audit.path import AuditPath, Samples, along_arcs
 from sim.audit.polygon import Body
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
 from worldgen.lattice import UNIT
+from worldgen.robot_overrides import describe_waypoint
 from worldgen.support.arrays import Floats
 from worldgen.timeline import Timeline
 from worldgen.world import World
@@ -433,8 +434,12 @@ def _report(
             f"samples cut a corner, by up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
-    reached = arrival_time(world.target, way, is_plan=trajectory.is_plan)
-    if reached is None and not trajectory.is_plan and ends_in_target(world.target, way):
+    robot = world.robots[0]
+    arrivals = arrival_times(robot.goals, way, is_plan=trajectory.is_plan)
+    reached = arrivals[-1] if len(arrivals) == len(robot.goals) else None
+    if robot.waypoints and reached is None:
+        notes.append(f"never reaches {describe_waypoint(robot, len(arrivals))}")
+    elif reached is None and not trajectory.is_plan and ends_in_target(world.target, way):
         notes.append("the path ends in the target, but nothing shows that the robot stood there")
     return Audit(
         findings=tuple(findings),

@@ -122,7 +122,7 @@ def audit(
         )
     # Other programs write anything as headings, so read them only if they matter.
     headings = interpolate == "arc" or any(
-        not own.is_disc or own.drive.is_car or own.target.heading is not None
+        not own.is_disc or own.drive.is_car or any(goal.heading is not None for goal in own.goals)
         for own in world.robots
     )
     trajectories = read_trajectories(trajectory_path, len(world.robots), robot, headings=headings)

@@ -152,7 +152,7 @@ def run(
     if as_json:
         emit_json(
             {
-                **_summary(episode),
+                **_summary(episode, world),
                 **({"behaviours": shares(arbitration, acted)} if arbitration and acted else {}),
                 "reachable": reachable,
                 **({} if reachable is not False else {"proof": proof}),
@@ -160,7 +160,7 @@ def run(
             }
         )
     else:
-        say(_sentence(episode))
+        say(_sentence(episode, world))
         say(describe_frames(episode.evidence), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
@@ -174,7 +174,7 @@ def run(
         write_out(trace, states.encode(), force=force)
     if picture is not None:
         title = (
-            f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
+            f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode, world)}, "
             f"{episode.area_covered:.4g} m2 {_covered(world)}"
         )
         with working(f"drawing {picture}"):
@@ -327,13 +327,13 @@ def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
     return sentence if reachable is None else f"{sentence}; `worldgen verify` explains why"
 
 
-def _summary(episode: Episode) -> dict[str, object]:
+def _summary(episode: Episode, world: World) -> dict[str, object]:
     from sim.evidence import evidence_table
     from sim.outcome import FleetEpisode
 
     robots: dict[str, object] = {}
     if isinstance(episode, FleetEpisode):
-        robots["robots"] = [_summary(one) for one in episode.robots]
+        robots["robots"] = [_summary(one, world) for one in episode.robots]
     return {
         "verdict": episode.verdict,
         "steps": episode.steps,
@@ -342,6 +342,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         "collisions": episode.collisions,
         "area_covered": episode.area_covered,
         **({} if episode.cells_left is None else {"cells_left": episode.cells_left}),
+        **_goals(episode, world),
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
         **({} if episode.shortfall is None else {"shortfall": asdict(episode.shortfall)}),
@@ -349,11 +350,26 @@ def _summary(episode: Episode) -> dict[str, object]:
     }
 
 
-def _sentence(episode: Episode) -> str:
-    from sim.episode.describe import describe_evidence
+def _goals(episode: Episode, world: World) -> dict[str, object]:
+    """Return how many goals a robot with waypoints reached, and the one that it never reached."""
+    reached = episode.goals_reached
+    if reached is None:
+        return {}
+    goals = world.robots[0].goals
+    found: dict[str, object] = {"goals": len(goals), "goals_reached": reached}
+    if reached < len(goals):
+        number = reached + 1 if reached < len(goals) - 1 else None
+        missed = goals[reached]
+        found["never_reached"] = {"waypoint": number, "x": missed.x, "y": missed.y}
+    return found
+
+
+def _sentence(episode: Episode, world: World) -> str:
+    from sim.episode.describe import describe_evidence, describe_missed_goal
     from worldgen.support.plain_text import counted
 
-    left = ""
+    missed = describe_missed_goal(world, episode)
+    left = f", {missed}" if missed else ""
     if episode.cells_left:
         left = f", {counted(episode.cells_left, 'cell')} left to cover"
     return (

@@ -26,5 +26,7 @@ int64_t wg_heading_of_beam(int64_t heading, int64_t beam, int64_t beams, double 
 void wg_sense_at(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
                  WgNormal contact, int64_t step, WgObservation *observation, double *beams)
 {
-    wg_sense(arena, settings, state, odometry, contact, step, observation, beams);
+    WgState body = *state;
+    WgRobot robot = {.body = (WgBody *)&body, .odometry = *odometry, .goal = &settings->target, .contact = contact};
+    wg_sense(arena, settings, &robot, step, observation, beams);
 }

@@ -63,8 +63,8 @@ typedef struct WgController {
     int64_t memory_size;
 } WgController;
 
-// The state of a body, or of a car, besides its WgState. It follows the controller's memory; a disc that turns
-// on the spot has none.
+// The state of a body, or of a car, besides its WgState. It is the end of the state; a disc that turns on the spot has
+// none. Between the controller's memory and it, the state of a robot with waypoints has WgRobot.passed.
 typedef struct WgCarriage {
     // 1 more than the heading of the direction away from the wall that cut its last turn short; 0 if none did
     int64_t bumped;
@@ -88,6 +88,10 @@ typedef struct WgOdometry {
 typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
+    int64_t *passed;       // number of waypoints that it has arrived at, a word of its state; NULL if it has none
+    const WgGoal *goal;    // the goal that it must arrive at next
+    int64_t meets;         // 1 if its path has met that goal, a waypoint, in this step
+    int64_t passed_step;   // step in which it arrived at its last waypoint
     WgCarriage *carriage;  // NULL for a disc that turns on the spot
     WgCorner *chain;     // corners of the path of the last step
     int64_t *chain_headings;  // the heading on the way to each corner; NULL for a disc that turns on the spot
@@ -198,8 +202,11 @@ WgStatus wg_episode_begin(WgEpisode *episode);
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t *path_headings, int64_t path_size);
 
-// Words of the WgCarriage that follows a robot's memory; 0 if it has none.
+// Words of the WgCarriage at the end of a robot's state; 0 if it has none.
 int64_t wg_carriage_words(const WgSettings *settings);
+
+// Words that follow the controller's memory in a robot's state: the waypoints that it has passed, and its WgCarriage.
+int64_t wg_words_after_memory(const WgSettings *settings);
 
 // Returns how many straight moves a step may have: one, or several for a car.
 int64_t wg_most_legs(const WgSettings *settings);

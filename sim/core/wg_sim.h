@@ -19,6 +19,7 @@ enum {
     WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
     WG_NEAR = 2,            // number of cells that a mask of WgArena.near covers to each side
     WG_MOST_FOOTPRINT = 16,  // corners of a body
+    WG_MOST_WAYPOINTS = 64,  // goals before the target
 };
 
 // The state of a cell.
@@ -147,6 +148,19 @@ typedef struct WgFootprint {
     int64_t y[WG_MOST_FOOTPRINT];
 } WgFootprint;
 
+// A goal: a disc for the robot's centre, and what counts as arriving there.
+typedef struct WgGoal {
+    int64_t x;  // lattice units
+    int64_t y;
+    int64_t radius_sq;
+    int64_t arrival;            // WG_ARRIVAL_TOUCH, ...
+    int64_t has_heading;        // 1: it asks for a heading
+    int64_t heading;            // heading units
+    int64_t heading_tolerance;  // same
+    int64_t arrival_speed;      // for WG_ARRIVAL_STOP: largest speed, units of speed
+    int64_t arrival_turn;       // and largest turn in a step, heading units
+} WgGoal;
+
 // The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -175,23 +189,16 @@ typedef struct WgArena {
 // The settings of an episode, and the robot's dynamics and sensors. A limit that is off is
 // infinite.
 typedef struct WgSettings {
-    // Start and target, lattice and heading units.
+    // The start, lattice and heading units.
     int64_t start_x;
     int64_t start_y;
     int64_t start_heading;
-    int64_t target_x;
-    int64_t target_y;
-    int64_t target_radius_sq;
 
-    // The rest of the goal.
-    int64_t arrival;            // WG_ARRIVAL_TOUCH, ...
-    int64_t has_goal_heading;   // 1: the goal has a heading
-    int64_t goal_heading;       // heading units
-    int64_t heading_tolerance;  // same
-    int64_t arrival_speed;      // for WG_ARRIVAL_STOP: largest speed, units of speed
-    int64_t arrival_turn;       // and largest turn in a step, heading units
-    int64_t contact;            // WG_CONTACT_SLIDE, ...
-    int64_t reverse;            // 1: a car may drive backwards
+    WgGoal target;           // the last goal
+    int64_t waypoint_count;  // the number of goals before it: `waypoints`, below
+
+    int64_t contact;  // WG_CONTACT_SLIDE, ...
+    int64_t reverse;  // 1: a car may drive backwards
 
     // The disc: its squared radius, lattice units; the radius rounded up.
     int64_t clear_sq;
@@ -260,6 +267,9 @@ typedef struct WgSettings {
     double beam_field;
     double beam_noise;    // largest share by which a distance is wrong
     double beam_dropout;  // probability that a beam returns nothing
+
+    // Goals before the target, in the order in which the robot must arrive at them.
+    WgGoal waypoints[WG_MOST_WAYPOINTS];
 } WgSettings;
 
 // The complete state after a step, without the controller's memory: what a recurrence must repeat.
@@ -281,6 +291,7 @@ typedef struct WgReport {
     int64_t points;         // points of the path after the start
     int64_t cells_visited;  // cells that the centre has been in, including the start's
     int64_t cells_left;     // cells that a coverage task still requires
+    int64_t goals;          // goals that the robot has arrived at
     uint64_t digest;        // rolling FNV-1a hash of every state
     int64_t hit_step;       // step of a WG_TUNNEL, WG_BURNED or WG_CONTACT; otherwise -1
     int64_t hit_ix;

@@ -13,12 +13,13 @@ from sim.episode import Episode
 from sim.evidence import Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
+from sim.outcome import Ran
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.lattice import exact
 from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
-from worldgen.render import Drive, EventMark, Trail
+from worldgen.render import Drive, EventMark, Trail, draw_png
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import World
@@ -206,3 +207,11 @@ def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
         return Drive(name, trail, np.zeros(1), np.array([start.heading]), 1.0)
     times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
     return Drive(name, trail, times, trace.heading, trace.time_step)
+
+
+def picture_of(episode: Episode, ran: Ran) -> bytes:
+    """Return a recorded episode as the PNG that a notebook shows."""
+    title = f"{ran.name}, {ran.options.motion}: {episode.verdict}"
+    return draw_png(
+        replace(ran.world, failure=None), trail=trails_of(episode, ran.world), title=title
+    )

@@ -70,6 +70,7 @@ class Runs:
         path_length: float64, distance driven, m.
         collisions: int64, number of times that the robot began to touch a wall.
         area_covered: float64, area of the cells that its centre was in after a step, m2.
+        goals_reached: int64, how many of its waypoints and its target the robot arrived at.
         digest: uint64, the trace's digest; 0 unless it was requested.
         names: Names of the controllers.
     """
@@ -84,6 +85,7 @@ class Runs:
     path_length: Floats
     collisions: Ints
     area_covered: Floats
+    goals_reached: Ints
     digest: Words
     names: tuple[str, ...]
 
@@ -251,6 +253,7 @@ def _empty(worlds: int, names: Sequence[str], starts: int, seeds: Words) -> Runs
         path_length=np.zeros(count),
         collisions=np.zeros(count, np.int64),
         area_covered=np.zeros(count),
+        goals_reached=np.zeros(count, np.int64),
         digest=np.zeros(count, np.uint64),
         names=tuple(names),
     )
@@ -382,6 +385,7 @@ def _fill(
     runs.path_length[rows] = reports["path_length"] * metres
     runs.collisions[rows] = reports["collisions"]
     runs.area_covered[rows] = reports["cells_visited"] * (metres * UNIT) ** 2
+    runs.goals_reached[rows] = reports["goals"]
     if digest:
         runs.digest[rows] = reports["digest"]
 
@@ -395,5 +399,7 @@ def _run_each(job: _RunBlock, rows: range, runs: Runs, digest: bool) -> None:
         runs.verdict[row] = _CODE[episode.verdict]
         for name in ("steps", "time", "path_length", "collisions", "area_covered"):
             getattr(runs, name)[row] = getattr(episode, name)
+        goals = episode.goals_reached
+        runs.goals_reached[row] = episode.verdict == Verdict.REACHED if goals is None else goals
         if digest:
             runs.digest[row] = int(episode.trace_digest, 16)

@@ -17,8 +17,8 @@ from sim.evidence import (
     LoopEvidence,
     WallEvidence,
 )
-from sim.outcome import Shortfall
 from sim.verdict import Verdict
+from worldgen.robot_overrides import describe_waypoint
 from worldgen.support.plain_text import Styled, joined, shown
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
@@ -54,7 +54,7 @@ def describe_evidence(episode: Episode) -> str:
         case LoopEvidence(entry=entry, period=period):
             often = "in every step" if period == 1 else f"every {period} steps"
             recurs = f"the state after step {entry} recurs {often}"
-            return f" forever ({recurs}{_end(episode.shortfall)})"
+            return f" forever ({recurs}{_end(episode)})"
         case JointLoopEvidence() as joint:
             return f" forever ({_joint(joint)})"
         case CoveredEvidence(cells=cells):
@@ -72,24 +72,37 @@ def describe_evidence(episode: Episode) -> str:
             return f" ({of_robot}{cause} in step {burned.step}, cell {burned.cell})"
         case BudgetEvidence() as budget if episode.verdict == Verdict.STALLED:
             seen = f"no new cell after step {budget.last_new_cell} of {episode.steps}"
-            return f" ({_manner(budget)}{seen}{_multiple(budget)}{_end(episode.shortfall)})"
+            return f" ({_manner(budget)}{seen}{_multiple(budget)}{_end(episode)})"
         case BudgetEvidence() as budget:
             return (
                 f" (still reaching new cells when its {episode.steps} steps were used "
-                f"up{_multiple(budget)}{_end(episode.shortfall)})"
+                f"up{_multiple(budget)}{_end(episode)})"
             )
         case FaultEvidence() as fault:
             return f" ({_of_robot(fault.robot)}{shown(_fault(episode.verdict, fault))})"
     return ""
 
 
-def _end(shortfall: Shortfall | None) -> str:
+def describe_missed_goal(world: World, episode: Episode) -> str:
+    """Return which goal a robot with waypoints never reached; empty without one."""
+    robot = world.robots[0]
+    reached = episode.goals_reached
+    if reached is None or reached >= len(robot.goals):
+        return ""
+    # Only a loop shows that the robot would not have arrived later.
+    verb = "never reaches" if episode.verdict == Verdict.LOOP else "has not reached"
+    return f"{verb} {describe_waypoint(robot, reached)}"
+
+
+def _end(episode: Episode) -> str:
     """Return what the last state lacks of an arrival, after a semicolon; may be empty."""
+    shortfall = episode.shortfall
     if shortfall is None:
         return ""
     away = shortfall.distance
     place = f"{_length(away)} from" if away > 0.0 else "in"
-    lacks = [f"; it ends {place} the target's disc"]
+    goal = "target" if episode.goals_reached is None else "goal"
+    lacks = [f"; it ends {place} the {goal}'s disc"]
     if shortfall.heading > 0.0:
         lacks.append(f"{shortfall.heading:.2g} rad off the goal's heading")
     if shortfall.speed > 0.0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeVar
 
 from sim.controllers.base import Controller
 from sim.controllers.catalogue import controller_of
@@ -21,16 +22,19 @@ from sim.evidence import (
 from sim.fleet.assignment import assigned
 from sim.motion import MOTIONS
 from sim.options.run import TARGET, RunOptions, check_world, options_from, switch_sets
-from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
+from sim.outcome import Episode, Outcome, Ran, Runnable, area_of, wall_evidence
 from sim.runners.controller_host import host_of
 from sim.runners.decide import decide
 from sim.runners.lattice import LatticeRun
+from sim.runners.recording import has_waypoints
 from sim.trace import state_digest
 from sim.verdict import ARRIVALS, BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.support.arrays import Words
 from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "area_of", "episode_of", "prepare", "simulate", "wall_evidence"]
+
+E = TypeVar("E", bound=Episode)
 
 # Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
 # recording is needed, so that they need not run twice.
@@ -71,7 +75,9 @@ def simulate(
     if world.is_fleet:
         from sim.fleet.episode import simulate_fleet  # noqa: PLC0415 - loaded for fleets only
 
-        return simulate_fleet(world, controller, options, record=record)
+        fleet = simulate_fleet(world, controller, options, record=record)
+        drivers: list[str | Controller | type] = assigned(controller, len(world.robots))
+        return _with_run(fleet, world, drivers[0], options) if record else fleet
     named: list[str | Controller | type] = assigned(controller, 1)
     found = controller_of(named[0])
 
@@ -90,8 +96,16 @@ def simulate(
         else None,
     )
     if isinstance(decided, Outcome):
-        return episode_of(run, world, decided, options)
-    return _loop(world, options, *decided)
+        episode = episode_of(run, world, decided, options)
+    else:
+        episode = _loop(world, options, *decided)
+    return _with_run(episode, world, name, options) if record else episode
+
+
+def _with_run(episode: E, world: World, named: str | Controller | type, options: RunOptions) -> E:
+    """Return a recorded episode with what was run."""
+    label = named if isinstance(named, str) else getattr(named, "__name__", type(named).__name__)
+    return replace(episode, ran=Ran(world, label, controller_of(named), options))
 
 
 def prepare(
@@ -165,6 +179,7 @@ def _episode(
         collisions=outcome.collisions,
         area_covered=area_of(outcome.cells_visited, world),
         cells_left=outcome.cells_left if outcome.cells_wanted else None,
+        goals_reached=outcome.goals if has_waypoints(world, options) else None,
         trace_digest=outcome.digest,
         evidence=evidence,
         trace=outcome.trace,

@@ -338,20 +338,25 @@ class EpisodeHandle:
     def shortfall(self) -> Shortfall | None:
         """What the robot's state lacks of an arrival; None if touching its target is enough."""
         robot, settings = self.c.robot, self.c.settings
-        asks_more = settings.arrival != lib.WG_ARRIVAL_TOUCH or settings.has_goal_heading
+        # The goal that counts at the end; a run that arrives has no other.
+        number = int(self.report.goals)
+        goal = settings.target
+        if number < settings.waypoint_count:
+            goal = settings.waypoints[number]
+        asks_more = goal.arrival != lib.WG_ARRIVAL_TOUCH or goal.has_heading
         # Another task has no target.
-        if not asks_more or settings.target_radius_sq < 0:
+        if not asks_more or goal.radius_sq < 0:
             return None
         # Only what is larger than the goal allows is missing.
         state = robot.body.state
-        apart_sq = (state.x - settings.target_x) ** 2 + (state.y - settings.target_y) ** 2
-        is_away = apart_sq > settings.target_radius_sq
-        turn = abs((state.heading - settings.goal_heading + TURN // 2) % TURN - TURN // 2)
-        is_turned = settings.has_goal_heading and turn > settings.heading_tolerance
-        has_to_stop = settings.arrival == lib.WG_ARRIVAL_STOP
-        moves = has_to_stop and abs(state.speed) > settings.arrival_speed
-        turns = has_to_stop and abs(robot.turned) > settings.arrival_turn
-        apart = math.sqrt(apart_sq) - math.sqrt(settings.target_radius_sq) if is_away else 0.0
+        apart_sq = (state.x - goal.x) ** 2 + (state.y - goal.y) ** 2
+        is_away = apart_sq > goal.radius_sq
+        turn = abs((state.heading - goal.heading + TURN // 2) % TURN - TURN // 2)
+        is_turned = goal.has_heading and turn > goal.heading_tolerance
+        has_to_stop = goal.arrival == lib.WG_ARRIVAL_STOP
+        moves = has_to_stop and abs(state.speed) > goal.arrival_speed
+        turns = has_to_stop and abs(robot.turned) > goal.arrival_turn
+        apart = math.sqrt(apart_sq) - math.sqrt(goal.radius_sq) if is_away else 0.0
         unit = 2.0 * math.pi / TURN
         metres = float(settings.metres)
         step = float(settings.time_step)

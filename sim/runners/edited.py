@@ -186,7 +186,7 @@ class EditedRuns:
 
 
 def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
-    """Return True if a quick check finds a path to the target that avoids cells that ever close.
+    """Return True if a quick check finds a path to each goal that avoids cells that ever close.
 
     ``False`` proves nothing. The robot's position is rounded to the lattice, so it may be off by
     half a lattice unit.
@@ -208,14 +208,17 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
         )
 
     # Search a graph with a node at each corner, edge and centre of a cell.
-    points = (world.start.x, world.start.y, world.target.x, world.target.y)
-    sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
     disc = ffi.new("WgDisc *", disc_numbers(world))[0]
-    way = ffi.new("WgSegment *", (sx, sy, tx, ty))[0]
     nodes = (2 * world.height + 1) * (2 * world.width + 1)
     seen = writable(ffi, np.zeros(nodes, np.uint8), np.uint8)
     stack = writable(ffi, np.zeros(nodes, np.int64), np.int64)
-    return bool(lib.wg_surely_reaches(grid_of(cells), disc, way, target_sq(world), seen, stack))
+    for goal in world.robots[0].goals:
+        points = (world.start.x, world.start.y, goal.x, goal.y)
+        way = ffi.new("WgSegment *", [metres_to_lattice(metres, side) for metres in points])[0]
+        within = target_sq(goal, side)
+        if not lib.wg_surely_reaches(grid_of(cells), disc, way, within, seen, stack):
+            return False
+    return True
 
 
 def _moved_events(events: Ints, edit: CellEdit) -> Ints:

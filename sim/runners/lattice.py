@@ -51,7 +51,7 @@ from sim.runners.drifting import with_memory_drift
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import run_in_python
-from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
+from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, has_waypoints, trace_of
 from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
 from sim.verdict import Verdict
@@ -130,14 +130,15 @@ class LatticeRun:
         """Return the cells that a coverage task asks for; ``None`` for another task.
 
         Reaching the target then does not end a run: its disc gets a squared radius that no distance
-        matches.
+        matches, and there are no waypoints.
 
         Raises:
             InvalidWorld: If the world changes, or there is nothing to cover but the start's cell.
         """
         if self.options.task != COVER:
             return None
-        self.settings.target_radius_sq = -1
+        self.settings.target.radius_sq = -1
+        self.settings.waypoint_count = 0
         robot = self.world.robots[0]
         if robot.footprint or robot.drive.is_car:
             raise InvalidParameter(
@@ -498,12 +499,15 @@ class LatticeRun:
         settings.find_loop = lib.WG_NO_LOOP
         rows = np.zeros((steps + 1, FIRST_OF_STATE + STATE_WORDS), np.int64)
         has_headings = lib.wg_carriage_words(settings) > 0
+        passed = np.zeros(steps + 1 if has_waypoints(self.world, self.options) else 0, np.int64)
         path = np.zeros((points, POINT_FIELDS + has_headings), np.int64)
         filled = 0
         for portion in portions(controller, self.arena(), settings, steps):
             steps = portion.first + len(portion.rows) - 1
             new = len(portion.path)
             rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
+            if len(passed):
+                passed[portion.first : steps + 1] = portion.rows[:, rows.shape[1] + size]
             path[filled : filled + new, : portion.path.shape[1]] = portion.path
             filled += new
 
@@ -517,7 +521,14 @@ class LatticeRun:
                     take(step, memories[step - first])
 
         seen = (rows[: steps + 1], path[:filled])
-        trace = trace_of(self.world, self.options, *seen, complete=self.can_loop, lean=True)
+        trace = trace_of(
+            self.world,
+            self.options,
+            *seen,
+            complete=self.can_loop,
+            lean=True,
+            passed=passed[: steps + 1],
+        )
         return replace(trace, recall=recall, recalled=size)
 
     def outcome_of(
@@ -555,6 +566,7 @@ class LatticeRun:
             cells_visited=int(report.cells_visited),
             points=int(report.points),
             cells_left=int(report.cells_left),
+            goals=int(report.goals),
             cells_wanted=0 if self._wanted is None else int(np.count_nonzero(self._wanted)),
             complete=complete,
             fault=fault.evidence if fault else None,

@@ -19,7 +19,7 @@ from worldgen.lattice import (
 from worldgen.robot_overrides import describe_body
 from worldgen.support.arrays import Ints
 from worldgen.timeline import Event
-from worldgen.world import World
+from worldgen.world import Robot, Target, World
 
 # Parts of a step in which times are counted.
 STEP_TIME = 1 << 32
@@ -47,9 +47,9 @@ def body_of(world: World) -> Ints:
     return footprint_on_lattice(footprint, world.cell_size)
 
 
-def target_sq(world: World) -> int:
-    """Return the squared radius of the target, lattice units squared, rounded down."""
-    within = in_cells(world.target.radius, world.cell_size) * UNIT
+def target_sq(goal: Target, cell_size: float) -> int:
+    """Return the squared radius of a goal, lattice units squared, rounded down."""
+    within = in_cells(goal.radius, cell_size) * UNIT
     return math.floor(within * within)
 
 
@@ -94,9 +94,15 @@ def refuse_unless_plain(world: World, who: str, code: str) -> None:
                 "slide along walls and have to touch their targets",
                 "use swept or endpoint in a world of one robot",
                 number=number,
-                body=describe_body(robot) + ("" if robot.target.is_plain else " with its own goal"),
+                body=describe_body(robot) + _own_goals(robot),
                 who=who,
             )
+
+
+def _own_goals(robot: Robot) -> str:
+    if robot.waypoints:
+        return " with waypoints"
+    return "" if robot.target.is_plain else " with its own goal"
 
 
 def event_step(event: Event, time_step: float) -> int:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from sim._core import ffi
-from sim.options.run import RunOptions
+from sim.options.run import TARGET, RunOptions
 from sim.runners.core_calls import STATE_WORDS
 from sim.runners.packing import STEP_TIME
 from sim.trace import Trace
@@ -27,7 +27,14 @@ _CARRIAGE = ffi.sizeof("WgCarriage") // 8
 
 
 def trace_of(
-    world: World, options: RunOptions, rows: Ints, path: Ints, *, complete: bool, lean: bool = False
+    world: World,
+    options: RunOptions,
+    rows: Ints,
+    path: Ints,
+    *,
+    complete: bool,
+    lean: bool = False,
+    passed: Ints | None = None,
 ) -> Trace:
     """Return a recording in metres and radians.
 
@@ -39,11 +46,17 @@ def trace_of(
             body or a car, (p, 5): and the heading on the way to it.
         complete: Whether the state alone decides the future.
         lean: Whether the states lack the controller's memory.
+        passed: (n + 1,) the waypoints that the robot has arrived at after each step, if the states
+            lack them.
     """
     states = rows[:, FIRST_OF_STATE:]
     side = world.cell_size
     way = _with_stands(rows, path)
     has_headings = path.shape[1] > POINT_FIELDS
+    after_memory = 0 if lean else _CARRIAGE * has_headings
+    if not lean and has_waypoints(world, options):
+        after_memory += 1
+        passed = states[:, -after_memory].copy()
     return Trace(
         time_step=options.time_step,
         x=_metres(states[:, 0], side),
@@ -58,11 +71,17 @@ def trace_of(
         states=np.ascontiguousarray(states).view(np.uint64),
         complete=complete and not lean,
         memory_at=-1 if lean else STATE_WORDS,
-        after_memory=_CARRIAGE if has_headings and not lean else 0,
+        after_memory=after_memory,
         path_heading=_radians(way[:, _POINT_HEADING]) if has_headings else np.zeros(0),
         robot=options.robot,
         task=options.task,
+        passed=np.zeros(0, np.int64) if passed is None else passed,
     )
+
+
+def has_waypoints(world: World, options: RunOptions) -> bool:
+    """Return True if a run's state counts waypoints, which only a robot with a target has."""
+    return options.task == TARGET and bool(world.robots[0].waypoints)
 
 
 def _with_stands(rows: Ints, path: Ints) -> Ints:

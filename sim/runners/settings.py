@@ -29,7 +29,7 @@ from worldgen.lattice import (
 )
 from worldgen.support.arrays import Ints
 from worldgen.support.ccall import pointer
-from worldgen.world import World
+from worldgen.world import Target, World
 
 _PUSH_FIELDS = 6  # fields of a WgPush
 _SCALE_BITS = 30  # scale of the table of headings
@@ -55,21 +55,23 @@ def fill_settings(settings: Any, world: World, host: ControllerHost, options: Ru
 
     Args:
         settings: The core's ``WgSettings``, all zero.
-        world: The world; only the robot's disc, its speed, target and cell size matter.
+        world: The world; only the robot's disc, its speed, goals and cell size matter.
         host: The controller's host; the controller decides the senses that are computed.
         options: Options of the run, with the robot that this controller needs.
     """
-    # Target and disc, in lattice units.
+    # Goals and disc, in lattice units.
     step = options.time_step
     settings.clear_sq, settings.reach = disc_numbers(world)
     body = body_of(world)
     settings.footprint.count = len(body)
     settings.footprint.x[0 : len(body)] = body[:, 0].tolist()
     settings.footprint.y[0 : len(body)] = body[:, 1].tolist()
-    settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
-    settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
-    settings.target_radius_sq = target_sq(world)
-    _fill_goal(settings, world, step)
+    robot = world.robots[0]
+    settings.contact = _CONTACTS[robot.contact]
+    _fill_goal(settings.target, robot.target, world.cell_size, step)
+    settings.waypoint_count = len(robot.waypoints)
+    for into, goal in zip(settings.waypoints, robot.waypoints, strict=False):
+        _fill_goal(into, goal, world.cell_size, step)
     motion = MOTIONS.get(options.motion)
     settings.motion = motion.code
     settings.seed = options.seed
@@ -99,23 +101,23 @@ def _fill_drive(settings: Any, world: World) -> None:
         settings.turn_per_unit = settings.metres / drive.turning_radius * (TURN / (2.0 * math.pi))
 
 
-def _fill_goal(settings: Any, world: World, time_step: float) -> None:
-    """Fill in what the goal asks for besides its place, and what a wall does to a move.
+def _fill_goal(into: Any, goal: Target, cell_size: float, time_step: float) -> None:
+    """Fill in a ``WgGoal``: its place, and what else it asks for.
 
     The limits are exact and rounded down, so that nothing above them counts.
     """
-    robot = world.robots[0]
-    goal = robot.target
-    settings.arrival = _ARRIVALS[goal.arrival]
-    settings.contact = _CONTACTS[robot.contact]
-    settings.has_goal_heading = int(goal.heading is not None)
+    into.x = metres_to_lattice(goal.x, cell_size)
+    into.y = metres_to_lattice(goal.y, cell_size)
+    into.radius_sq = target_sq(goal, cell_size)
+    into.arrival = _ARRIVALS[goal.arrival]
+    into.has_heading = int(goal.heading is not None)
     if goal.heading is not None:
-        settings.goal_heading = heading_to_lattice(goal.heading)
-        settings.heading_tolerance = min(turn_to_lattice(goal.heading_tolerance), TURN)
-    cells = in_cells(goal.arrival_speed, world.cell_size) * exact(time_step)
-    settings.arrival_speed = min(math.floor(cells * UNIT * lib.WG_SPEED_UNIT), _FASTEST)
+        into.heading = heading_to_lattice(goal.heading)
+        into.heading_tolerance = min(turn_to_lattice(goal.heading_tolerance), TURN)
+    cells = in_cells(goal.arrival_speed, cell_size) * exact(time_step)
+    into.arrival_speed = min(math.floor(cells * UNIT * lib.WG_SPEED_UNIT), _FASTEST)
     turn = turn_to_lattice(exact(goal.arrival_turn_rate) * exact(time_step))
-    settings.arrival_turn = min(turn, TURN)
+    into.arrival_turn = min(turn, TURN)
 
 
 def _fill_dynamics(settings: Any, options: RunOptions) -> None:

@@ -80,7 +80,7 @@ def reference_run(run, recorded):
     """The same run in plain Python: robot, search, rows and path."""
     settings, scales = settings_of(run.settings)
     memory = np.array(run.controller.memory, np.float64)
-    carriage = int(lib.wg_carriage_words(run.settings))
+    carriage = int(lib.wg_words_after_memory(run.settings))
     robot = lattice_state.new_robot(
         memory.size,
         run.events,
@@ -179,6 +179,54 @@ def test_the_runs_to_other_goals_arrive_loop_and_touch_walls():
     assert {(None, "contact"), (None, "reached"), ("step", "reached"), ("stop", "reached")} <= seen
 
 
+WAYPOINTS = {
+    "touch": {},
+    "touch with a heading": {"heading": 1.2, "heading_tolerance": 1.5},
+    "step": {"arrival": "step"},
+    "stop": {"arrival": "stop", "arrival_speed": 1.5, "arrival_turn_rate": 4.0},
+}
+
+
+def with_waypoints(world, **goal):
+    """The world, with three large waypoints around its start, so that runs pass some of them."""
+    side = world.cell_size
+    start = world.start
+    places = ((2.0, 1.5), (-1.0, 2.0), (1.5, -1.0))
+    width, height = world.width * side, world.height * side
+    goals = tuple(
+        Target(
+            min(max(start.x + dx * side, 0.0), width),
+            min(max(start.y + dy * side, 0.0), height),
+            2.5 * side,
+            **goal,
+        )
+        for dx, dy in places
+    )
+    return replace(world, robots=(replace(world.robots[0], waypoints=goals),), certificate=None)
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("robot", ["plain", "heavy", "pushed", "lured"])
+@pytest.mark.parametrize("goal", WAYPOINTS.values(), ids=WAYPOINTS)
+def test_a_run_through_waypoints_is_that_of_the_reference(goal, robot, motion):
+    for world in WORLDS.values():
+        run = prepared(
+            with_waypoints(world(), **goal), "turn-random", motion, ROBOTS[robot], digest=True
+        )
+        assert_the_same(run, recorded=True)
+
+
+def test_the_runs_through_waypoints_pass_some_and_arrive():
+    passed = set()
+    for goal in WAYPOINTS.values():
+        for world in WORLDS.values():
+            run = prepared(with_waypoints(world(), **goal), "turn-random", "swept", {}, digest=True)
+            episode, rows, _ = core_run(run, recorded=True)
+            passed.add(int(episode.report.goals))
+            assert rows[int(episode.report.steps), -1] == min(int(episode.report.goals), 3)
+    assert passed >= {2, 3}, passed
+
+
 BODIES = {
     "rectangle": Robot(Pose(0.0, 0.0), Target(0.0, 0.0, 0.1), footprint=box(0.12, 0.08, 0.01)),
     "fails at contact": Robot(
@@ -221,6 +269,24 @@ def test_a_run_of_a_body_or_a_car_is_that_of_the_reference(world, robot, body, m
     assert_the_same(
         prepared(after, "turn-random", motion, ROBOTS[robot], digest=True), recorded=True
     )
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("body", ["rectangle", "car"])
+def test_a_body_through_waypoints_is_that_of_the_reference(body, motion):
+    for goal in WAYPOINTS.values():
+        before = with_waypoints(cup(), **goal)
+        driver = replace(
+            BODIES[body],
+            start=before.start,
+            target=before.target,
+            speed=before.robot_speed,
+            waypoints=before.robots[0].waypoints,
+        )
+        after = replace(before, robots=(driver,), certificate=None)
+        assert_the_same(
+            prepared(after, "turn-random", motion, ROBOTS["plain"], digest=True), recorded=True
+        )
 
 
 @pytest.mark.parametrize("digest", [True, False])

@@ -55,7 +55,7 @@ def test_a_call_of_the_core_returns_before_a_long_run_ends(digest):
     controller = CONTROLLERS.get("turn-random")
     run = LatticeRun(generate("maze", 3, size=20), controller, RunOptions())
     run.settings.steps = ENDLESS
-    run.settings.target_radius_sq = -1  # so that it never arrives
+    run.settings.target.radius_sq = -1  # so that it never arrives
     run.settings.digest = int(digest)
     episode = run.episode()
     assert episode.run(ENDLESS) and 0 < episode.report.steps < ENDLESS
@@ -66,7 +66,7 @@ def test_a_call_of_the_core_returns_before_a_long_run_of_a_fleet_ends():
     controllers = [CONTROLLERS.get("turn-random")] * 3
     fleet_run = FleetRun(world, controllers, [RunOptions()] * 3)
     for run in fleet_run.runs:
-        run.settings.target_radius_sq = -1
+        run.settings.target.radius_sq = -1
     drivers = [run.driver() for run in fleet_run.runs]
     fleet = CoreFleet(fleet_run.runs, drivers, ENDLESS, lib.WG_NO_LOOP)
     assert fleet.run(ENDLESS) == lib.WG_GOES_ON and 0 < fleet.report.steps < ENDLESS

@@ -110,6 +110,7 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, world.target.radius],
         **_goal_facts(world.target),
+        **_waypoint_facts(world.robots[0]),
         "robot_radius": world.robot_radius,
         "robot_speed": world.robot_speed,
         "certificate": None if certificate is None else _kind(certificate),
@@ -134,9 +135,18 @@ def _robot_facts(robot: Robot) -> dict[str, object]:
         "start": [robot.start.x, robot.start.y, robot.start.heading],
         "target": [robot.target.x, robot.target.y, robot.target.radius],
         **_goal_facts(robot.target),
+        **_waypoint_facts(robot),
         "radius": robot.radius,
         "speed": robot.speed,
     }
+
+
+def _waypoint_facts(robot: Robot) -> dict[str, object]:
+    """Return the goals before the target, in order; nothing if there are none."""
+    found = [
+        {"target": [goal.x, goal.y, goal.radius], **_goal_facts(goal)} for goal in robot.waypoints
+    ]
+    return {"waypoints": found} if found else {}
 
 
 def _goal_facts(goal: Target) -> dict[str, object]:

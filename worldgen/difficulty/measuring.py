@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection
 from dataclasses import replace
@@ -123,7 +124,9 @@ def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, fl
         margin = reach.witness_margin(world, certificate)
         if math.isfinite(margin):
             found["margin"] = margin
-    straight = distance(world.start.x, world.start.y, world.target.x, world.target.y)
+    # From goal to goal, if there are waypoints.
+    places = world.robots[0].places
+    straight = sum(distance(*one, *two) for one, two in itertools.pairwise(places))
     if straight > 0.0:
         found |= {"detour": length / straight, "turning": turns / straight}
     chord = distance(*(float(value) for value in (way.x[0], way.y[0], way.x[-1], way.y[-1])))

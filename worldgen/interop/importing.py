@@ -156,6 +156,7 @@ def _with_robot(
             robot,
             start=_from_corner(robot.start, found.origin),
             target=_from_corner(robot.target, found.origin),
+            overrides=robot.overrides.moved(-found.origin[0], -found.origin[1]),
         )
     found = _as_given(robot, found)
     params = dict(found.params)

@@ -53,7 +53,7 @@ def decide_in_time(
     """
     check_deadline(deadline)
     robot = world.robots[0]
-    if world.is_fleet or (radius is None and not robot.is_round):
+    if world.is_fleet or robot.waypoints or (radius is None and not robot.is_round):
         return _all_in_time(world, deadline, radius)
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)

@@ -71,13 +71,15 @@ def start_heading(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
 
 
 def target_parts(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
-    """Return a ring and a cross over it; its goal's heading, and a body that stands there."""
-    target = robot.target
+    """Return each goal's ring with a cross over it, its heading, and a body that stands there."""
     unit = frame.unit
-    x, y = frame.to_pixels(target.x, target.y)
-    radius = max(target.radius * frame.scale, MARKS["target"].size * unit)
-    parts = target_mark(x, y, radius, unit, colour)
-    return [*parts, *goal_parts(robot, target, frame, colour)]
+    parts: list[Primitive] = []
+    for goal in robot.goals:
+        x, y = frame.to_pixels(goal.x, goal.y)
+        radius = max(goal.radius * frame.scale, MARKS["target"].size * unit)
+        parts += target_mark(x, y, radius, unit, colour)
+        parts += goal_parts(robot, goal, frame, colour)
+    return parts
 
 
 def target_mark(x: float, y: float, radius: float, unit: float, colour: str) -> list[Primitive]:
@@ -134,18 +136,33 @@ def start_number(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
 
 def target_number(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     """Return a robot's number next to its target."""
-    x, y = frame.to_pixels(robot.target.x, robot.target.y)
+    return _number(_beside(robot.target, frame), number, frame)
+
+
+def waypoint_numbers(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
+    """Return the number of each waypoint next to it."""
+    return [
+        part
+        for number, goal in enumerate(robot.waypoints)
+        for part in _number(_beside(goal, frame), number, frame, colour)
+    ]
+
+
+def _beside(goal: Target, frame: Frame) -> tuple[float, float]:
+    x, y = frame.to_pixels(goal.x, goal.y)
     unit = frame.unit
-    away = max(robot.target.radius * frame.scale, MARKS["target"].size * unit) + 10.0 * unit
-    return _number((x + away, y - away), number, frame)
+    away = max(goal.radius * frame.scale, MARKS["target"].size * unit) + 10.0 * unit
+    return x + away, y - away
 
 
-def _number(at: tuple[float, float], number: int, frame: Frame) -> list[Primitive]:
-    """Return a robot's number around a point, on a light ground."""
+def _number(
+    at: tuple[float, float], number: int, frame: Frame, colour: str = ""
+) -> list[Primitive]:
+    """Return a number around a point, on a light ground; a robot's in its colour."""
     size = MARKS["number"].size * frame.unit
     text = str(number + 1)
     place: Floats = np.array(at) + np.array((-0.29 * size * len(text), 0.36 * size))
     return [
         DrawnCircle(at[0], at[1], 0.62 * size, Paint(fill=hue("floor"), opacity=0.8)),
-        Text(float(place[0]), float(place[1]), size, text, colour_of(number)),
+        Text(float(place[0]), float(place[1]), size, text, colour or colour_of(number)),
     ]

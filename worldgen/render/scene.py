@@ -32,6 +32,7 @@ from worldgen.render.robot_parts import (
     start_parts,
     target_number,
     target_parts,
+    waypoint_numbers,
 )
 from worldgen.render.trail_parts import (
     approach_parts,
@@ -355,8 +356,11 @@ def _blocked(content: Content, mark: Mark) -> list[Primitive]:
 
 def _numbers(content: Content, mark: Mark) -> list[Primitive]:
     # A small picture of a world without a run shows its walls.
-    if not content.has_several or (content.view.is_card and not content.trails):
+    if content.view.is_card and not content.trails:
         return []
+    if not content.has_several:
+        robot = content.world.robots[0]
+        return waypoint_numbers(robot, content.frame, content.colour("target", 0))
     parts: list[Primitive] = []
     for number, robot in enumerate(content.world.robots if content.world.is_fleet else ()):
         parts += target_number(robot, number, content.frame)

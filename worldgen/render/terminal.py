@@ -30,6 +30,8 @@ SMALL = 60
 _FRAME = 2
 # Letters of the targets of robots 1 to 9, whose starts are digits.
 _TARGETS = "ABCDEFGHI"
+# Letters of the first waypoints of a single robot.
+_NUMBERS = "123456789"
 # Where each step of the signal ends if only 256 colours are available.
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 
@@ -129,11 +131,16 @@ def draw_terminal(
     robots = _robots_with_signs(world, color=color)
     # A start or a target may be hidden by another one.
     drawn = set("".join(lines)) if robots else set()
-    own = {
-        START_DOT: f"{_span('123456789', drawn)} starts",
-        TARGET_DOT: f"{_span(_TARGETS, drawn)} their targets",
-    }
-    key = _key(dots, own if robots else {}, color=color, deep=deep)
+    own: dict[int, str] = {}
+    if robots:
+        own = {
+            START_DOT: f"{_span(_NUMBERS, drawn)} starts",
+            TARGET_DOT: f"{_span(_TARGETS, drawn)} their targets",
+        }
+    elif not color and not world.is_fleet and world.robots[0].waypoints:
+        numbers = _NUMBERS[: len(world.robots[0].waypoints)]
+        own = {TARGET_DOT: f"G target  {_span(numbers, numbers)} waypoints"}
+    key = _key(dots, own, color=color, deep=deep)
     scale = (
         f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells"
         if grid.cells > 1
@@ -167,6 +174,9 @@ def _letters(dots: Bytes, grid: _Grid, world: World) -> list[str]:
             place = grid.place(dots, pose.x, pose.y)
             if dots[place] == sign:
                 letters[place] = letter
+    if not world.is_fleet:
+        for goal, letter in zip(world.robots[0].waypoints, _NUMBERS, strict=False):
+            letters[grid.place(dots, goal.x, goal.y)] = letter
     return ["".join(row) for row in flip_rows(letters)]
 
 
@@ -236,8 +246,8 @@ class _Grid:
                 if isinstance(path, Witness):
                     self._line(dots, np.column_stack((path.x, path.y)), WITNESS)
         for robot in world.robots:
-            target = robot.target
-            self._disc(dots, target.x, target.y, target.radius, TARGET_DOT)
+            for goal in robot.goals:
+                self._disc(dots, goal.x, goal.y, goal.radius, TARGET_DOT)
         for robot in world.robots:
             if robot.is_disc:
                 self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)

@@ -12,6 +12,7 @@ from sim._core import ffi, lib
 from sim.runners.controller_host import OutsideHost
 from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
 from sim.runners.lattice import LatticeRun
+from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
 from worldgen.support.arrays import Bools, Floats
 from worldgen.support.ccall import check, kept, pointer, writable
@@ -209,8 +210,17 @@ class Lockstep:
 
         Raises:
             InvalidWorld: If the robot does not fit at the start of a world.
-            InvalidParameter: If the time step does not fit a robot's speed.
+            InvalidParameter: If the time step does not fit a robot's speed, or a robot has waypoints.
         """
+        for world in worlds:
+            if world.robots[0].waypoints:
+                raise InvalidParameter(
+                    "has-waypoints",
+                    "the world has {count} waypoints, and an environment rewards the way to one "
+                    "target",
+                    "use a world without waypoints, with each of them as the target in turn",
+                    count=len(world.robots[0].waypoints),
+                )
         options = self._rules.run_options()
         runs = [LatticeRun(world, self._host, options) for world in worlds]
         arenas = [run.arena() for run in runs]

@@ -51,6 +51,8 @@ interface DrawnWorld {
   footprint?: [number, number][];
   /** Heading that the robot must have at the target, rad. */
   aim?: number;
+  /** Goals before the target, in order: x, y and radius in cells. */
+  waypoints?: Triple[];
   /** The robots after the first. */
   others?: OtherEnds[];
   /** Unpacked by the page; never sent by the server. */
@@ -489,6 +491,7 @@ interface MarkLook {
 interface SceneEnds {
   start: Triple;
   target: Triple;
+  waypoints?: Triple[];
   radius: number;
   footprint?: [number, number][];
   aim?: number;

@@ -57,8 +57,32 @@ export function makeAnswer(section, data) {
       if (drawn) drawSmall(canvas, drawn, { touched: true, cells: true });
     }
   };
-  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several, data.campaigns[answer.campaign], redraw)));
+  const parts = data.answers.map((answer) => answerPart(answer, find, several, data.campaigns[answer.campaign], redraw));
+  section.replaceChildren(several ? controllersTable(data.answers, parts) : "", ...parts);
   return { redraw };
+}
+
+// The first screen of a report of several controllers: how often each arrives, and its worst cause,
+// in the order of the parts below.
+function controllersTable(answers, parts) {
+  const row = ({ controller, motion, natural, causes }, k) => {
+    const [worst] = causes.filter(isCounted).concat(causes.filter(isMet));
+    const show = () => parts[k].scrollIntoView();
+    return el(
+      "tr",
+      {},
+      el("th", { scope: "row" }, el("button", { type: "button", class: "small", onclick: show }, `${controller} under ${motion}`)),
+      el("td", {}, natural?.worlds ? `${natural.percent} % of ${grouped(natural.worlds)}` : "not measured"),
+      el("td", {}, worst ? [verdictDot(COLOURS[worst.severity]), ` ${causeWords(worst.cause)}`] : "none"),
+      el("td", {}, grouped(causes.length)),
+    );
+  };
+  const heads = ["Controller", "Arrives in natural worlds", "Worst cause", "Causes"];
+  return el(
+    "div",
+    { class: "scroll", tabindex: "0", role: "group", "aria-label": "Controllers" },
+    el("table", { class: "rows controllers" }, el("thead", {}, el("tr", {}, heads.map((words) => el("th", { scope: "col" }, words)))), el("tbody", {}, answers.map(row))),
+  );
 }
 
 function answerPart(answer, find, several, campaign, redraw) {

@@ -12,14 +12,18 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import MEMORY, FolderStore, Status, read_error, read_summary
+import msgspec
+
+from fuzz.campaign.store import MEMORY, FolderStore, Status, Summary, read_error, read_summary
+from fuzz.overview.answer import CampaignAnswer, answer_of
+from fuzz.overview.result import read_overview
 from fuzz.studio.requests.edits import digest_of_file
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.protocol import CampaignState
 from fuzz.studio.requests.refusals import refusal
 from fuzz.studio.requests.running import names_of
 from fuzz.unit.live import LiveState, not_arrived, read_live
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.json_file import converted, plain
 from worldgen.files.locks import holder
 from worldgen.files.worlds import is_world_file
@@ -133,6 +137,7 @@ def campaign_state(
     if running:
         _add_live(state, read_live(folder / MEMORY))
         return state
+    state.conclusion = _conclusion(folder, summary)
     status = Status.UNKNOWN if summary is None else summary.status
     error = None if status in _ENDED_WELL else read_error(folder)
     if error is not None or status == Status.FAILED:
@@ -142,6 +147,16 @@ def campaign_state(
     elif status in (Status.STOPPED, Status.RUNNING) or state.units < (budget.units or 0):
         state.activity = "stopped"
     return state
+
+
+def _conclusion(folder: Path, summary: Summary | None) -> CampaignAnswer | None:
+    """Return what a campaign found out; ``None`` if it has not ended, or its overview is damaged."""
+    result = None
+    with contextlib.suppress(WorldgenError):
+        result = read_overview(folder)
+    if result is None or summary is None:
+        return None
+    return answer_of(msgspec.structs.replace(result, summary=summary))
 
 
 def _add_live(state: CampaignState, live: LiveState | None) -> None:

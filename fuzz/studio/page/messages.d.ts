@@ -1,5 +1,19 @@
 // Written by `python -m build_tools.page_types` from fuzz/studio/requests/protocol.py; not edited.
 
+/** What a campaign found out, ready to be shown. */
+interface CampaignAnswer {
+  /** Whether the controller works. */
+  headline: Headline;
+  /** How often it arrives in natural worlds; empty if none were run. */
+  rate: string;
+  /** The causes, the worst first. */
+  causes: RankedCause[];
+  /** The names of the causes that do not count; may be empty. */
+  others: string;
+  /** What changed since an earlier campaign; may be empty. */
+  comparison: string;
+}
+
 /** Changes of cells, in columns; state 0 is free, 1 solid, 2 burning. */
 interface Events {
   times: number[];
@@ -417,6 +431,8 @@ interface CampaignState {
   archive: ArchiveMessage | null;
   /** Why it gave up. */
   error: Refusal | null;
+  /** What it found out, once it has ended. */
+  conclusion: CampaignAnswer | null;
 }
 
 /** A folder that holds worlds, with their number. */
@@ -539,6 +555,38 @@ interface Begins {
   file: string | null;
   protocol: number;
   limits: Limits;
+}
+
+/** The first line of an answer. */
+interface Headline {
+  /** The controller under its motion model; empty if the words name it. */
+  who: string;
+  /** Whether it works. */
+  words: string;
+  /** What follows them. */
+  rest: string;
+  /** `none`, `clean`, or the severity of the worst cause. */
+  tone: string;
+}
+
+/** A cause as an answer gives it. */
+interface RankedCause {
+  /** Its name. */
+  cause: string;
+  /** Its severity, in a word. */
+  severity: string;
+  /** True if the campaign is the first to meet it. */
+  is_new: boolean;
+  /** How often it was met. */
+  often: string;
+  /** What the robot does wrong, and what to check. */
+  sentence: string;
+  /** What its example depends on; may be empty. */
+  why: string;
+  /** Name of the example's file; empty if there is none. */
+  file: string;
+  /** The groups of its failures. */
+  groups: string[];
 }
 
 /** The yield of a strategy so far. */

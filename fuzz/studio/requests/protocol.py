@@ -17,6 +17,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, Union
 import msgspec
 from msgspec import Meta, Struct
 
+from fuzz.overview.answer import CampaignAnswer
 from fuzz.studio.requests import limits
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
@@ -907,6 +908,7 @@ class CampaignState(Struct, kw_only=True):
         elapsed: Seconds of the budget that are used; preparing does not count.
         failures: A text that changes whenever a failure is new or smaller.
         error: Why it gave up.
+        conclusion: What it found out, once it has ended.
     """
 
     folder: str
@@ -935,6 +937,7 @@ class CampaignState(Struct, kw_only=True):
     strategies: StrategyYields = []
     archive: ArchiveMessage | None = None
     error: Refusal | None = None
+    conclusion: CampaignAnswer | None = None
 
 
 class ListedFolder(Struct):

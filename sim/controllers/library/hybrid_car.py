@@ -20,12 +20,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.memory_view import MemoryField
 from worldgen.errors import InvalidWorld
+from worldgen.lattice import heading_from_lattice, lattice_to_metres
 from worldgen.reach.car.search import EFFORTS, find_path
 from worldgen.reach.car.stretches import Stretch, stretches_of
-from worldgen.world import Robot, World
+from worldgen.support.arrays import Ints
+from worldgen.world import Pose, Robot, World
 
 # Places in the memory: the stretch that is being driven, steps for which the wheels still turn, the
 # largest curvature, rad/m, the share of it that the wheels turn in a second, and the distance from
@@ -65,7 +69,7 @@ class HybridCar:
         radius = robot.drive.turning_radius or robot.radius
         stretches: list[Stretch] = []
         for wary in self._wary(world, radius):
-            poses = find_path(wary, EFFORTS[:2]).poses
+            poses = _plan(wary)
             if len(poses):
                 arcs = wary.robots[0].drive.turning_radius
                 stretches = stretches_of(poses, arcs, world.cell_size)
@@ -79,8 +83,12 @@ class HybridCar:
         robot = world.robots[0]
         for share in (1.0, 0.25, 0.0):
             drive = replace(robot.drive, turning_radius=radius * (1.0 + share * self.spare_lock))
-            target = replace(robot.target, radius=robot.target.radius * (1.0 - 0.5 * share))
-            wide = _padded(replace(robot, drive=drive, target=target), share * self.margin)
+            target, *waypoints = (
+                replace(goal, radius=goal.radius * (1.0 - 0.5 * share))
+                for goal in (robot.target, *robot.waypoints)
+            )
+            goals = replace(robot, drive=drive, target=target, waypoints=tuple(waypoints))
+            wide = _padded(goals, share * self.margin)
             # The margin may be more than a robot of such a small world can have.
             with contextlib.suppress(InvalidWorld):
                 yield replace(world, robots=(wide,), certificate=None)
@@ -124,6 +132,28 @@ class HybridCar:
 
 
 hybrid_car = HybridCar()
+
+
+def _plan(world: World) -> Ints:
+    """Return the poses of a path through all goals, as :func:`find_path` does; none if a leg has none.
+
+    Each leg begins where the one before ends.
+    """
+    robot = world.robots[0]
+    start = robot.start
+    poses: list[Ints] = []
+    for goal in robot.goals:
+        one = replace(robot, start=start, target=goal, waypoints=())
+        leg = find_path(replace(world, robots=(one,)), EFFORTS[:2]).poses
+        if not len(leg):
+            return leg
+        x, y, heading = leg[-1].tolist()
+        size = world.cell_size
+        start = Pose(
+            lattice_to_metres(x, size), lattice_to_metres(y, size), heading_from_lattice(heading)
+        )
+        poses.append(leg[1:] if poses else leg)
+    return np.concatenate(poses)
 
 
 def _padded(robot: Robot, margin: float) -> Robot:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.memory_view import MemoryField
-from worldgen.reach.single import prove
+from worldgen.reach.deciding import decide
 from worldgen.world import Witness, World
 
 # Places in the memory: the leg of the path that was nearest, steps left of backing away, the
@@ -54,12 +54,13 @@ class PurePursuitCar:
     def reset(self, world: World) -> Memory:
         """Return the memory: the path, and nothing done of it."""
         robot = world.robots[0]
-        points = [(robot.start.x, robot.start.y), (robot.target.x, robot.target.y)]
+        points = [(robot.start.x, robot.start.y), *((goal.x, goal.y) for goal in robot.goals)]
         # With room to spare if there is some; and a body that is not a disc may fit where the disc
         # around it does not.
+        known = world.bare
         radii = [robot.radius * share for share in _SHARES]
         for radius in (*radii, robot.inner_radius):
-            path = prove.decide(world, radius=radius, cut=False).certificate if radius else None
+            path = decide(known, radius=radius, cut=False).certificate if radius else None
             if isinstance(path, Witness):
                 points = [*zip(path.x.tolist(), path.y.tolist(), strict=True), points[-1]]
                 break

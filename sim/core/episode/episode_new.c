@@ -19,6 +19,11 @@ int64_t wg_carriage_words(const WgSettings *settings)
     return wg_has_carriage(settings) ? (int64_t)(sizeof(WgCarriage) / sizeof(uint64_t)) : 0;
 }
 
+int64_t wg_words_after_memory(const WgSettings *settings)
+{
+    return (settings->waypoint_count > 0) + wg_carriage_words(settings);
+}
+
 int64_t wg_most_events_of_a_step(const WgArena *arena)
 {
     int64_t most = 0;
@@ -65,7 +70,7 @@ static bool measure(const WgArena *arena, const WgSettings *settings, const WgCo
         return false;
     }
     int64_t corners = WG_MOST_CORNERS * (wg_most_events_of_a_step(arena) + wg_most_legs(settings) + pushes);
-    parts->state = WG_STATE_WORDS + memory + wg_carriage_words(settings);
+    parts->state = WG_STATE_WORDS + memory + wg_words_after_memory(settings);
     parts->headings = wg_has_carriage(settings) ? corners : 0;
     parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
     parts->beams = beams;
@@ -107,13 +112,17 @@ WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const 
     episode->workspace.beams = take(&rest, parts.beams);
     if (controller->cage != NULL) {
         // What a library's function uses in every step is where it acts. Nothing may follow its memory there.
-        if (parts.headings == 0) {
+        if (wg_words_after_memory(settings) == 0) {
             episode->robot.body = (WgBody *)(controller->cage->memory - WG_STATE_WORDS);
         }
         episode->workspace.beams = controller->cage->beams;
     }
+    int64_t *after = (int64_t *)(episode->robot.body->memory + controller->memory_size);
+    if (settings->waypoint_count > 0) {
+        episode->robot.passed = after++;
+    }
     if (parts.headings > 0) {
-        episode->robot.carriage = (WgCarriage *)(episode->robot.body->memory + controller->memory_size);
+        episode->robot.carriage = (WgCarriage *)after;
         episode->robot.chain_headings = headings;
     }
     episode->workspace.flat = take(&rest, parts.flat);
@@ -212,6 +221,13 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     if (wg_has_carriage(settings)) {
         *robot->carriage = (WgCarriage){0, 0};
     }
+    robot->goal = &settings->target;
+    if (robot->passed != NULL) {
+        *robot->passed = 0;
+        robot->goal = settings->waypoints;
+    }
+    robot->meets = 0;
+    robot->passed_step = 0;
     robot->odometry.x = (double)state->x;
     robot->odometry.y = (double)state->y;
     robot->odometry.heading = (double)state->heading;
@@ -238,7 +254,7 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
     seen->time_step = settings->time_step;
     seen->top_speed = settings->top_speed;
     seen->radius = settings->radius;
-    seen->goal_heading = wg_sensed_goal_heading(settings);
+    seen->goal_heading = wg_sensed_goal_heading(settings, settings->waypoint_count > 0 ? settings->waypoints : &settings->target);
     wg_sense_tilt(settings, seen);
     workspace->tail = wg_tail(settings);
     seen->beams = workspace->beams;

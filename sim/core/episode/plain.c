@@ -26,8 +26,8 @@ bool wg_is_plain(const WgEpisode *episode)
 {
     const WgArena *arena = episode->arena;
     const WgSettings *settings = episode->settings;
-    return arena->event_count == 0 && !wg_has_carriage(settings) && settings->arrival == WG_ARRIVAL_TOUCH && settings->has_goal_heading == 0
-           && settings->slip <= 0.0 && settings->measures == 0
+    return arena->event_count == 0 && !wg_has_carriage(settings) && settings->target.arrival == WG_ARRIVAL_TOUCH
+           && settings->target.has_heading == 0 && settings->waypoint_count == 0 && settings->slip <= 0.0 && settings->measures == 0
            && settings->disturbed == 0 && settings->turn_limit == INFINITY && settings->gain == INFINITY
            && settings->loss == INFINITY && settings->digest == 0 && settings->find_loop == WG_SEEK_LOOP
            && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;
@@ -85,8 +85,7 @@ static inline bool act(Plain *plain, bool touches, int64_t step)
         plain->knows_random = true;
     }
     if (wg_senses_more(settings)) {
-        wg_sense_more(plain->arena, settings, state, &robot->odometry, robot->contact, step, observation,
-                      workspace->beams);
+        wg_sense_more(plain->arena, settings, robot, step, observation, workspace->beams);
     }
 
     WgCommand *command = &workspace->command;

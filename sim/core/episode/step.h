@@ -208,18 +208,38 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
 }
 
 // Returns true if a robot with this heading may arrive.
-static inline bool wg_heads_for_goal(const WgSettings *settings, int64_t heading)
+static inline bool wg_heads_for_goal(const WgGoal *goal, int64_t heading)
 {
-    return settings->has_goal_heading == 0
-           || wg_abs(wg_turn_towards(settings->goal_heading, heading)) <= settings->heading_tolerance;
+    return goal->has_heading == 0 || wg_abs(wg_turn_towards(goal->heading, heading)) <= goal->heading_tolerance;
 }
 
 // Returns true if the robot's pose is one of the goal's.
-static inline bool wg_is_at_goal(const WgSettings *settings, const WgState *state)
+static inline bool wg_is_at_goal(const WgGoal *goal, const WgState *state)
 {
-    int64_t dx = state->x - settings->target_x;
-    int64_t dy = state->y - settings->target_y;
-    return dx * dx + dy * dy <= settings->target_radius_sq && wg_heads_for_goal(settings, state->heading);
+    int64_t dx = state->x - goal->x;
+    int64_t dy = state->y - goal->y;
+    return dx * dx + dy * dy <= goal->radius_sq && wg_heads_for_goal(goal, state->heading);
+}
+
+// Notes that a robot has arrived at its goal: the run ends at the target, and a waypoint counts at the end of the move.
+static inline void wg_meet_goal(const WgSettings *settings, WgRobot *robot)
+{
+    if (robot->goal == &settings->target) {
+        robot->report.ending = WG_REACHED;
+        robot->report.goals++;
+    } else {
+        robot->meets = 1;
+    }
+}
+
+// Gives a robot that has arrived at a waypoint its next goal, which counts from the next step on.
+static inline void wg_pass_waypoint(const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    robot->meets = 0;
+    robot->passed_step = step;
+    robot->report.goals++;
+    int64_t passed = ++*robot->passed;
+    robot->goal = passed < settings->waypoint_count ? &settings->waypoints[passed] : &settings->target;
 }
 
 // Moves the robot to the end of a straight piece of its path, and updates if the target is reached
@@ -231,9 +251,10 @@ static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, W
     if (report->ending == WG_LIMIT) {
         bool swept = settings->motion == WG_SWEPT;
         WgSegment way = {swept ? state->x : x, swept ? state->y : y, x, y};
-        if (wg_segment_point_within(way, settings->target_x, settings->target_y, settings->target_radius_sq)
-            && settings->arrival == WG_ARRIVAL_TOUCH && wg_heads_for_goal(settings, state->heading)) {
-            report->ending = WG_REACHED;
+        const WgGoal *goal = robot->goal;
+        if (wg_segment_point_within(way, goal->x, goal->y, goal->radius_sq) && goal->arrival == WG_ARRIVAL_TOUCH
+            && wg_heads_for_goal(goal, state->heading)) {
+            wg_meet_goal(settings, robot);
         }
     }
     int64_t dx = x - state->x;
@@ -346,8 +367,12 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->push_count > 0 && report->ending == WG_LIMIT) {
         wg_disturb(arena, settings, step, robot);
     }
-    if (settings->arrival == WG_ARRIVAL_STEP && report->ending == WG_LIMIT && wg_is_at_goal(settings, state)) {
-        report->ending = WG_REACHED;
+    if (robot->goal->arrival == WG_ARRIVAL_STEP && report->ending == WG_LIMIT && wg_is_at_goal(robot->goal, state)) {
+        wg_meet_goal(settings, robot);
+    }
+    // At most one goal counts in a step: the rest of the move is not judged for the next one.
+    if (robot->meets != 0) {
+        wg_pass_waypoint(settings, step, robot);
     }
 
     // A turn that was cut short shows in the step after it.
@@ -367,8 +392,7 @@ static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *set
     if (robot->report.ending != WG_LIMIT || !inside) {
         return false;
     }
-    wg_sense(arena, settings, &robot->body->state, &robot->odometry, robot->contact, step, &workspace->observation,
-             workspace->beams);
+    wg_sense(arena, settings, robot, step, &workspace->observation, workspace->beams);
     workspace->command = (WgCommand){0};
     return true;
 }
@@ -460,14 +484,19 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
     if (wg_is_nonzero(command->used_random)) {
         state->draws++;
     }
-    if (settings->arrival == WG_ARRIVAL_STOP) {
+    const WgGoal *goal = robot->goal;
+    if (goal->arrival == WG_ARRIVAL_STOP) {
         if (!wg_is_car(settings)) {
             robot->turned = turn;
         }
         // A turn that a wall cut short, or that swept over fire, may have ended the run before.
-        if (robot->report.ending == WG_LIMIT && wg_abs(state->speed) <= settings->arrival_speed
-            && wg_abs(robot->turned) <= settings->arrival_turn && wg_is_at_goal(settings, state)) {
-            robot->report.ending = WG_REACHED;
+        if (robot->report.ending == WG_LIMIT && robot->passed_step != step
+            && wg_abs(state->speed) <= goal->arrival_speed && wg_abs(robot->turned) <= goal->arrival_turn
+            && wg_is_at_goal(goal, state)) {
+            wg_meet_goal(settings, robot);
+            if (robot->meets != 0) {
+                wg_pass_waypoint(settings, step, robot);
+            }
         }
     }
 }

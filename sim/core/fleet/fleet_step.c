@@ -93,8 +93,8 @@ static void sense(WgFleet *fleet)
             if (fleet->senses_others != 0) {
                 wg_sense_others(fleet, k);
             }
-            wg_sense(member->arena, member->settings, &member->robot.body->state, &member->robot.odometry,
-                     member->robot.contact, fleet->step, &member->workspace.observation, member->workspace.beams);
+            wg_sense(member->arena, member->settings, &member->robot, fleet->step, &member->workspace.observation,
+                     member->workspace.beams);
             member->workspace.command = (WgCommand){0};
         }
     }

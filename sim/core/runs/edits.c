@@ -71,16 +71,31 @@ static int64_t moved(int64_t coordinate, const WgEdit *edit)
     return coordinate >= (edit->a + edit->b) * WG_UNIT ? coordinate - edit->b * WG_UNIT : coordinate;
 }
 
-// Moves start and target with the cells that an edit moves.
-static void move_ends(WgSettings *settings, const WgEdit *edit)
+// Returns goal `k` of a run; the last one is the target.
+static WgGoal *goal_of(WgSettings *settings, int64_t k)
+{
+    return k < settings->waypoint_count ? &settings->waypoints[k] : &settings->target;
+}
+
+// Moves the start and the goals with the cells that an edit moves; returns false if a goal is no longer in the grid.
+static bool move_ends(const WgArena *arena, WgSettings *settings, const WgEdit *edit)
 {
     if (edit->kind == WG_DROP_ROWS) {
         settings->start_y = moved(settings->start_y, edit);
-        settings->target_y = moved(settings->target_y, edit);
     } else if (edit->kind == WG_DROP_COLUMNS) {
         settings->start_x = moved(settings->start_x, edit);
-        settings->target_x = moved(settings->target_x, edit);
     }
+    bool inside = true;
+    for (int64_t k = 0; k <= settings->waypoint_count; k++) {
+        WgGoal *goal = goal_of(settings, k);
+        if (edit->kind == WG_DROP_ROWS) {
+            goal->y = moved(goal->y, edit);
+        } else if (edit->kind == WG_DROP_COLUMNS) {
+            goal->x = moved(goal->x, edit);
+        }
+        inside = inside && goal->x <= arena->width * WG_UNIT && goal->y <= arena->height * WG_UNIT;
+    }
+    return inside;
 }
 
 // Moves the start to the nearest clear point of the nine around it, as in every run;
@@ -105,8 +120,8 @@ static bool stand(const WgArena *arena, WgSettings *settings)
     return false;
 }
 
-// Returns true if the target is certainly reached without touching a cell that is ever not free.
-static bool has_way(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
+// Returns true if each goal is certainly reached without touching a cell that is ever not free.
+static bool has_way(const WgArena *arena, WgSettings *settings, const Scratch *scratch)
 {
     memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
     for (int64_t k = 0; k < arena->event_count; k++) {
@@ -116,8 +131,14 @@ static bool has_way(const WgArena *arena, const WgSettings *settings, const Scra
         }
     }
     WgGrid ever = {scratch->ever, arena->width, arena->height};
-    WgSegment ends = {settings->start_x, settings->start_y, settings->target_x, settings->target_y};
-    return wg_surely_reaches(ever, wg_disc(settings), ends, settings->target_radius_sq, scratch->seen, scratch->stack);
+    for (int64_t k = 0; k <= settings->waypoint_count; k++) {
+        const WgGoal *goal = goal_of(settings, k);
+        WgSegment ends = {settings->start_x, settings->start_y, goal->x, goal->y};
+        if (!wg_surely_reaches(ever, wg_disc(settings), ends, goal->radius_sq, scratch->seen, scratch->stack)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 // Fills the tables that an episode looks up.
@@ -159,9 +180,7 @@ static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings
         return false;
     }
     *settings = *before;
-    move_ends(settings, edit);
-    bool inside = settings->target_x <= arena->width * WG_UNIT && settings->target_y <= arena->height * WG_UNIT;
-    if (!inside || !stand(arena, settings)) {
+    if (!move_ends(arena, settings, edit) || !stand(arena, settings)) {
         return false;
     }
     if (edit->kind >= WG_DROP_ROWS && by_way && !has_way(arena, settings, scratch)) {

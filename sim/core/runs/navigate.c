@@ -99,20 +99,21 @@ static WgArena arena_of(const WgCrew *crew, int64_t robot)
     return arena;
 }
 
-// The settings of a robot's world, with the robot's own seed.
+// The settings of a robot's world, with the robot's own seed. A robot that was copied gets its goal from there, too.
 static const WgSettings *settings_of(WgCrew *crew, int64_t robot)
 {
     WgSettings *settings = &crew->places[crew->world[robot]].settings;
     settings->seed = (uint64_t)crew->run[robot];
+    crew->robots[robot].goal = &settings->target;
     return settings;
 }
 
-static void sense_at(WgCrew *crew, int64_t robot, WgNormal contact)
+// Lets a robot sense where it is, with its last contact.
+static void sense_at(WgCrew *crew, int64_t robot)
 {
     WgArena arena = arena_of(crew, robot);
-    const WgRobot *driver = &crew->robots[robot];
-    wg_sense(&arena, settings_of(crew, robot), &driver->body->state, &driver->odometry, contact, crew->clock[robot],
-             &crew->workspace.observation, crew->workspace.beams);
+    wg_sense(&arena, settings_of(crew, robot), &crew->robots[robot], crew->clock[robot], &crew->workspace.observation,
+             crew->workspace.beams);
 }
 
 // Moves a robot and lets it sense, even at its last pose; returns true if a wall stopped or
@@ -124,7 +125,7 @@ static bool advance(WgCrew *crew, int64_t robot)
     crew->clock[robot]++;
     wg_move_and_sense(&arena, settings_of(crew, robot), driver, &crew->workspace, crew->clock[robot]);
     if (driver->report.ending != WG_LIMIT) {
-        sense_at(crew, robot, driver->contact);
+        sense_at(crew, robot);
     }
     return driver->contact.x != 0.0 || driver->contact.y != 0.0;
 }
@@ -159,15 +160,15 @@ static double distance_of(const WgCrew *crew, int64_t robot)
             return away;
         }
     }
-    int64_t dx = place->settings.target_x - state->x;
-    int64_t dy = place->settings.target_y - state->y;
+    int64_t dx = place->settings.target.x - state->x;
+    int64_t dy = place->settings.target.y - state->y;
     return sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
 }
 
 // Shows what a robot has just sensed.
 static void observe(WgCrew *crew, int64_t robot, float *observation)
 {
-    crew->workspace.observation.goal_heading = wg_sensed_goal_heading(settings_of(crew, robot));
+    crew->workspace.observation.goal_heading = wg_sensed_goal_heading(settings_of(crew, robot), crew->robots[robot].goal);
     wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
 }
 
@@ -268,7 +269,8 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     if (report->ending == WG_LIMIT) {
         touched = advance(crew, robot);
     } else {
-        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it is where episodes end
+        crew->robots[robot].contact = (WgNormal){0.0, 0.0};
+        sense_at(crew, robot);  // it is where episodes end
     }
     observe(crew, robot, observation);
     crew->elapsed[robot]++;

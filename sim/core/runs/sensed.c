@@ -9,17 +9,17 @@ WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, co
     if (settings->beams < 0) {
         return WG_BAD_SIZE;
     }
-    WgOdometry nowhere = {0.0, 0.0, 0.0};
-    WgNormal untouched = {0.0, 0.0};
+    WgState state;
+    WgRobot robot = {.body = (WgBody *)&state, .goal = &settings->target};
     for (int64_t n = 0; n < count; n++) {
         double *row = seen + n * (WG_SENSES + settings->beams);
-        WgState state = {poses[n].x, poses[n].y, poses[n].heading, 0, 0};
+        state = (WgState){poses[n].x, poses[n].y, poses[n].heading, 0, 0};
         if (!wg_is_inside(arena, &state)) {
             return WG_BAD_VALUE;
         }
         WgObservation observation;
         memset(&observation, 0, sizeof observation);
-        wg_sense(arena, settings, &state, &nowhere, untouched, 0, &observation, row + WG_SENSES);
+        wg_sense(arena, settings, &robot, 0, &observation, row + WG_SENSES);
         memcpy(row, &observation, WG_SENSES * sizeof *row);
     }
     return WG_OK;

@@ -117,14 +117,15 @@ static double with_noise(const WgSettings *settings, double value, int64_t draw)
     return value * (1.0 + settings->sensor_noise * (2.0 * wg_noise_draw(settings, draw) - 1.0));
 }
 
-double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step)
 {
+    const WgState *state = &robot->body->state;
     // The sensor adds up the signals of the sources in its field.
     Place here = {state->x, state->y};
     double value = 0.0;
     for (int64_t k = -1; k < settings->decoy_count; k++) {
         const WgDecoy *decoy = k < 0 ? NULL : &settings->decoys[k];
-        Place source = {settings->target_x, settings->target_y};
+        Place source = {robot->goal->x, robot->goal->y};
         if (decoy != NULL) {
             source = (Place){decoy->x, decoy->y};
         }
@@ -139,15 +140,15 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
 // Returns the strength of the signal that the sensor reads for a place near the robot,
 // 0 if there is none.
 //
-// shift:  direction from the robot to the place.
-// draw:   number of the random draw of the noise.
-static double reading(const WgArena *arena, const WgSettings *settings, Place place, Place shift, int64_t heading,
-                      int64_t draw)
+// draw:  number of the random draw of the noise.
+static double reading(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, Place place, int64_t draw)
 {
-    if (!is_in_field(settings, shift, heading)) {
+    const WgState *state = &robot->body->state;
+    Place shift = {place.x - state->x, place.y - state->y};
+    if (!is_in_field(settings, shift, state->heading)) {
         return 0.0;
     }
-    Place target = {settings->target_x, settings->target_y};
+    Place target = {robot->goal->x, robot->goal->y};
     double value = sent(arena, settings, target, place);
     for (int64_t k = 0; k < settings->decoy_count; k++) {
         const WgDecoy *decoy = &settings->decoys[k];
@@ -205,11 +206,12 @@ int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, i
 
 // Like wg_signal_heading, but for a sensor with other limits;
 // returns the robot's heading if it sees nothing.
-static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step)
 {
+    const WgState *state = &robot->body->state;
     WgGrid grid = wg_grid(arena);
     Place own = {wg_cell_of(state->x), wg_cell_of(state->y)};
-    Place home = {wg_cell_of(settings->target_x), wg_cell_of(settings->target_y)};
+    Place home = {wg_cell_of(robot->goal->x), wg_cell_of(robot->goal->y)};
     int64_t side = 2 * settings->sensor_cells + 1;
     Place strongest = {state->x, state->y};
     double most = 0.0;
@@ -226,11 +228,10 @@ static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, 
         }
         Place at = {cell.x * WG_UNIT + WG_UNIT / 2, cell.y * WG_UNIT + WG_UNIT / 2};
         if (cell.x == home.x && cell.y == home.y) {
-            at = (Place){settings->target_x, settings->target_y};
+            at = (Place){robot->goal->x, robot->goal->y};
         }
-        Place shift = {at.x - state->x, at.y - state->y};
         int64_t draw = wg_noise_channel(step, WG_NOISE_SIGNAL + 2 + place);
-        double value = reading(arena, settings, at, shift, state->heading, draw);
+        double value = reading(arena, settings, robot, at, draw);
         if (value > most) {
             most = value;
             strongest = at;
@@ -239,18 +240,20 @@ static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, 
     return wg_heading_of(strongest.x - state->x, strongest.y - state->y, state->heading);
 }
 
-int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step)
 {
     if (settings->plain_sensor == 0) {
-        return strongest_cell(arena, settings, state, step);
+        return strongest_cell(arena, settings, robot, step);
     }
-    return wg_signal_heading(wg_grid(arena), state->x, state->y, settings->target_x, settings->target_y,
-                             state->heading);
+    const WgState *state = &robot->body->state;
+    return wg_signal_heading(wg_grid(arena), state->x, state->y, robot->goal->x, robot->goal->y, state->heading);
 }
 
-void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
-                   WgNormal contact, int64_t step, WgObservation *observation, double *beams)
+void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step,
+                   WgObservation *observation, double *beams)
 {
+    const WgState *state = &robot->body->state;
+    WgNormal contact = robot->contact;
     double radians = settings->radians;
     double metres = settings->metres;
     int64_t senses = settings->senses;
@@ -265,8 +268,8 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
     }
 
     // The target and its signal.
-    int64_t dx = settings->target_x - state->x;
-    int64_t dy = settings->target_y - state->y;
+    int64_t dx = robot->goal->x - state->x;
+    int64_t dy = robot->goal->y - state->y;
     if ((senses & WG_SENSE_TARGET_DISTANCE) != 0) {
         observation->target_distance = sqrt((double)(dx * dx + dy * dy)) * metres;
     }
@@ -274,10 +277,10 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         observation->target_heading = (double)wg_turn_towards(0, wg_heading_of(dx, dy, state->heading)) * radians;
     }
     if ((senses & WG_SENSE_SIGNAL) != 0) {
-        observation->signal = wg_signal_here(arena, settings, state, step);
+        observation->signal = wg_signal_here(arena, settings, robot, step);
     }
     if ((senses & WG_SENSE_SIGNAL_HEADING) != 0) {
-        int64_t strongest = wg_strongest_heading(arena, settings, state, step);
+        int64_t strongest = wg_strongest_heading(arena, settings, robot, step);
         observation->signal_heading = (double)wg_turn_towards(0, strongest) * radians;
     }
 
@@ -290,9 +293,9 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
     // and nothing pushes the robot.
     if ((senses & WG_SENSE_ODOMETRY) != 0) {
         if (settings->measures != 0) {
-            observation->odometry_x = odometry->x * metres;
-            observation->odometry_y = odometry->y * metres;
-            observation->odometry_heading = (double)wg_turn_towards(0, wg_floor(odometry->heading + 0.5)) * radians;
+            observation->odometry_x = robot->odometry.x * metres;
+            observation->odometry_y = robot->odometry.y * metres;
+            observation->odometry_heading = (double)wg_turn_towards(0, wg_floor(robot->odometry.heading + 0.5)) * radians;
         } else {
             observation->odometry_x = observation->x;
             observation->odometry_y = observation->y;

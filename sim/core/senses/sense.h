@@ -82,18 +82,18 @@ static inline double wg_noise_draw(const WgSettings *settings, int64_t draw)
 }
 
 // Strength of the signal at the robot.
-double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step);
+double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step);
 
 // Heading towards the strongest signal around the robot.
-int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step);
+int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step);
 
 // Fills the range beams, m; a beam that hits nothing, or is lost, returns its maximum range.
 void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
                     double *beams);
 
 // The senses that usually take longest; in sense.c.
-void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
-                   WgNormal contact, int64_t step, WgObservation *observation, double *beams);
+void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step,
+                   WgObservation *observation, double *beams);
 
 // Returns true if any of them is declared. A single test for all of them saves 16 instructions in a
 // step without them.
@@ -109,11 +109,11 @@ static inline double wg_sensed_heading(const WgSettings *settings, const WgState
     return (double)wg_turn_towards(0, state->heading) * settings->radians;
 }
 
-// The heading that the goal asks for, rad; NaN if it asks for none.
-static inline double wg_sensed_goal_heading(const WgSettings *settings)
+// The heading that a goal asks for, rad; NaN if it asks for none.
+static inline double wg_sensed_goal_heading(const WgSettings *settings, const WgGoal *goal)
 {
-    bool has_one = settings->has_goal_heading != 0;
-    return has_one ? (double)wg_turn_towards(0, settings->goal_heading) * settings->radians : (double)NAN;
+    bool has_one = goal->has_heading != 0;
+    return has_one ? (double)wg_turn_towards(0, goal->heading) * settings->radians : (double)NAN;
 }
 
 // Fills in how the floor is tilted, as the speed and the heading of the drift that it causes.
@@ -138,14 +138,13 @@ static inline double wg_sensed_random(const WgSettings *settings, const WgState 
 // Fills the observation; senses that cost time only if they are in WgSettings.senses.
 // Constants do not change.
 //
-// contact:  normal of the robot's last contact.
-// step:     its number.
-// beams:    target of observation->beams.
-static inline void wg_sense(const WgArena *arena, const WgSettings *settings, const WgState *state,
-                            const WgOdometry *odometry, WgNormal contact, int64_t step, WgObservation *observation,
-                            double *beams)
+// robot:  its state, odometry, last contact and goal count.
+// beams:  target of observation->beams.
+static inline void wg_sense(const WgArena *arena, const WgSettings *settings, const WgRobot *robot, int64_t step,
+                            WgObservation *observation, double *beams)
 {
-    observation->bump = wg_is_contact(contact) ? 1.0 : 0.0;
+    const WgState *state = &robot->body->state;
+    observation->bump = wg_is_contact(robot->contact) ? 1.0 : 0.0;
     observation->heading = wg_sensed_heading(settings, state);
     observation->x = (double)state->x * settings->metres;
     observation->y = (double)state->y * settings->metres;
@@ -153,7 +152,10 @@ static inline void wg_sense(const WgArena *arena, const WgSettings *settings, co
         observation->random = wg_sensed_random(settings, state);
     }
     if (wg_senses_more(settings)) {
-        wg_sense_more(arena, settings, state, odometry, contact, step, observation, beams);
+        wg_sense_more(arena, settings, robot, step, observation, beams);
+    }
+    if (settings->waypoint_count > 0) {
+        observation->goal_heading = wg_sensed_goal_heading(settings, robot->goal);
     }
 }
 

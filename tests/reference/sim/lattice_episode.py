@@ -10,7 +10,14 @@ import numpy.typing as npt
 
 from tests.reference.sim import layout
 from tests.reference.sim.lattice_state import Arena, Robot, Room, last_event, set_out
-from tests.reference.sim.lattice_step import is_inside, move_and_sense, obey, one_step, remember
+from tests.reference.sim.lattice_step import (
+    is_inside,
+    load_goal,
+    move_and_sense,
+    obey,
+    one_step,
+    remember,
+)
 from tests.reference.sim.recurrence import TOUCHED, is_proved, period_at
 
 Ints = npt.NDArray[np.int64]
@@ -148,6 +155,8 @@ def lattice_episode(
     A recurrence of the complete state after the last event is found as described in
     :mod:`tests.reference.sim.recurrence`.
     """
+    load_goal(arena, settings, 0)
+    robot.journey[:] = 0
     set_out(settings, scales, memory, room, robot, last_event(arena))
     robot.counts[layout.OUT_UNVISITED] = _unvisited(arena)
     if rows.shape[0] > 0:
@@ -178,6 +187,8 @@ def lattice_steps(
     Yields:
         Number of the step.
     """
+    load_goal(arena, settings, 0)
+    robot.journey[:] = 0
     set_out(settings, scales, memory, room, robot, last_event(arena))
     robot.counts[layout.OUT_UNVISITED] = _unvisited(arena)
     if rows.shape[0] > 0:

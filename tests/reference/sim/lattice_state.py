@@ -56,6 +56,7 @@ class Arena(NamedTuple):
         decoys: Other sources of the signal: x, y, lattice units, and strength.
         wanted: (height, width) uint8, cells that a coverage task requires; no rows for other tasks.
         carriage: The robot's body and drive; None for a disc that turns on the spot.
+        goals: The waypoints and the target, in order, each as the numbers of a WgGoal.
     """
 
     cells: npt.NDArray[np.uint8]
@@ -68,20 +69,24 @@ class Arena(NamedTuple):
     decoys: tuple[tuple[int, int, float], ...]
     wanted: npt.NDArray[np.uint8]
     carriage: Carriage | None = None
+    goals: tuple[tuple[int, ...], ...] = ()
 
 
 class Robot(NamedTuple):
     """The robot and its reports.
 
     Args:
-        state: (STATE_MEMORY + memory,) int64, ``STATE_``; a body or a car has two more: 1 plus the
-            heading away from the wall that cut its last turn short, and its curvature.
+        state: (STATE_MEMORY + memory,) int64, ``STATE_``; a robot with waypoints has one more: how
+            many it has passed; a body or a car has two more: 1 plus the heading away from the wall
+            that cut its last turn short, and its curvature.
         odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured
             them.
         chain: (n, 3) int64, path of the last step: x, y, time in the step.
         counts: (OUT_SIZE,) int64, ``OUT_``.
         sums: (SUM_SIZE,) ``SUM_``.
         turned: (1,) how far a car has turned in the last step, heading units.
+        journey: (2,) int64: 1 if its path has met a waypoint in this step, and the step in which it
+            passed the last one.
     """
 
     state: Ints
@@ -90,6 +95,7 @@ class Robot(NamedTuple):
     counts: Ints
     sums: Floats
     turned: Ints
+    journey: Ints
 
 
 class Room(NamedTuple):
@@ -128,6 +134,7 @@ def new_robot(
         np.zeros(layout.OUT_SIZE, np.int64),
         np.zeros(layout.SUM_SIZE),
         np.zeros(1, np.int64),
+        np.zeros(2, np.int64),
     )
 
 

@@ -125,6 +125,37 @@ def _judge_segment(
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
 
 
+def load_goal(arena: Arena, settings: Ints, number: int) -> None:
+    """Makes one of the goals the one that counts."""
+    if arena.goals:
+        for index, value in zip(layout.GOAL_SETTINGS, arena.goals[number], strict=True):
+            settings[index] = value
+
+
+def _passed_at(arena: Arena) -> int:
+    """Index in a state of the number of waypoints that the robot has passed."""
+    return -1 if arena.carriage is None else -3
+
+
+def _meet_goal(arena: Arena, robot: Robot) -> None:
+    """Ends the run at the target; a waypoint counts at the end of the move."""
+    waypoints = len(arena.goals) - 1
+    if waypoints > 0 and robot.state[_passed_at(arena)] < waypoints:
+        robot.journey[0] = 1
+    else:
+        robot.counts[layout.OUT_ENDING] = layout.REACHED
+        robot.counts[layout.OUT_GOALS] += 1
+
+
+def _pass_waypoint(arena: Arena, settings: Ints, step: int, robot: Robot) -> None:
+    """Gives a robot that has met a waypoint its next goal."""
+    if robot.journey[0] != 0:
+        robot.journey[0], robot.journey[1] = 0, step
+        robot.counts[layout.OUT_GOALS] += 1
+        robot.state[_passed_at(arena)] += 1
+        load_goal(arena, settings, int(robot.state[_passed_at(arena)]))
+
+
 def _heads_for_goal(settings: Ints, heading: int) -> bool:
     """Whether a robot with this heading may arrive."""
     if settings[layout.SET_HAS_GOAL_HEADING] == 0:
@@ -253,7 +284,7 @@ def _judge_path(
                 and _heads_for_goal(settings, state[layout.STATE_HEADING])
                 and segment_point_within(from_x, from_y, qx, qy, tx, ty, within)
             ):
-                counts[layout.OUT_ENDING] = layout.REACHED
+                _meet_goal(arena, robot)
         sums[layout.SUM_PATH] += math.sqrt(float((qx - x) * (qx - x) + (qy - y) * (qy - y)))
         x, y = qx, qy
     state[layout.STATE_X], state[layout.STATE_Y] = x, y
@@ -703,7 +734,8 @@ def _advance(
         count, nx, ny = _disturb(arena, settings, scales, step, (count, nx, ny), robot)
     ends_there = settings[layout.SET_ARRIVAL] == layout.STEP and _is_at_goal(settings, robot)
     if ends_there and counts[layout.OUT_ENDING] == layout.LIMIT:
-        counts[layout.OUT_ENDING] = layout.REACHED
+        _meet_goal(arena, robot)
+    _pass_waypoint(arena, settings, step, robot)
     if arena.carriage is not None and nx == 0.0 and ny == 0.0:
         nx, ny = _bump(arena, robot)
     counts[layout.OUT_POINTS] += count
@@ -808,11 +840,13 @@ def obey(
     # A turn that a wall cut short, or that swept over fire, may have ended the run before.
     stands = (
         robot.counts[layout.OUT_ENDING] == layout.LIMIT
+        and robot.journey[1] != step
         and abs(state[layout.STATE_SPEED]) <= settings[layout.SET_ARRIVAL_SPEED]
         and abs(turn) <= settings[layout.SET_ARRIVAL_TURN]
     )
     if settings[layout.SET_ARRIVAL] == layout.STOP and stands and _is_at_goal(settings, robot):
-        robot.counts[layout.OUT_ENDING] = layout.REACHED
+        _meet_goal(arena, robot)
+        _pass_waypoint(arena, settings, step, robot)
 
 
 def remember(room: Room, robot: Robot) -> None:

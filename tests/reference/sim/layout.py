@@ -75,6 +75,12 @@ SET_HAS_GOAL_HEADING, SET_GOAL_HEADING, SET_HEADING_TOLERANCE = 28, 29, 30  # 0 
 SET_ARRIVAL_SPEED, SET_ARRIVAL_TURN = 31, 32  # for STOP: units of speed; heading units
 SET_SIZE = 33
 
+# The goal's settings, in the order of WgGoal.
+GOAL_SETTINGS = (
+    SET_TARGET_X, SET_TARGET_Y, SET_TARGET_SQ, SET_ARRIVAL, SET_HAS_GOAL_HEADING, SET_GOAL_HEADING,
+    SET_HEADING_TOLERANCE, SET_ARRIVAL_SPEED, SET_ARRIVAL_TURN,
+)  # fmt: skip
+
 # When a robot has arrived: values of SET_ARRIVAL.
 TOUCH, STEP, STOP = 0, 1, 2
 # What a wall does to a move: values of SET_CONTACT.
@@ -129,7 +135,8 @@ OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
 OUT_HIT_STATE = 13  # SOLID (debris) or BURNING of the cell that ended the run as BURNED
 OUT_VISITED = 14  # cells that the centre has been in, including the start's
 OUT_UNVISITED = 15  # cells that a coverage task still requires
-OUT_SIZE = 16
+OUT_GOALS = 16  # goals that the robot has arrived at
+OUT_SIZE = 17
 
 # sums (float64)
 SUM_PATH, SUM_OVERLAP = 0, 1  # lattice units: driven length; deepest cut

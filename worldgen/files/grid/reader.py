@@ -86,7 +86,7 @@ def loads(data: bytes, source: str | None = None) -> World:
         robots = [Robot(start, target, radius, speed)]
     # Read the rest, and let the world check itself.
     timeline = _timeline(blocks, cells.walls.shape)
-    certificate = _certificate(header, blocks, len(robots), tables=file.has_tables)
+    certificate = _certificate(header, blocks, robots, tables=file.has_tables)
     try:
         return World(
             cells.walls, cell_size=cell_size, timeline=timeline, certificate=certificate,
@@ -109,10 +109,13 @@ def _line_of_fault(
     if "second" in facts:
         return header.line_in_item("robot", facts["second"] - 1)
     # Such as "robot 2 radius" or "robot 2 target radius".
-    words = str(facts.get("name", "")).split(" ")
-    if len(words) < 3:
-        return header.line_of("robot")
-    return header.line_in_item("robot", int(words[1]) - 1, words[2])
+    words = str(facts.get("name", "")).removeprefix("robot_").split(" ")
+    row = 0
+    if words[0] == "robot" and len(words) > 2:
+        row = int(words[1]) - 1
+        words = words[2:]
+    key = "waypoints" if words[0] == "waypoint" else words[0]
+    return header.line_in_item("robot", row, key)
 
 
 class _File(NamedTuple):
@@ -394,11 +397,11 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
 
 
 def _certificate(
-    header: Header, blocks: dict[str, Block], robots: int, *, tables: bool
+    header: Header, blocks: dict[str, Block], robots: list[Robot], *, tables: bool
 ) -> Certificate | None:
     """Return the certificate; its section must exist if and only if the header declares it."""
     # A section needs its table.
-    record = read_certificate(header, robots)
+    record = read_certificate(header, robots, tables=tables)
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record.kind != kind):
             said = "no [certificate]" if record is None else f'kind = "{record.kind}"'
@@ -427,11 +430,13 @@ def _certificate(
     if kind == "cut":
         if tables and _words_of_first_line(block) == len(BODY_CUT.fields):
             boxes = np.column_stack(read_columns(block, BODY_CUT))
-            return Cut(np.empty((0, 2), np.int64), clearance, record.robot, boxes)
-        return Cut(np.column_stack(read_columns(block, CUT)), clearance, record.robot)
+            cells = np.empty((0, 2), np.int64)
+            return Cut(cells, clearance, record.robot, boxes, record.waypoint)
+        cells = np.column_stack(read_columns(block, CUT))
+        return Cut(cells, clearance, record.robot, waypoint=record.waypoint)
     if tables:
         paths = _paths(block, record.clearances)
-        return paths[0] if robots == 1 else JointWitness(paths)
+        return paths[0] if len(robots) == 1 else JointWitness(paths)
     times, x, y = read_columns(block, WITNESS)
     return Witness(times, x, y, clearance)
 

@@ -5,7 +5,8 @@ Robots, provenance, certificate and failure are each checked, with lines in erro
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -22,6 +23,7 @@ from worldgen.files.grid.schema import (
     TABLES_HEADER_KEYS,
     TABLES_MAGIC,
     TABLES_TABLE_KEYS,
+    WAYPOINT_KEYS,
     WORD,
     WORD_KEYS,
     Key,
@@ -43,6 +45,7 @@ class Table(NamedTuple):
         keys: Its declared keys.
         name: Its name; empty for the top.
         row: Its number among the ``[[name]]`` tables, from 0.
+        inner: Its place in that table if it is one of a list there, such as ``waypoint 1``.
     """
 
     header: Header
@@ -50,9 +53,12 @@ class Table(NamedTuple):
     keys: Mapping[str, Key]
     name: str = ""
     row: int | None = None
+    inner: str = ""
 
     def at(self, *path: str) -> dict[str, Any]:
         """Return the place of a key, or of the table, as :class:`FormatError` takes it."""
+        if self.inner:
+            path = (f"{self.inner.split(' ')[0]}s",)
         if self.row is not None:
             return self.header.at(*path, table=self.name, index=self.row)
         if self.name:
@@ -63,7 +69,7 @@ class Table(NamedTuple):
         """Return the place of a key's value."""
         what = key
         if self.row is not None:
-            what = f"{self.name} {self.row + 1} {key}"
+            what = " ".join(filter(None, (f"{self.name} {self.row + 1}", self.inner, key)))
         elif self.name:
             what = f"{self.name}.{key}"
         declared = self.keys[key]
@@ -86,6 +92,7 @@ class Table(NamedTuple):
         """Return the error for a key that must be there."""
         declared = self.keys[key]
         where = f"[[{self.name}]] number {self.row + 1}" if self.row is not None else ""
+        where += f", {self.inner}," if self.inner else ""
         return FormatError(
             "missing-key",
             "{place} has no {key}",
@@ -120,11 +127,13 @@ class CertificateRecord(NamedTuple):
         kind: ``witness`` or ``cut``.
         clearances: Clearances, m; one number, or one for each robot's path of a joint witness.
         robot: Number of the robot that a cut of version 2 stops; 1 in version 1.
+        waypoint: Number of the waypoint that it separates from the start; 0 for the target.
     """
 
     kind: str
     clearances: tuple[float, ...]
     robot: int = 1
+    waypoint: int = 0
 
 
 def read_top(header: Header, *, tables: bool) -> Table:
@@ -205,7 +214,7 @@ def read_robots(header: Header) -> list[Robot]:
             key="robot",
             **header.at_the_end(),
         )
-    robots = [_robot(table) for table in tables]
+    robots = [replace(_robot(table), waypoints=_waypoints(table)) for table in tables]
     # One world has one text.
     if len(robots) == 1 and robots[0].is_plain:
         raise FormatError(
@@ -234,11 +243,7 @@ def _robot(table: Table) -> Robot:
     if not given:
         raise table.missing("radius")
     _check_drive(table, own["drive"])
-    x, y, radius = own["target"]
-    goal = Target(
-        x, y, radius, own["target_heading"], own["heading_tolerance"], own["arrival"],
-        own["arrival_speed"], own["arrival_turn_rate"], own["contact"],
-    )  # fmt: skip
+    goal = _goal(own)
     drive = Drive(own["turning_radius"], own["reverse"], own["steering_rate"])
     try:
         if "footprint" in given:
@@ -250,6 +255,35 @@ def _robot(table: Table) -> Robot:
         return Robot(Pose(*own["start"]), goal, own["radius"], own["speed"], drive=drive)
     except InvalidWorld as error:
         raise FormatError.of(error.message, **table.at("footprint")) from error
+
+
+def _goal(own: Mapping[str, Any]) -> Target:
+    """Return the goal of a table's values; a waypoint has no contact."""
+    x, y, radius = own["target"]
+    return Target(
+        x, y, radius, own["target_heading"], own["heading_tolerance"], own["arrival"],
+        own["arrival_speed"], own["arrival_turn_rate"], own.get("contact"),
+    )  # fmt: skip
+
+
+def _waypoints(table: Table) -> tuple[Target, ...]:
+    """Return the waypoints of a robot's table, in order."""
+    rows = [
+        table._replace(values=values, keys=WAYPOINT_KEYS, inner=f"waypoint {number}")
+        for number, values in enumerate(table.read("waypoints"), start=1)
+    ]
+    for row in rows:
+        if "contact" in row.values:
+            raise FormatError(
+                "wrong-place",
+                "{key} is in {table}; it is about the whole run",
+                "write it in [[robot]] itself",
+                key="contact",
+                table=row.inner,
+                **row.at(),
+            )
+        row.check_keys(f"key in {row.inner}")
+    return tuple(_goal(row.read_all()) for row in rows)
 
 
 def _check_drive(table: Table, drive: str | None) -> None:
@@ -319,10 +353,19 @@ def _named(header: Header, name: str) -> dict[str, Any] | None:
     return Table(header, header.data[name], TABLE_KEYS[name], name).read_all()
 
 
-def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | None:
-    """Return the ``[certificate]`` table of a world with this many robots."""
+def read_certificate(
+    header: Header, robots_of_world: Sequence[Robot], *, tables: bool
+) -> CertificateRecord | None:
+    """Return the ``[certificate]`` table of a world with these robots.
+
+    Args:
+        header: The header.
+        robots_of_world: All robots.
+        tables: True if it is in version 2.
+    """
     # Check the kind.
-    keys = (TABLE_KEYS if robots == 1 else TABLES_TABLE_KEYS)["certificate"]
+    robots = len(robots_of_world)
+    keys = (TABLES_TABLE_KEYS if tables else TABLE_KEYS)["certificate"]
     if "certificate" not in header.data:
         return None
     table = Table(header, header.data["certificate"], keys, "certificate")
@@ -364,7 +407,33 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
             last=robots,
             **table.at("robot"),
         )
-    return CertificateRecord(kind, (read_number(values["clearance"], place),), robot)
+    waypoint = _separated(table, robots_of_world[robot - 1], values.get("waypoint"))
+    return CertificateRecord(kind, (read_number(values["clearance"], place),), robot, waypoint)
+
+
+def _separated(table: Table, robot: Robot, waypoint: int | None) -> int:
+    """Return the number of the waypoint that a cut separates from the start; 0 for the target."""
+    if waypoint is None:
+        return 0
+    last = len(robot.waypoints)
+    if table.values["kind"] == "witness":
+        raise FormatError(
+            "conflict",
+            'kind = "witness", but [certificate] names a waypoint; a witness leads through all',
+            "remove `waypoint`",
+            **table.at("waypoint"),
+        )
+    if not 1 <= waypoint <= last:
+        raise FormatError(
+            "out-of-range",
+            "certificate.{name} is {waypoint}",
+            "the waypoints are numbered from 1 to {last}" if last else "the robot has none",
+            name="waypoint",
+            waypoint=waypoint,
+            last=last,
+            **table.at("waypoint"),
+        )
+    return waypoint
 
 
 def word_faults(record: FailureRecord) -> Iterator[tuple[str, Message]]:

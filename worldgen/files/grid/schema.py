@@ -48,9 +48,10 @@ class Key(NamedTuple):
 
     Args:
         kind: What its value is: ``number``, ``length`` (above 0), ``pair``, ``pose``, ``disc`` (two
-            or three numbers, the last of a disc above 0), ``corners`` (a list of pairs), ``flag``,
-            ``text``, ``name`` (text that may name code), ``integer``, ``values`` (a table of any),
-            ``metrics`` (a table of numbers), or ``any``, which its reader decides.
+            or three numbers, the last of a disc above 0), ``corners`` (a list of pairs), ``tables``
+            (a list of tables, whose keys its reader checks), ``flag``, ``text``, ``name`` (text that
+            may name code), ``integer``, ``values`` (a table of any), ``metrics`` (a table of numbers),
+            or ``any``, which its reader decides.
         example: A typical value.
         meaning: What it says, with its unit.
         default: Its value if it is missing.
@@ -73,11 +74,8 @@ HEADER_KEYS: Final = {
 }
 # Version 2 has these instead: one [[robot]] table for each robot.
 TABLES_HEADER_KEYS: Final = {"cell_size": HEADER_KEYS["cell_size"]}
-# Keys of a [[robot]] table in the order in which the writer puts them. It has either a radius or a
-# footprint. The defaults are those of `worldgen.robot`.
-ROBOT_KEYS: Final = {
-    "start": HEADER_KEYS["start"],
-    "target": HEADER_KEYS["target"],
+# Keys of a goal, after its place.
+_GOAL_KEYS: Final = {
     "target_heading": Key("number", "1.5708", "heading that it must have there, rad", None),
     "heading_tolerance": Key(
         "number", "0.1", "largest difference from it, rad", DEFAULT_HEADING_TOLERANCE
@@ -89,6 +87,15 @@ ROBOT_KEYS: Final = {
     "arrival_turn_rate": Key(
         "number", "0.02", "turn rate up to which it stands, rad/s", DEFAULT_ARRIVAL_TURN_RATE
     ),
+}
+# Keys of each table in the list `waypoints`.
+WAYPOINT_KEYS: Final = {"target": HEADER_KEYS["target"], **_GOAL_KEYS}
+# Keys of a [[robot]] table in the order in which the writer puts them. It has either a radius or a
+# footprint. The defaults are those of `worldgen.robot`.
+ROBOT_KEYS: Final = {
+    "start": HEADER_KEYS["start"],
+    "target": HEADER_KEYS["target"],
+    **_GOAL_KEYS,
     "contact": Key("text", '"fail"', f"what a wall does to a move: {', '.join(CONTACTS)}", None),
     "radius": HEADER_KEYS["robot_radius"]._replace(default=None),
     "footprint": Key(
@@ -103,6 +110,12 @@ ROBOT_KEYS: Final = {
     "reverse": Key("flag", "true", "whether a car may drive backwards", False),
     "steering_rate": Key(
         "number", "2.0", "largest change of a car's curvature, shares of the largest a second", 0.0
+    ),
+    "waypoints": Key(
+        "tables",
+        "[{ target = [1.5, 0.5, 0.05] }]",
+        "goals that it must arrive at before the target, in order",
+        (),
     ),
 }
 TABLE_KEYS: Final = {
@@ -132,6 +145,9 @@ TABLES_TABLE_KEYS: Final = TABLE_KEYS | {
     "certificate": {
         "kind": TABLE_KEYS["certificate"]["kind"],
         "robot": Key("integer", "1", "number, from 1, of the robot that a cut stops", None),
+        "waypoint": Key(
+            "integer", "1", "number, from 1, of the waypoint that a cut separates", None
+        ),
         "clearance": TABLE_KEYS["certificate"]["clearance"],
     }
 }

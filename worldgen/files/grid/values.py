@@ -127,6 +127,12 @@ def _corners(value: object, place: Place) -> tuple[tuple[float, ...], ...]:
     )
 
 
+def _tables(value: object, place: Place) -> tuple[dict[str, object], ...]:
+    if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+        raise place.wrong(value, "write a list of tables: {meaning}")
+    return tuple(value)
+
+
 def _flag(value: object, place: Place) -> bool:
     if not isinstance(value, bool):
         raise place.wrong(value, "write true or false")
@@ -215,6 +221,7 @@ READERS: Final[Mapping[str, Callable[[Any, Place], Any]]] = {
     "pose": partial(read_numbers, count=3),
     "disc": _disc,
     "corners": _corners,
+    "tables": _tables,
     "flag": _flag,
     "text": _text,
     "name": _name,

@@ -118,16 +118,11 @@ def _has_tables(world: World) -> bool:
 
 def _robot_lines(world: World) -> Iterator[str]:
     for robot in world.robots:
-        goal = robot.target
         yield from ("", "[[robot]]")
-        yield from _ends_lines(robot.start, goal)
+        yield from _ends_lines(robot.start, robot.target)
         values = {
-            "target_heading": goal.heading,
-            "heading_tolerance": goal.heading_tolerance,
-            "arrival": goal.arrival,
-            "arrival_speed": goal.arrival_speed,
-            "arrival_turn_rate": goal.arrival_turn_rate,
-            "contact": goal.contact,
+            **_goal_values(robot.target),
+            "contact": robot.target.contact,
             "radius": robot.radius if robot.is_disc else None,
             "footprint": [list(corner) for corner in robot.footprint] or (),
             "speed": robot.speed,
@@ -136,12 +131,34 @@ def _robot_lines(world: World) -> Iterator[str]:
             "reverse": robot.drive.reverse,
             "steering_rate": robot.drive.steering_rate,
         }
-        for key, value in values.items():
-            if value != ROBOT_KEYS[key].default:
-                text = (
-                    number_text(value, key) if isinstance(value, float) else value_text(value, key)
-                )
-                yield f"{key} = {text}"
+        yield from _given(values)
+        if robot.waypoints:
+            rows = ", ".join(map(_waypoint_text, robot.waypoints))
+            yield f"waypoints = [{rows}]"
+
+
+def _goal_values(goal: Target) -> dict[str, object]:
+    return {
+        "target_heading": goal.heading,
+        "heading_tolerance": goal.heading_tolerance,
+        "arrival": goal.arrival,
+        "arrival_speed": goal.arrival_speed,
+        "arrival_turn_rate": goal.arrival_turn_rate,
+    }
+
+
+def _waypoint_text(goal: Target) -> str:
+    """Return one table of the list of waypoints, with its keys in the order of a robot's."""
+    place = f"target = {_numbers('waypoints', (goal.x, goal.y, goal.radius))}"
+    return f"{{ {', '.join((place, *_given(_goal_values(goal))))} }}"
+
+
+def _given(values: Mapping[str, object]) -> Iterator[str]:
+    """Yield ``key = value`` for all values of a robot or a goal that are not the default."""
+    for key, value in values.items():
+        if value != ROBOT_KEYS[key].default:
+            text = number_text(value, key) if isinstance(value, float) else value_text(value, key)
+            yield f"{key} = {text}"
 
 
 def _ends_lines(start: Pose, target: Target) -> Iterator[str]:
@@ -154,6 +171,8 @@ def _certificate_lines(proof: Certificate, *, fleet: bool) -> Iterator[str]:
     yield from ("", "[certificate]", f'kind = "{kind}"')
     if fleet and isinstance(proof, Cut):
         yield f"robot = {proof.robot}"
+    if isinstance(proof, Cut) and proof.waypoint:
+        yield f"waypoint = {proof.waypoint}"
     if isinstance(proof, JointWitness):
         clearances = (path.clearance for path in proof.paths)
         yield f"clearance = {_numbers('certificate.clearance', clearances)}"

@@ -39,13 +39,14 @@ HELD = {
     "footprint": "the robot's footprint",
     "drive": "how the car drives",
     "goal": "what counts as arriving",
+    "waypoints": "the waypoints",
     "cell_size": "the cell size",
     "origin": "the origin",
 }
 """Facts about a world other than its cells, which a file may be unable to store, as worded in
 messages.
 """
-KINDS = ("footprint", "drive", "goal")
+KINDS = ("footprint", "drive", "goal", "waypoints")
 """The facts that a disc which turns on the spot and has to touch its target lacks: they are no
 numbers.
 """
@@ -293,7 +294,7 @@ def robot_values(robot: Robot) -> dict[str, Value]:
 
 
 def robot_kinds(robot: Robot) -> dict[str, Any]:
-    """Return the facts of :data:`KINDS` that a robot has: corners, a drive, and a target."""
+    """Return the facts of :data:`KINDS` that a robot has: corners, a drive, a target, and others."""
     found: dict[str, Any] = {}
     if not robot.is_disc:
         found["footprint"] = robot.footprint
@@ -301,6 +302,8 @@ def robot_kinds(robot: Robot) -> dict[str, Any]:
         found["drive"] = robot.drive
     if not robot.target.is_plain:
         found["goal"] = robot.target
+    if robot.waypoints:
+        found["waypoints"] = robot.waypoints
     return found
 
 

@@ -74,6 +74,7 @@ class ForeignRobot(NamedTuple):
         footprint: Corners of its body, m, from its axle; empty for a disc.
         drive: How it may move.
         goal: A target whose place and radius do not count, but all the rest.
+        waypoints: Goals before the target, from the grid's lower-left corner.
     """
 
     start: tuple[float, ...] | None = None
@@ -83,13 +84,20 @@ class ForeignRobot(NamedTuple):
     footprint: tuple[Corner, ...] = ()
     drive: Drive = Drive()
     goal: Target | None = None
+    waypoints: tuple[Target, ...] = ()
 
     def applied_to(self, robot: Robot) -> Robot:
-        """Return a disc that turns on the spot with the footprint, the drive and the goal."""
+        """Return a disc that turns on the spot with the footprint, the drive and the goals."""
         target = robot.target
         if self.goal is not None:
             target = replace(self.goal, x=target.x, y=target.y, radius=target.radius)
-        return replace(robot, target=target, footprint=self.footprint, drive=self.drive)
+        return replace(
+            robot,
+            target=target,
+            footprint=self.footprint,
+            drive=self.drive,
+            waypoints=self.waypoints,
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -156,6 +156,6 @@ png = Format(
     re.compile(rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"),
     read_picture,
     write_png,
-    holds=frozenset(HELD),
+    holds=frozenset(HELD) - {"waypoints"},
     client="any program that opens pictures",
 )

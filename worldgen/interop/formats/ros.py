@@ -484,7 +484,7 @@ ros = Format(
     re.compile(rb"(?s).*?(?m:^)image[ \t]*:"),
     read_ros_map,
     write_ros_map,
-    holds=frozenset(HELD),
+    holds=frozenset(HELD) - {"waypoints"},
     client="ROS map_server, Nav2",
     usual_robot=FLOOR_ROBOT,
     harmless=_HARMLESS,

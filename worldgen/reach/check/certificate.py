@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -84,6 +84,8 @@ def check_certificate(
         return _check_joint(world, certificate, radius)
     if world.is_fleet:
         return _check_one_of_several(world, certificate, radius)
+    if isinstance(certificate, Cut) and world.robots[0].waypoints:
+        return _check_cut_of_waypoint(world, certificate, radius)
     robot = world.robots[0]
     is_about_robot = radius is None
     radius = robot.radius if radius is None else radius
@@ -98,9 +100,55 @@ def check_certificate(
                 reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
             else:
                 reason = _check_cut(world, certificate, radius, measured)
+            if isinstance(certificate, Witness) and robot.waypoints:
+                reason += _check_waypoints(world, certificate, is_about_robot)
     except (_Refused, Mistake) as refusal:
         return CheckReport(False, str(refusal), measured[0])
     return CheckReport(True, reason, measured[0])
+
+
+def _check_cut_of_waypoint(world: World, cut: Cut, radius: float | None) -> CheckReport:
+    """Check a cut between the start and one goal, as if that were the only one."""
+    robot = world.robots[0]
+    if not 0 <= cut.waypoint <= len(robot.waypoints):
+        return CheckReport(False, f"the robot has no waypoint {cut.waypoint}", 0.0)
+    goal = robot.goals[cut.waypoint - 1]
+    alone = replace(world.bare, robots=(replace(robot, target=goal, waypoints=()),))
+    report = check_certificate(alone, replace(cut, waypoint=0), radius=radius)
+    name = "the target"
+    if cut.waypoint:
+        name = f"waypoint {cut.waypoint} of {len(robot.waypoints)}, at ({goal.x:g}, {goal.y:g})"
+    return CheckReport(report.valid, f"{name}: {report.reason}", report.clearance)
+
+
+def _check_waypoints(world: World, witness: Witness, is_about_robot: bool) -> str:
+    """Check that points of a path are in all waypoints, in order; return this as words.
+
+    Args:
+        world: The world.
+        witness: The path, whose end is checked elsewhere.
+        is_about_robot: Whether its headings count; those of a disc that turns on the spot do not.
+    """
+    robot = world.robots[0]
+    after = 0
+    for number, goal in enumerate(robot.waypoints, start=1):
+        away = np.hypot(witness.x - goal.x, witness.y - goal.y)
+        is_there = away <= goal.radius + TOLERANCE * world.cell_size
+        if goal.heading is not None and witness.headings is not None and is_about_robot:
+            wanted = math.remainder(goal.heading, math.tau)
+            off = np.abs((witness.headings - wanted + math.pi) % math.tau - math.pi)
+            is_there &= off <= goal.heading_tolerance + 1e-9
+        # A later goal is met at the same point at the earliest.
+        found = np.flatnonzero(is_there[after:])
+        after += _first(found)
+        where = f"at ({goal.x:g}, {goal.y:g})"
+        _require(
+            len(found) > 0,
+            f"no point of the witness is in waypoint {number} of {len(robot.waypoints)}, {where}, "
+            f"after the goals before it",
+        )
+    count = len(robot.waypoints)
+    return f" and leads through {'the waypoint' if count == 1 else f'all {count} waypoints'}"
 
 
 def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[float]) -> str:

@@ -11,9 +11,9 @@ import { colourOf, endsOf } from "#player/picture/scene_robots.js";
  */
 export function drawTarget(pen, world) {
   for (const ends of endsOf(world)) {
-    const [x, y, radius] = ends.target;
     const colour = colourOf(pen, "target", ends.number);
-    drawTargetMark(pen, pen.px(x), pen.py(y), Math.max(radius * pen.scale, MARKS.target.size * pen.unit), colour);
+    for (const [x, y, radius] of [...(ends.waypoints ?? []), ends.target])
+      drawTargetMark(pen, pen.px(x), pen.py(y), Math.max(radius * pen.scale, MARKS.target.size * pen.unit), colour);
     if (ends.aim !== undefined) drawGoal(pen, ends, colour);
   }
 }

@@ -124,7 +124,9 @@ export function drawSmall(canvas, drawn, more = {}) {
   if (!world) return;
   const scene = stillOf({ ...drawn, world }, { ...SHOWN, cells: false, ...more });
   const driven = scene.run ? runScene(scene, scene.run) : null;
-  drawScene(canvas, { ...scene, isCard: true }, driven && eventView(driven, canvas.clientWidth, canvas.clientHeight));
+  // A picture next to a text that names cells by their numbers shows all of them.
+  const view = driven && !scene.show.cells ? eventView(driven, canvas.clientWidth, canvas.clientHeight) : null;
+  drawScene(canvas, { ...scene, isCard: true }, view);
 }
 
 /**

@@ -43,7 +43,11 @@ function numberedRows(run, number) {
 export function drawNumbers(pen, world, robots, hasTrails) {
   const { unit } = pen,
     size = MARKS.number.size * unit;
-  for (const { target: [x, y, radius], start, number } of endsOf(world)) {
+  for (const { target: [x, y, radius], start, number, waypoints } of endsOf(world)) {
+    for (const [k, goal] of (waypoints ?? []).entries()) {
+      const aside = goal[2] + (9 * unit) / pen.scale;
+      drawNumber(pen, k + 1, pen.px(goal[0] + aside), pen.py(goal[1] + aside) + 0.36 * size, pen.colours.target);
+    }
     if (!number) continue;
     const away = radius + (9 * unit) / pen.scale;
     drawNumber(pen, number, pen.px(x + away), pen.py(y + away) + 0.36 * size);
@@ -79,13 +83,14 @@ function drawAlong(pen, one, places) {
 }
 
 /**
- * Draws a robot's number around a place in pixels.
+ * Draws a number around a place in pixels; a robot's in its colour.
  * @param {Pen} pen
  * @param {number} number
  * @param {number} across
  * @param {number} down
+ * @param {string} [colour]
  */
-function drawNumber(pen, number, across, down) {
+function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
   const { context, colours, unit } = pen,
     { size, casing } = MARKS.number;
   context.save();
@@ -93,7 +98,7 @@ function drawNumber(pen, number, across, down) {
   context.font = `700 ${size * unit}px system-ui, sans-serif`;
   context.lineWidth = casing * unit;
   context.strokeStyle = colours.floor;
-  context.fillStyle = colours[robotColour(number)];
+  context.fillStyle = colour;
   context.strokeText(String(number), across, down);
   context.fillText(String(number), across, down);
   context.restore();

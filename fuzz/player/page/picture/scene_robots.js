@@ -10,8 +10,8 @@ import { robotColour } from "#player/picture/pen.js";
  * @returns {SceneEnds[]}
  */
 export function endsOf(world) {
-  const { start, target, radius, footprint, aim, others } = world;
-  const first = { start, target, radius, footprint, aim };
+  const { start, target, radius, footprint, aim, waypoints, others } = world;
+  const first = { start, target, radius, footprint, aim, waypoints };
   if (!others?.length) return [{ ...first, number: null }];
   return [first, ...others].map((ends, k) => ({ ...ends, number: k + 1 }));
 }

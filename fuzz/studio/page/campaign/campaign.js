@@ -36,6 +36,7 @@ export function makeCampaign(section, studio) {
   campaign.goOn = (message) => goOn(campaign, message);
   campaign.halt = (folder) => halt(campaign, folder);
   campaign.stop = () => trying(campaign, () => stop(campaign));
+  campaign.openFile = (file) => openInWall(campaign, file);
   campaign.reload = () => reloadWall(campaign);
   campaign.form = makeForm(campaign);
   campaign.status = makeStatus(campaign);
@@ -315,6 +316,13 @@ function edited(campaign, files) {
   campaign.wall.forget(runs);
   campaign.failure.forget(runs);
   if (!byId("campaign").hidden) trying(campaign, () => list(campaign)).then(() => showState(campaign, campaign.states.get(campaign.folder) || null));
+}
+
+// Shows a file of the campaign's folder.
+function openInWall(campaign, file) {
+  const name = campaign.folder ? `${campaign.folder}/${file}` : file;
+  campaign.wanted = name;
+  return reloadWall(campaign);
 }
 
 function select(campaign, failure) {

@@ -23,6 +23,7 @@ export function makeStatus(campaign) {
     strategies: el("tbody", {}),
     fault: el("p", { class: "notice", role: "alert", hidden: true }),
     best: el("p", { class: "best-line", id: "best-so-far" }),
+    conclusion: el("section", { class: "conclusion", id: "conclusion", tabindex: "0", "aria-label": "What it found out", hidden: true }),
   };
   const table = (title, names, body) =>
     el(
@@ -36,7 +37,7 @@ export function makeStatus(campaign) {
     table("Failures by cause", ["Cause", "Met", "Smallest"], parts.causes),
     table("Strategies", ["Strategy", "Worlds", "Failed", "New variants"], parts.strategies),
   );
-  const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
+  const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.conclusion, parts.best, parts.fault, parts.tables);
   const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null, offered: "null" };
   // until a campaign is shown
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true;
@@ -68,6 +69,7 @@ function show(status, state) {
   const told = state ? faultWords(state) : "";
   parts.fault.hidden = told === "";
   showActions(status);
+  showConclusion(status);
   if (!state) return;
   parts.fault.textContent = told;
   parts.bar.value = share(state);
@@ -79,6 +81,34 @@ function show(status, state) {
   const row = (strategy) => [mark(strategy.strategy), strategy.worlds, strategy.failures, strategy.variants];
   parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.variants - a.variants || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
   parts.tables.hidden = state.strategies.length === 0;
+}
+
+// Shows what a campaign that has ended found out, as the terminal does: does it work, why, what to
+// check. A cause's name shows its failures only.
+function showConclusion({ state, parts, campaign }) {
+  const told = state?.conclusion ?? null;
+  parts.conclusion.hidden = !told;
+  if (!told) return;
+  const { headline, rate, causes, others, comparison } = told;
+  const name = ({ cause, file }) => {
+    const words = causeWords(cause);
+    return file ? el("button", { type: "button", class: "link", onclick: () => campaign.openFile(file) }, words) : el("b", {}, words);
+  };
+  const item = (one) =>
+    el(
+      "li",
+      {},
+      el("p", {}, name(one), one.is_new ? el("b", { class: "now" }, " new") : "", el("span", { class: "quiet" }, ` ${one.often}`)),
+      el("p", {}, one.sentence),
+      one.why ? el("p", { class: "quiet" }, `In its example it ${one.why}.`) : null,
+    );
+  parts.conclusion.replaceChildren(
+    el("p", { class: "headline", "data-tone": headline.tone }, headline.who ? `${headline.who}: ` : "", el("b", {}, headline.words), headline.rest),
+    rate ? el("p", {}, rate) : "",
+    el("ol", {}, causes.map(item)),
+    others ? el("p", { class: "quiet" }, others) : "",
+    comparison ? el("p", { class: "quiet" }, comparison) : "",
+  );
 }
 
 // Shows why a campaign gave up, or that its code has been edited since it started.
