@@ -438,7 +438,8 @@ def test_the_first_run_of_a_new_user_shows_a_loop_and_no_fault_of_a_motion_model
     with opened(browser, gate, is_new=True) as page:
         page.locator("#start-menu summary").click()
         page.locator("[data-example=trap]").first.click()
-        page.locator("#name", has_text="not saved").wait_for()
+        # The page itself judges the drawing.
+        page.locator("#drawn-run", has_text="turn-left: loop forever").wait_for()
         page.keyboard.press("2")
         result = page.locator(".result[data-controller=turn-left]")
         result.get_by_text("loop", exact=True).wait_for()
