@@ -111,6 +111,11 @@ export function showInstruments(line, player) {
   line.replaceChildren(...shown);
 }
 
+/**
+ * @param {string} name
+ * @param {string} value
+ * @param {string | null} [kind]
+ */
 const fact = (name, value, kind = null) => el("span", { class: kind, title: `${name} ${value}` }, el("span", {}, `${name} `), el("b", {}, value));
 
 const loopWords = ([entry, period], step) =>

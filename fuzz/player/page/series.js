@@ -60,8 +60,14 @@ function speedAt({ at, x, y }, row, dt) {
   return passed > 0 ? path / passed : 0;
 }
 
-// Returns the distance in cells from the edge of the robot's body to the nearest wall or fire;
-// negative by how deep it is in one.
+/**
+ * Returns the distance in cells from the edge of the robot's body to the nearest wall or fire;
+ * negative by how deep it is in one.
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ * @param {Pick<SceneWorld, "radius" | "footprint">} robot
+ * @param {{x: number, y: number, heading: number}} pose
+ */
 function clearanceAt(world, cells, { radius, footprint }, pose) {
   const corners = footprint && placed(footprint, pose);
   const reach = Math.min(40, Math.ceil(radius + FAR));
@@ -96,7 +102,7 @@ function polygonToCell(corners, ix, iy) {
   for (const shape of [corners, cell])
     for (const [[ax, ay], [bx, by]] of edgesOf(shape)) {
       const length = Math.hypot(bx - ax, by - ay);
-      const along = ([x, y]) => ((by - ay) * x - (bx - ax) * y) / length;
+      const along = (/** @type {number[]} */ [x, y]) => ((by - ay) * x - (bx - ax) * y) / length;
       const own = corners.map(along),
         other = cell.map(along);
       apart = Math.max(apart, Math.min(...other) - Math.max(...own), Math.min(...own) - Math.max(...other));
