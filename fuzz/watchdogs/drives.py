@@ -69,8 +69,9 @@ class Drive:
         if isinstance(evidence, LoopEvidence):
             entry, period = evidence.entry, evidence.period
             steps = entry + max(math.ceil(horizon / trace.time_step), 2 * period)
-        goal = self.world.target
-        heading = math.nan if goal.heading is None else goal.heading
+        # The goal that counts after each step: the target, unless there are waypoints.
+        goals = self.world.robots[0].goals
+        passed = trace.passed if len(trace.passed) else np.full(trace.steps + 1, len(goals) - 1)
         ranges = self._beams(beams)
         top_speed, radius = self.world.robot_speed, self.world.robot_radius
         nan = math.nan
@@ -78,6 +79,7 @@ class Drive:
             # The state of the entry recurs, with the move that led to it the second time.
             at = step if step <= entry else entry + 1 + (step - entry - 1) % period
             x, y = float(trace.x[at]), float(trace.y[at])
+            goal = goals[min(int(passed[at]), len(goals) - 1)]
             yield Observation(
                 bump=bool(trace.bump[at]),
                 bump_bearing=nan,
@@ -97,7 +99,7 @@ class Drive:
                 odometry_y=nan,
                 odometry_heading=nan,
                 beams=tuple(ranges[at].tolist()) if beams else (),
-                goal_heading=heading,
+                goal_heading=nan if goal.heading is None else goal.heading,
             )
 
     def _beams(self, count: int) -> Floats:

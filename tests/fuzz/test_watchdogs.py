@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -109,6 +110,22 @@ def test_an_arrival_is_seen_once(arrival):
     assert len(seen) == arrival.episode.trace.steps
     assert seen[-1].target_distance <= arrival.world.target.radius + 0.06
     assert [one.x for one in seen] == arrival.episode.trace.x[1:].tolist()
+
+
+def test_the_goal_is_the_waypoint_that_counts():
+    world = drawn(OPEN)
+    robot = world.robots[0]
+    middle = replace(robot.target, x=0.5 * (world.start.x + world.target.x))
+    world = replace(world, robots=(replace(robot, waypoints=(middle,)),))
+    episode = simulate(world, Ahead(), RunOptions("swept", 4_000, 0.05), record=True)
+    assert episode.verdict == Verdict.REACHED
+    passed = episode.trace.passed.tolist()
+    assert set(passed[1:-1]) == {0, 1}
+    for seen, count in zip(
+        Drive("a run", world, episode).observations(1.0), passed[1:], strict=True
+    ):
+        goal = robot.target if count else middle
+        assert seen.target_distance == pytest.approx(math.hypot(goal.x - seen.x, goal.y - seen.y))
 
 
 def test_beams_are_the_distances_to_the_walls(loop):
