@@ -67,5 +67,6 @@ def _of_campaign(error: FormatError) -> FormatError:
         "no-failure",
         "the campaign of this folder has found no failure",
         "worldgen fuzz --resume continues it",
+        at_terminal=True,
         source=error.source,
     )

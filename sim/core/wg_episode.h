@@ -92,6 +92,9 @@ typedef struct WgRobot {
     const WgGoal *goal;    // the goal that it must arrive at next
     int64_t meets;         // 1 if its path has met that goal, a waypoint, in this step
     int64_t passed_step;   // step in which it arrived at its last waypoint
+    // 1: a disc that turns on the spot and has to touch its target only. Steps ask for this instead of asking what
+    // the robot is and what its goal asks for, which takes 2 % fewer instructions in a maze.
+    int64_t is_simple;
     WgCarriage *carriage;  // NULL for a disc that turns on the spot
     WgCorner *chain;     // corners of the path of the last step
     int64_t *chain_headings;  // the heading on the way to each corner; NULL for a disc that turns on the spot

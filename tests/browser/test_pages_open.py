@@ -50,7 +50,9 @@ def test_a_script_that_gets_into_a_report_is_not_run(browser, tmp_path, made):
 @pytest.mark.gate
 def test_the_studio_is_one_request_and_one_connection(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
-        asked = [address for address in page.requested if not address.startswith("data:")]
+        asked = [
+            address for address in page.requested if not address.startswith(("data:", "blob:"))
+        ]
         assert asked == [gate.address] and page.complaints == []
 
 

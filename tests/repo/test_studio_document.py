@@ -35,7 +35,7 @@ def test_every_tool_is_described_with_its_key():
     text = (DOCS / "howto" / "studio.md").read_text()
     script = (files("fuzz.player") / "page" / "edit" / "tools.js").read_text()
     keys = re.findall(r'^  \w+: \[\s*"[^"]+",\s*"(\w)",\s*"M', script, re.MULTILINE)
-    assert len(keys) == 11 and all(f"`{key}`" in text for key in keys)
+    assert len(keys) == 12 and all(f"`{key}`" in text for key in keys)
 
 
 def test_the_pictures_are_there():

@@ -162,7 +162,7 @@ def test_a_floor_lies_below_walls_and_border():
     [
         ("stl", "85c74886bb49cac9"),
         ("obj+floor", "13d500fdd8b44ff7"),
-        ("glb+markers", "59d997c41f34e368"),
+        ("glb+markers", "e7fc99a6bf0f8548"),
         ("usd", "be9d122be669783c"),
     ],
 )

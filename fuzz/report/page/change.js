@@ -133,9 +133,7 @@ async function begin(change) {
   const [live, packed] = await Promise.all([opened, unpacked(failure.live)]);
   if (!change.isOn) return;
   if (!live) {
-    leave(change);
-    parts.toggle.disabled = true;
-    parts.help.textContent = NOT_HERE;
+    giveUp(change);
     return;
   }
   change.live = live;
@@ -144,6 +142,13 @@ async function begin(change) {
   change.session.model.changed = () => changed(change);
   openBoard(change);
   changed(change);
+}
+
+// Closes the editor for good, and says so.
+function giveUp(change) {
+  leave(change);
+  change.parts.toggle.disabled = true;
+  change.parts.help.textContent = NOT_HERE;
 }
 
 // Brings the whole picture into the window, below the verdict.
@@ -216,7 +221,13 @@ async function judge(change) {
     { version } = model;
   if (session.answered === version) return showAnswer(change);
   timers.slow ||= setTimeout(() => change.parts.verdict.classList.add("stale"), SLOW);
-  const answer = await change.live.judge(questionOf(session));
+  let answer;
+  try {
+    answer = await change.live.judge(questionOf(session));
+  } catch (fault) {
+    giveUp(change);
+    throw fault;
+  }
   if (!answer || version !== model.version) return; // a newer one is on its way
   clearTimeout(timers.slow);
   timers.slow = 0;

@@ -264,3 +264,26 @@ WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t 
     }
     return (WgNormal){0.0, 0.0};
 }
+
+void wg_end_move(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    const WgGoal *goal = robot->goal;
+    if (goal->arrival == WG_ARRIVAL_STEP && robot->report.ending == WG_LIMIT
+        && wg_is_at_goal(goal, &robot->body->state)) {
+        wg_meet_goal(settings, robot);
+    }
+    // At most one goal counts in a step: the rest of the move is not judged for the next one.
+    if (robot->meets != 0) {
+        wg_pass_waypoint(settings, step, robot);
+    }
+    // A turn that was cut short shows in the step after it.
+    if (wg_has_carriage(settings) && !wg_is_contact(robot->contact)) {
+        robot->contact = wg_bump_of_turn(arena, robot->carriage);
+    }
+}
+
+void wg_apply_to_any(const WgArena *arena, const WgSettings *settings, const WgCommand *command, int64_t step,
+                     WgRobot *robot)
+{
+    wg_apply(arena, settings, command, step, false, robot);
+}

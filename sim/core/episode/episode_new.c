@@ -226,6 +226,8 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
         *robot->passed = 0;
         robot->goal = settings->waypoints;
     }
+    robot->is_simple = !wg_has_carriage(settings) && settings->waypoint_count == 0
+                       && settings->target.arrival == WG_ARRIVAL_TOUCH;
     robot->meets = 0;
     robot->passed_step = 0;
     robot->odometry.x = (double)state->x;

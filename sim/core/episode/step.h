@@ -155,6 +155,13 @@ void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 // Adds a step to a recording: its state, and the corners of its path.
 void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped);
 
+// Does what is left of a step's move for a robot that is not simple: see WgRobot.is_simple.
+void wg_end_move(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
+
+// Applies a command to a robot that is not simple.
+void wg_apply_to_any(const WgArena *arena, const WgSettings *settings, const WgCommand *command, int64_t step,
+                     WgRobot *robot);
+
 // Functions that every step needs.
 
 // Returns true if a robot cannot turn on the spot.
@@ -341,7 +348,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->slip > 0.0) {
         drive = wg_slipped(settings, step, drive);
     }
-    if (wg_is_car(settings)) {
+    bool is_car = robot->is_simple == 0 && wg_is_car(settings);
+    if (is_car) {
         robot->contact = wg_drive_car(arena, settings, step, drive, robot);
     } else {
         WgVector by = {0, 0};
@@ -353,12 +361,14 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
             by.y += settings->drift_y;
         }
         robot->contact = wg_move_during(arena, settings, step, by, 0, WG_STEP_TIME, robot);
-        wg_note_headings(robot, 0);
+        if (robot->is_simple == 0) {
+            wg_note_headings(robot, 0);
+        }
     }
 
     // Features that few robots have: wheels that measure with errors, or miss what pushes the robot.
     // Against a wall the wheels do not turn, whatever the floor does.
-    if (settings->measures != 0 && !wg_is_car(settings)) {
+    if (settings->measures != 0 && !is_car) {
         bool drifts = settings->disturbed != 0 && !wg_is_contact(robot->contact);
         int64_t moved_x = state->x - x - (drifts ? settings->drift_x : 0);
         int64_t moved_y = state->y - y - (drifts ? settings->drift_y : 0);
@@ -367,17 +377,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (settings->push_count > 0 && report->ending == WG_LIMIT) {
         wg_disturb(arena, settings, step, robot);
     }
-    if (robot->goal->arrival == WG_ARRIVAL_STEP && report->ending == WG_LIMIT && wg_is_at_goal(robot->goal, state)) {
-        wg_meet_goal(settings, robot);
-    }
-    // At most one goal counts in a step: the rest of the move is not judged for the next one.
-    if (robot->meets != 0) {
-        wg_pass_waypoint(settings, step, robot);
-    }
-
-    // A turn that was cut short shows in the step after it.
-    if (wg_has_carriage(settings) && !wg_is_contact(robot->contact)) {
-        robot->contact = wg_bump_of_turn(arena, robot->carriage);
+    if (robot->is_simple == 0) {
+        wg_end_move(arena, settings, step, robot);
     }
     return wg_keep_books(arena, step, robot);
 }
@@ -453,15 +454,16 @@ static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCom
 
 // Applies a command: the turn now, the speed in the next step; clamps both, and refuses NaN and
 // infinities. A robot that then stands at its goal may have arrived.
-static inline void wg_apply_command(const WgArena *arena, const WgSettings *settings, const WgCommand *command,
-                                    int64_t step, WgRobot *robot)
+__attribute__((always_inline)) static inline void wg_apply(const WgArena *arena, const WgSettings *settings,
+                                                           const WgCommand *command, int64_t step, bool is_simple,
+                                                           WgRobot *robot)
 {
     WgState *state = &robot->body->state;
     if (!wg_are_finite(command->speed, command->turn_rate)) {
         robot->report.ending = WG_INVALID_COMMAND;
         return;
     }
-    bool is_body = wg_has_carriage(settings);
+    bool is_body = !is_simple && wg_has_carriage(settings);
     double most = is_body ? WG_MOST_BODY_TURN : WG_TURN / 2;
     double limit = settings->turn_limit * settings->turn + 1e-9;
     int64_t turn = wg_commanded_turn(settings, command, limit < most ? (double)(int64_t)limit : most);
@@ -485,7 +487,7 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
         state->draws++;
     }
     const WgGoal *goal = robot->goal;
-    if (goal->arrival == WG_ARRIVAL_STOP) {
+    if (!is_simple && goal->arrival == WG_ARRIVAL_STOP) {
         if (!wg_is_car(settings)) {
             robot->turned = turn;
         }
@@ -498,6 +500,16 @@ static inline void wg_apply_command(const WgArena *arena, const WgSettings *sett
                 wg_pass_waypoint(settings, step, robot);
             }
         }
+    }
+}
+
+static inline void wg_apply_command(const WgArena *arena, const WgSettings *settings, const WgCommand *command,
+                                    int64_t step, WgRobot *robot)
+{
+    if (robot->is_simple != 0) {
+        wg_apply(arena, settings, command, step, true, robot);
+    } else {
+        wg_apply_to_any(arena, settings, command, step, robot);
     }
 }
 

@@ -18,7 +18,6 @@ const VIEWS = {
   grid: ["Grid", "#"],
   ruler: ["Ruler", "u"],
   proof: ["Path", "w"],
-  run: ["Run", "v"],
   signal: ["Signal", "i"],
   noise: ["Noise", "n"],
 };
@@ -140,14 +139,12 @@ function showOptions(draw, parts) {
 }
 
 function viewBoxes(draw) {
-  return Object.entries(VIEWS).map(([name, [words, key]]) =>
-    el(
-      "label",
-      { class: "check", title: `Key ${key}` },
-      el("input", { type: "checkbox", checked: draw.show[name], "data-view": name, onchange: () => draw.toggle(name) }),
-      words,
-    ),
-  );
+  return Object.entries(VIEWS).map(([name, [words, key]]) => viewBox(draw, name, words, key));
+}
+
+function viewBox(draw, name, words, key) {
+  const box = el("input", { type: "checkbox", checked: draw.show[name], "data-view": name, onchange: () => draw.toggle(name) });
+  return el("label", { class: "check", title: `Key ${key}` }, box, words);
 }
 
 const HELP = {
@@ -212,6 +209,8 @@ function toggle(draw, parts, name) {
   if (name === "noise" && draw.show.noise) draw.show.signal = true;
   if (name === "signal" && !draw.show.signal) draw.show.noise = false;
   if (name === "signal" || name === "noise") senseSignal(draw);
+  const shown = parts.run.querySelector("input");
+  if (shown) shown.checked = draw.show.run;
   showOptions(draw, parts);
   draw.board.draw();
 }
@@ -311,10 +310,11 @@ function showPlace(draw, parts, point) {
 
 // Shows how a robot's run in the drawing ends, or why there is none. Play runs it with everything
 // that can be seen of it.
-function showRun({ board }, parts, run, robot, why) {
-  const name = shortName(robot);
+function showRun(draw, parts, run, robot, why) {
+  const { board } = draw;
+  const name = viewBox(draw, "run", `${shortName(robot)}: `, "v");
   board.run = run && { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } };
-  const words = run ? [`${name}: `, verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)}`] : [why && `${name}: ${why}`];
+  const words = run ? [name, " ", verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)}`] : [why && `${shortName(robot)}: ${why}`];
   parts.run.replaceChildren(...words);
 }
 
