@@ -153,7 +153,7 @@ def drives_of(
     scenarios: dict[str, Scenario] = {}
     left_out = 0
     for name, failure in failures:
-        progress(f"running {name}")
+        progress(name)
         scenario = failure.scenario
         if failure.world.is_fleet or scenario.run.motion == "stepped":
             left_out += 1
@@ -174,7 +174,7 @@ def _natural_drives(
 ) -> Iterator[Drive]:
     for drawn in drawn_worlds(natural_families(()), seed, count):
         name = f"{drawn.family} {drawn.number}"
-        progress(f"running {scenario.controller} in natural world {drawn.number + 1} of {count}")
+        progress(f"{scenario.controller} in natural world {drawn.number + 1} of {count}")
         try:
             case = natural_case(drawn, scenario)
             if case is None:

@@ -24,6 +24,9 @@ from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
 _BLOCKED = "the target cannot be reached in this world, whatever the controller does"
+_BLOCKED_TOUR = (
+    "the target cannot be reached through its waypoints in this world, whatever the controller does"
+)
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
 _UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
@@ -44,7 +47,7 @@ def describe_unreachable(world: World, *, undecided: bool, proof: str = "") -> s
         return _UNDECIDED_TOGETHER if world.is_fleet else _UNDECIDED
     # One robot's note does not name the proof: it is a cut unless the world changes.
     if not world.is_fleet:
-        return _BLOCKED
+        return _BLOCKED_TOUR if world.robots[0].waypoints else _BLOCKED
     return f"{_BLOCKED_TOGETHER} (proved by a {proof})" if proof else _BLOCKED_TOGETHER
 
 

@@ -280,3 +280,18 @@ def test_the_editor_has_no_barriers(browser, report, size, scheme):
     with failure_in(browser, *report, viewport=size, color_scheme=scheme) as page:
         begin(page)
         assert complaints(page) == []
+
+
+def test_the_editor_of_a_body_has_no_radius(browser, tmp_path):
+    box = ((0.06, 0.04), (-0.06, 0.04), (-0.06, -0.04), (0.06, -0.04))
+    world = room()
+    world = replace(world, robots=[replace(world.robots[0], footprint=box)], certificate=None)
+    failure = failure_of(
+        replace(world, certificate=decide(world).certificate), Scenario.parse("turn-right")
+    )
+    failure.write(tmp_path / "loop.grid")
+    write_report([tmp_path], tmp_path / "report.html")
+    with failure_in(browser, (tmp_path / "report.html").as_uri(), failure) as page:
+        begin(page, failure.verdict)
+        assert not page.get_by_label("Robot radius, m").is_visible()
+        assert page.complaints == []

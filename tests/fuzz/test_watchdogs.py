@@ -224,3 +224,7 @@ def test_the_command_prints_a_table_and_json():
 def test_the_command_refuses_a_wrong_name_before_it_runs(tmp_path):
     result = worldgen("watchdog", "simple-progres", tmp_path)
     assert result.code == 2 and "did you mean" in result.err
+    own = tmp_path / "mine.py"
+    own.write_text("class Progress:\n    pass\n")
+    result = worldgen("watchdog", f"{own}:Progres", tmp_path)
+    assert f"worldgen watchdog {own}:Progress {tmp_path}" in result.err

@@ -124,13 +124,15 @@ test("without a selection, nothing happens", () => {
   assert.equal(kit.model.past.length, 0);
 });
 
-test("body and heading of a goal come from the file's first robot", () => {
+test("body, waypoints and heading of a goal come from the file's first robot", () => {
   const text = (more) => `%worldgen-grid 2\ncell_size = 0.5\n\n[[robot]]\nstart = [1.0, 1.0]\n${more}speed = 2.0\n%cells\n`;
   const kind = (more, source = text(more)) => kindOf({ source, cell_size: 0.5 });
   assert.deepEqual(kind("footprint = [[1.0, 0.5], [-1.0, 0.5], [-1.0, -0.5]]\ntarget_heading = -1.5\n"), {
     footprint: [[2, 1], [-2, 1], [-2, -1]],
     aim: -1.5,
   });
+  const goals = '[{ target = [0.5, 1.5, 0.25], target_heading = 3.0, arrival = "stop" }, { target = [2.0, 1e0, 0.5] }]';
+  assert.deepEqual(kind(`waypoints = ${goals}\n`), { waypoints: [[1, 3, 0.5], [4, 2, 1]] });
   assert.deepEqual(kind(""), {});
   assert.deepEqual(kind("", null), {});
 });

@@ -8,7 +8,7 @@ import pytest
 
 from sim import Command, RobotOptions, RunOptions, simulate, simulate_many
 from sim.audit import Trajectory, audit
-from sim.episode.describe import describe_missed_goal
+from sim.episode.describe import describe_missed_goal, describe_unreachable
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, Pose, Robot, Target, World
@@ -210,3 +210,10 @@ def test_a_coverage_task_has_no_goals():
     world = lane(Target(1.0, 0.5, 0.1))
     episode = simulate(world, "turn-random", replace(OPTIONS, task="cover", robot=RobotOptions()))
     assert episode.goals_reached is None
+
+
+def test_a_blocked_world_with_waypoints_does_not_blame_the_target():
+    assert "through its waypoints" in describe_unreachable(
+        lane(Target(1.0, 0.5, 0.1)), undecided=False
+    )
+    assert "waypoint" not in describe_unreachable(lane(), undecided=False)

@@ -49,6 +49,12 @@ def test_a_witness_leads_through_all_waypoints_in_order(kind):
     assert decide(world, certificate=False).result == decision.result
 
 
+def test_two_waypoints_are_both():
+    world = hall(through(KINDS["disc"], *THERE[:2]))
+    report = check_certificate(world, decide(world).certificate)
+    assert report.reason.endswith("leads through both waypoints")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_witness_in_another_order_is_refused(kind):
     path = decide(hall(through(KINDS[kind], *THERE))).certificate

@@ -76,6 +76,8 @@ function partsOf(change) {
     save: el("button", { type: "button", onclick: () => save(change) }, "Save as .grid"),
     copy: copyButton("Copy test", () => testText(change)),
   };
+  // a body has no radius to set
+  parts.radius.element.hidden = Boolean(change.failure.now.world.footprint);
   const keys = el("span", { class: "away", id: "change-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
   parts.panel = el(
     "div",

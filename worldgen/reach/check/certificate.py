@@ -148,7 +148,8 @@ def _check_waypoints(world: World, witness: Witness, is_about_robot: bool) -> st
             f"after the goals before it",
         )
     count = len(robot.waypoints)
-    return f" and leads through {'the waypoint' if count == 1 else f'all {count} waypoints'}"
+    which = {1: "the waypoint", 2: "both waypoints"}.get(count, f"all {count} waypoints")
+    return f" and leads through {which}"
 
 
 def _check_for_robot(world: World, certificate: Witness | Cut, measured: list[float]) -> str:

@@ -17,19 +17,21 @@ export function othersOf({ others, cell_size: side }) {
 }
 
 /**
- * Returns the first robot's footprint, in cells, and its goal's heading, from the text of its file,
- * which the server writes; the page cannot change either.
+ * Returns the first robot's footprint and waypoints, in cells, and its goal's heading, from the text
+ * of its file, which the server writes; the page cannot change them.
  * @param {{source: string | null, cell_size: number}} world
- * @returns {{footprint?: [number, number][], aim?: number}}
+ * @returns {{footprint?: [number, number][], aim?: number, waypoints?: Triple[]}}
  */
 export function kindOf({ source, cell_size: side }) {
   if (!source?.startsWith("%worldgen-grid 2")) return {};
   const table = source.slice(0, source.indexOf("%cells")).split("[[robot]]")[1] ?? "";
   const corners = /^footprint = (\[\[[-+.,\deE[\] ]*\]\])$/m.exec(table);
   const heading = /^target_heading = ([-+.\deE]+)$/m.exec(table);
+  const waypoints = /^waypoints = \[.*\]$/m.exec(table)?.[0].matchAll(/\btarget = (\[[-+.,\de ]*\])/g);
   return {
     ...(corners && { footprint: JSON.parse(corners[1]).map(([x, y]) => [x / side, y / side]) }),
     ...(heading && { aim: Number(heading[1]) }),
+    ...(waypoints && { waypoints: Array.from(waypoints, ([, goal]) => /** @type {Triple} */ (JSON.parse(goal).map((value) => value / side))) }),
   };
 }
 
