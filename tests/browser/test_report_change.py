@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fuzz.failure import Failure
 from fuzz.player.live import live_core
 from fuzz.report import write_report
 from fuzz.triage.judging import failure_of
@@ -294,4 +295,13 @@ def test_the_editor_of_a_body_has_no_radius(browser, tmp_path):
     with failure_in(browser, (tmp_path / "report.html").as_uri(), failure) as page:
         begin(page, failure.verdict)
         assert not page.get_by_label("Robot radius, m").is_visible()
+        # The page cannot prove anything about a body, so the file's proof holds until a change.
+        assert "by the path in the file" in page.locator("#change-proof").inner_text()
+        assert Failure.of(saved(page, tmp_path)) == failure
+        assert copied(page) == page.locator("pre.test").text_content()
+        page.locator("#board").focus()
+        page.keyboard.press("b")
+        drag(page, (11, 9), (12, 9))
+        page.locator("#change-proof", has_text="made by worldgen verify").wait_for(timeout=30_000)
+        assert page.locator(".change").get_by_role("button", name="Copied").is_disabled()
         assert page.complaints == []

@@ -244,6 +244,14 @@ function questionOf({ model, original, question }) {
 // The run that the picture shows: the core's, or the recording of a controller that it cannot run.
 const shownRun = ({ session, failure }) => (session?.question.run ? (session.answer?.run?.drawn ?? null) : failure.now.run);
 
+// Returns whether the world is still that of the failure's file.
+const isUnchanged = ({ model, original }) => model.digest === original;
+
+// Returns the path of the file, while it is still that world's and the core cannot prove it itself.
+function pathInFile({ session, failure }, answer) {
+  return answer?.live.proof && isUnchanged(session) ? failure.now.world?.open?.witness : null;
+}
+
 function showAnswer(change) {
   const { parts, session, draw, failure, timers } = change,
     answer = session?.answer;
@@ -253,11 +261,16 @@ function showAnswer(change) {
   const words = run ? runWords(run) : answer ? answer.live.run || "in the recording" : "…";
   parts.verdict.replaceChildren(...(verdict ? [verdictDot(verdict), " ", el("b", {}, verdict), " "] : []), words);
   const proof = answer ? proofOf(answer.proof, answer.live.proof, session.model.world.cell_size) : DECIDING;
-  const told = proofWords(proof);
+  const known = pathInFile(change, answer);
+  if (known) proof.opened = known;
+  const told = known ? { kind: "good", head: "✓ reachable:", words: " by the path in the file" } : proofWords(proof);
   parts.proof.className = `proof ${told.kind}`;
   parts.proof.replaceChildren(el("b", {}, told.head), told.words);
   parts.note.hidden = !session?.question.why;
   parts.note.textContent = session?.question.why ?? "";
+  // A test needs a proof that the target can be reached.
+  parts.copy.disabled = Boolean(answer?.live.proof) && !isUnchanged(session);
+  parts.copy.title = parts.copy.disabled ? "Save the world, and prove it with worldgen verify" : "";
   if (!answer || !draw) return;
   draw.board.proof = proof;
   draw.board.run = null;
@@ -353,8 +366,9 @@ function keyDown(change, event) {
 // The text of the world's file as it is now: with its proof and, if the run fails although the
 // target can be reached, with the failure.
 async function textOf(change, isTest = false) {
-  const { session } = change,
+  const { session, failure } = change,
     { model } = session;
+  if (isUnchanged(session)) return new TextDecoder().decode(bytesOf(failure.now.file));
   while (session.answered !== model.version) {
     await judge(change);
     await new Promise((done) => setTimeout(done));
@@ -376,6 +390,7 @@ async function testText(change) {
     { run } = session.answer ?? {},
     [head, rest] = failure.test.split('GRID = """\\\n'),
     tail = rest.slice(rest.indexOf('"""\n'));
+  if (isUnchanged(session)) return failure.test;
   const text = escaped(await textOf(change, true));
   const named = session.question.run ? tail : tail.replace("fixed(FAILURE)", `fixed(FAILURE, ${JSON.stringify(session.label)})`);
   const titled = head.replace(/: [^:\n]*\."""/, `${run ? `: ${run.verdict}` : ""}, in a changed world."""`);

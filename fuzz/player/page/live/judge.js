@@ -50,8 +50,8 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
  */
 function whyNotProved(world) {
   const kind = (world.robots ?? 1) > 1 ? "several robots" : world.footprint ? "a body" : world.car ? "a car" : world.waypoints ? "a robot with waypoints" : "";
-  if (kind) return `The proof for ${kind} is made by \`worldgen verify\`.`;
-  return world.changes ? "The proof for a world that changes is made by `worldgen verify`." : "";
+  if (kind) return `The proof for ${kind} is made by worldgen verify.`;
+  return world.changes ? "The proof for a world that changes is made by worldgen verify." : "";
 }
 
 /**
