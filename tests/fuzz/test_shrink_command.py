@@ -51,13 +51,13 @@ def test_shrinking_keeps_the_cause_that_the_run_shows(big, tmp_path):
 def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):
     first, calls = trying.Trying.first, []
 
-    def stop_at_the_third(*args):
+    def stop_at_the_fourth(*args):
         calls.append(args)
-        if len(calls) == 3:
+        if len(calls) == 4:
             raise KeyboardInterrupt
         return first(*args)
 
-    monkeypatch.setattr(trying.Trying, "first", stop_at_the_third)
+    monkeypatch.setattr(trying.Trying, "first", stop_at_the_fourth)
     result = worldgen("shrink", big, "--out", tmp_path / "small.grid")
     small = read_world(tmp_path / "small.grid")
     assert result.code == 130 and "the smallest world so far is kept" in result.err

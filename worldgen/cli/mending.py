@@ -147,6 +147,10 @@ def _renamed(error: WorldgenError, group: click.Group, words: list[str]) -> list
         return _polished(group, words)
     if ":" in came and came not in words:
         return _polished(group, words)
+    # What is misspelt in a file is only the part after its place.
+    place = facts.get("place")
+    if place and came == f"{place}:{facts.get('attribute')}":
+        meant = f"{place}:{meant}"
     # Only whole names are replaced, not parts of longer ones.
     pattern = re.compile(rf"(?<![\w./-]){re.escape(came)}(?![\w/-])")
     return [pattern.sub(lambda _: meant, word) for word in words]

@@ -238,15 +238,14 @@ class Registry(Generic[T]):
         raise InvalidParameter(
             "unknown-name",
             "{noun} {name!r}: {place} has no {attribute!r}",
-            "did you mean {similar!r}? there are {known!l:none}"
+            "did you mean {near!r}? there are {known!l:none}"
             if near
             else "it has {known!l:nothing}",
             noun=self.noun,
             name=name,
             place=place,
             attribute=attribute,
-            similar=near,
-            near=near and f"{place}:{near}",
+            near=near,
             known=own or public,
         )
 
