@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
+
+import click
 
 from fuzz.corpus import read_corpus
 from fuzz.corpus.pictures import contact_sheet
@@ -21,6 +24,8 @@ from sim.controllers.catalogue import CONTROLLERS
 from tests.helpers.browser import chromium_browser
 
 SIDE = 190
+# The words of a round that takes seconds; the gate runs it.
+TINY = (str(Path(tempfile.gettempdir()) / "worldgen-failure-cards"),)
 _CORPORA = Path(__file__).parents[1] / "corpora"
 _FAILURES = (
     "failures/bug1/swept/circles-an-obstacle.grid",
@@ -107,6 +112,7 @@ def main() -> int:
             tab.evaluate("document.documentElement.dataset.theme = 'dark'")
         tab.wait_for_selector("body[data-ready]")
         tab.screenshot(path=options.folder / "cards.png", full_page=True)
+    click.echo(f"wrote cards.png and sheet.png of {len(paths)} failures")
     return 0
 
 

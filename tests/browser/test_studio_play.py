@@ -146,7 +146,9 @@ def test_the_flow_chart_marks_the_behaviour_that_acts(browser, gate):
         for step in range(300, 0, -4):
             marked = chart.locator(".acts").evaluate_all("all => all.map(e => e.dataset.part)")
             who = ["collide", "seek", "drive", "none"][expected_acts[step]]
-            named = page.locator("#instruments", has_text="behaviour").inner_text()
+            named = " ".join(
+                page.locator("#instruments", has_text="behaviour").inner_text().split()
+            )
             assert marked == ([] if who == "none" else [who]) and f"behaviour {who}" in named
             seen.add(who)
             for _ in range(4):

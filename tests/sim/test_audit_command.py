@@ -150,11 +150,9 @@ def test_the_picture_marks_the_tunnel(files):
     drawn_pixels = np.asarray(Image.open(out).convert("RGB")).reshape(-1, 3)
     clean = worldgen("audit", files / "w.grid", files / "clean.csv", "--picture", files / "b.png")
     clean_pixels = np.asarray(Image.open(files / "b.png").convert("RGB")).reshape(-1, 3)
-    purple = np.array([0xCC, 0x79, 0xA7])
+    red = np.array([0xC0, 0x00, 0x18])  # "pierced" in worldgen/render/marks.json
     assert (result.code, clean.code) == (1, 0)
-    assert (drawn_pixels == purple).all(axis=1).any() and not (clean_pixels == purple).all(
-        axis=1
-    ).any()
+    assert (drawn_pixels == red).all(axis=1).any() and not (clean_pixels == red).all(axis=1).any()
 
 
 @pytest.mark.parametrize(

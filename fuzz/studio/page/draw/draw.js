@@ -313,7 +313,9 @@ function showPlace(draw, parts, point) {
 function showRun(draw, parts, run, robot, why) {
   const { board } = draw;
   const name = viewBox(draw, "run", `${shortName(robot)}: `, "v");
-  board.run = run && { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } };
+  // In a world that changes, the board shows the moment of the slider instead.
+  const isStill = !draw.studio.model.world.events;
+  board.run = run && isStill ? { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } } : null;
   const words = run ? [name, " ", verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)}`] : [why && `${shortName(robot)}: ${why}`];
   parts.run.replaceChildren(...words);
 }
