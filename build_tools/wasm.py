@@ -1,8 +1,8 @@
 """Compile the C cores for pages: WebAssembly modules of the same sources, ``_core.wasm``.
 
 A module lies next to the extension module of its core. It holds the functions that pages call
-(``Core.in_pages``) and what these use, and imports nothing but the clock. What only a system has is
-left out by the linker, because nothing in a page calls it: processes, signals, Python.
+(``Core.in_pages``) and what these use, and imports nothing but the clock. The linker
+drops processes, signals and Python, because pages call none of them.
 
 A page must know where each field of a struct is, which depends on the size of a pointer. So the
 compiler answers that: a generated C file puts sizes and offsets into the module, with the names

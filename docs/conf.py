@@ -20,7 +20,7 @@ release = version_of("worldgen")
 version = release
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-# The notes have measurements and history, for the authors; the parts are included by other pages.
+# The notes are for the authors: measurements and history. Other pages include the parts.
 exclude_patterns = ["_build", "notes", "reference/generated/parts"]
 
 # Headings get the anchors that they have on code hosts, so that one link works in both places.

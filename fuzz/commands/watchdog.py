@@ -75,7 +75,7 @@ def watchdog(
         )
         results = judge(names, drives, horizon=horizon, progress=work.say)
     if left_out:
-        note(f"left out {counted(left_out, 'failure')} without a proved loop of one robot")
+        note(f"skipped {counted(left_out, 'failure')} without a proved loop of one robot")
     if as_json:
         facts = [_facts(result) for result in results]
         emit_json({"watchdogs": facts, "horizon": horizon, "left_out": left_out})
