@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -77,6 +78,34 @@ def is_compiled(name):
     That is C code, and the headers that users' controllers do not include.
     """
     return "/core/" in name or name.startswith("worldgen/include/")
+
+
+def test_every_file_that_is_not_python_is_declared_as_a_packages_data():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    declared = project["tool"]["setuptools"]["package-data"]
+    data = [
+        path
+        for name in PACKAGES
+        for package, patterns in declared.items()
+        for pattern in patterns
+        for path in (
+            (ROOT / name).rglob(pattern)
+            if package == "*"
+            else (ROOT / package.replace(".", "/")).glob(pattern)
+        )
+    ]
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", *PACKAGES], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if listed.returncode:
+        pytest.skip("NOT CHECKED: this is not a git checkout")
+    names = {
+        name
+        for name in listed.stdout.split("\0")
+        if name and not is_compiled(name) and not name.endswith((".py", ".pyi"))
+    }
+    assert len(names) > 100
+    assert names - {path.relative_to(ROOT).as_posix() for path in data} == set()
 
 
 @pytest.mark.gate
