@@ -51,6 +51,12 @@ class Drive:
             return math.inf
         return evidence.entry * self.episode.trace.time_step
 
+    @property
+    def has_beams(self) -> bool:
+        """True if beams can be measured afterwards: the walls stay, and the run is on the lattice."""
+        trace = self.episode.trace
+        return trace is not None and trace.robot is not None and not self.world.is_dynamic
+
     def observations(self, horizon: float, beams: int = 0) -> Iterator[Observation]:
         """Yield what a robot can know after each step.
 
@@ -58,7 +64,7 @@ class Drive:
 
         Args:
             horizon: That time, s.
-            beams: Number of range beams; the walls must not change.
+            beams: Number of range beams, if it :attr:`has_beams`.
         """
         trace = self.episode.trace
         if trace is None:
@@ -146,8 +152,8 @@ def drives_of(
         progress: Called with what is being run.
 
     Returns:
-        The runs, and how many failures are left out: runs of several robots, on the thesis's
-        simulator, and those that end without a proved loop.
+        The runs, and how many failures are left out: runs of several robots, and those that end
+        without a proved loop.
     """
     drives: list[Drive] = []
     scenarios: dict[str, Scenario] = {}
@@ -155,7 +161,7 @@ def drives_of(
     for name, failure in failures:
         progress(name)
         scenario = failure.scenario
-        if failure.world.is_fleet or scenario.run.motion == "stepped":
+        if failure.world.is_fleet:
             left_out += 1
             continue
         scenarios.setdefault(str(scenario.with_run(seed=0)), scenario)

@@ -86,8 +86,7 @@ def judge(
         loops = arrivals = 0
         for number, drive in enumerate(drives):
             progress(f"{name}, run {number + 1} of {len(drives)}")
-            # Beams are known for walls that stay.
-            if beams and drive.world.is_dynamic:
+            if beams and not drive.has_beams:
                 continue
             alarm = _alarm(watchdog, name, drive, horizon, beams)
             loops += drive.loops

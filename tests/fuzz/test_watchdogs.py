@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from fuzz.failure import Failure
 from fuzz.watchdogs import WATCHDOGS, Drive, drives_of, judge, watchdog_named
 from sim.controllers.base import Command
 from sim.episode import simulate
@@ -200,9 +201,29 @@ def test_the_registered_ones_are_watchdogs():
         watchdog_named(name).reset()
 
 
-def test_natural_runs_are_the_controllers_own_and_the_same_each_time():
-    once, left_out = drives_of([], 4)
-    assert (once, left_out) == ([], 0)
+def test_a_loop_of_the_thesis_simulator_counts_but_has_no_beams(tmp_path):
+    file = CORPORA.parent / "thesis-faults" / "thesis-1-loop-104.grid"
+    drives, left_out = drives_of([("thesis", Failure.read(file))], 0)
+    assert left_out == 0 and [drive.loops for drive in drives] == [True]
+    [result] = judge(["simple-progress"], drives)
+    assert result.loops == 1 and result.missed == ()
+    (tmp_path / "sees.py").write_text(
+        "from sim import RobotOptions\n"
+        "class Sees:\n"
+        " needs = RobotOptions(beams=4)\n"
+        " def reset(self): pass\n"
+        " def step(self, observation): return len(observation.beams) == 4\n"
+    )
+    assert judge([f"{tmp_path / 'sees.py'}:Sees"], drives)[0].loops == 0
+
+
+def test_natural_runs_are_those_of_the_failures_controller_and_the_same_each_time():
+    failure = Failure.read(CORPORA / "bug2" / "swept" / "returns-to-a-wall-2.grid")
+    runs = [drives_of([("one", failure)], 3)[0] for _ in range(2)]
+    digests = [[drive.episode.trace_digest for drive in drives] for drives in runs]
+    assert digests[0] == digests[1] and len(digests[0]) > 1
+    # The failure's own run, and arrivals of the same controller.
+    assert [drive.loops for drive in runs[0]] == [True, *[False] * (len(runs[0]) - 1)]
 
 
 @pytest.mark.gate
