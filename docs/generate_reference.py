@@ -85,6 +85,7 @@ def command_line_page() -> str:
 
 def parts() -> dict[str, str]:
     """Return the tables that other pages include, by name."""
+    from fuzz.commands.help import NOT_PROVED, PROVED
     from fuzz.shrink import ORDER, PASSES
     from sim.options.robot import RobotOptions
     from sim.options.thesis import ThesisOptions
@@ -100,6 +101,8 @@ def parts() -> dict[str, str]:
     made["shrink-measures"] = _table(("measure", "less of"), _named(ORDER))
     made["shrink-passes"] = _table(("pass", "what it does"), _named(PASSES))
     made["metrics"] = _metrics_table()
+    made["proved"] = _table(("claim", "why you can rely on it"), PROVED)
+    made["not-proved"] = _table(("result", "what it means"), NOT_PROVED)
     made["import-options"] = _command_options_table("import")
     made |= _action_tables()
     return made

@@ -91,6 +91,9 @@ def overview_lines(
     # Finally, suggest what to do next.
     if causes and folder is not None:
         place = shown(shlex.quote(str(folder)))
+        path = _path_of(causes[0], folder)
+        if path and causes[0].cause.severity in _EXPLAINED:
+            lines.append(f"why: worldgen explain {path}")
         lines.append(f"look at it: worldgen report {place} --out report.html")
     if numbers.answer == Answer.NONE and folder is not None:
         lines.append(f"give it more time: {shown(remedy)}")
@@ -135,10 +138,7 @@ def _in_full(cause: CauseResult, overview: Overview, folder: Path | None) -> lis
     """Return four lines: what and how often, why, its dependencies, the command."""
     title = _title(cause, overview.result.natural)
     lines = [joined("1. ", title), f"   {cause.sentence} {cause.advice}"]
-    # A known failure has its file elsewhere, and only a copy in the campaign's store.
-    path = ""
-    if folder is not None and cause.file and not cause.file.startswith(MEMORY):
-        path = shown(shlex.quote(str(folder / cause.file)))
+    if path := _path_of(cause, folder):
         lines.append(f"   worldgen replay {path} --show")
     why = describe_changes(cause.changes, _MOST_CHANGES) if cause.changes else cause.why
     known = [one for one in (cause.repeats, why) if one]
@@ -150,6 +150,12 @@ def _in_full(cause: CauseResult, overview: Overview, folder: Path | None) -> lis
     elif known:
         who = "the fleet" if example is not None and example.world.is_fleet else "it"
         lines.append(f"   In this world {who} {shown('. It '.join(known))}.")
-    elif path and cause.cause.severity in _EXPLAINED:
-        lines.append(f"   what the failure depends on: worldgen explain {path}")
     return lines
+
+
+def _path_of(cause: CauseResult, folder: Path | None) -> str:
+    """Return a cause's file, quoted for a shell; empty if the folder does not have it."""
+    # A known failure has its file elsewhere, and only a copy in the campaign's store.
+    if folder is None or not cause.file or cause.file.startswith(MEMORY):
+        return ""
+    return shown(shlex.quote(str(folder / cause.file)))

@@ -8,7 +8,13 @@ from importlib.metadata import entry_points
 import click
 import pytest
 
+from fuzz.cause import Cause
+from fuzz.commands.help import TOPICS
+from sim.verdict import Verdict
 from tests.helpers.command_line import worldgen
+from worldgen.cli.every_command import equip
+from worldgen.cli.family_command import family_command
+from worldgen.cli.help_sections import SECTIONS, sections_of
 from worldgen.cli.overview import COMMANDS
 
 HEAVY = ("numpy", "scipy", "numba", "shapely", "trimesh", "hypothesis", "PIL", "sim", "fuzz")
@@ -70,6 +76,48 @@ def test_every_command_ends_its_help_with_examples_of_itself(name):
     commands = command.commands.values() if isinstance(command, click.Group) else [command]
     for one in commands:
         assert f"worldgen {name}" in (one.epilog or ""), one.name
+
+
+@each_command
+def test_each_option_is_in_one_section_of_help(name):
+    command = equip(OWN[name], is_ours=True)
+    context = click.Context(command)
+    listed = [one for _, options in sections_of(command, context) for one in options]
+    options = [one for one in command.get_params(context) if isinstance(one, click.Option)]
+    assert sorted(map(id, listed)) == sorted(map(id, options))
+
+
+def test_the_options_that_matter_come_first():
+    lines = worldgen("fuzz", "--help").out.split("\nRuns:\n")[0].splitlines()
+    flags = [line.split()[0] for line in lines if line.startswith("  --")]
+    assert flags[0] == "--controller"
+    assert len(flags) <= 10
+    assert {"--budget", "--out", "--world", "--seed"} <= set(flags)
+
+
+def test_every_name_in_a_section_of_help_is_an_option_of_some_command():
+    known = {one.name for command in OWN.values() for one in command.params}
+    known |= {one.name for one in family_command("maze").params}
+    assert {name for names in SECTIONS.values() for name in names} <= known
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_a_topic_of_help_fits_a_screen(topic):
+    lines = worldgen("help", topic).out.splitlines()
+    assert len(lines) <= 60
+    assert max(map(len, lines)) <= 80
+
+
+def test_help_explains_every_verdict_and_every_cause():
+    assert set(Verdict) <= set(worldgen("help", "verdicts").out.split())
+    assert set(Cause) <= set(worldgen("help", "causes").out.split())
+
+
+def test_help_shows_the_help_of_a_command_and_suggests_one_for_another_word():
+    assert worldgen("help", "replay").out == worldgen("replay", "--help").out
+    done = worldgen("help", "reply")
+    assert done.code == 2
+    assert "did you mean 'replay'?" in done.err
 
 
 def test_the_command_of_a_family_ends_its_help_with_examples():

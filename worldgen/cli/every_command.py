@@ -1,8 +1,9 @@
 """Add the parts that every command has, no matter who wrote it.
 
-This is ``--quiet``, ``--verbose`` and ``--trust``, defaults from the project's ``pyproject.toml``,
-the rejection of options that are given twice, the rule about whose code runs, and the exit code
-after files that could not be read. Our own commands also keep stdout for results.
+This is ``--quiet``, ``--verbose`` and ``--trust``, the sections of its help, defaults from the
+project's ``pyproject.toml``, the rejection of options that are given twice, the rule about whose
+code runs, and the exit code after files that could not be read. Our own commands also keep stdout
+for results.
 """
 
 from __future__ import annotations
@@ -10,11 +11,13 @@ from __future__ import annotations
 import shlex
 import weakref
 from collections.abc import Mapping
+from types import MethodType
 from typing import Any
 
 import click
 
 from worldgen.cli.configuration import configured
+from worldgen.cli.help_sections import format_options
 from worldgen.cli.names import NameKind, kind_of, names_in_one
 from worldgen.cli.output import note, skipped_files
 from worldgen.cli.usage import ExtraWords, GivenTwice, UnknownCommand
@@ -91,6 +94,7 @@ def equip(command: click.Command, *, is_ours: bool) -> click.Command:
     if command not in _EQUIPPED:
         _EQUIPPED.add(command)
         _add_options(command)
+        command.format_options = MethodType(format_options, command)  # type: ignore[method-assign]
         watch_parser(command)
         _watch_files(command)
         _complete_names(command)

@@ -36,6 +36,7 @@ COMMANDS: dict[str, dict[str, str]] = {
         "shrink": "Make the world of a failure as small as possible.",
         "report": "Show failures and their campaign in one HTML page.",
         "corpus": "List, compare, merge and prune folders of failures.",
+        "help": "Explain verdicts, causes or proofs, or show a command's help.",
     },
     "Convert worlds": {
         "import": "Make a world from another program's map.",
