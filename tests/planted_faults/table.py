@@ -310,8 +310,8 @@ FAULTS = (
         "map-upside-down",
         "an imported map has its walls where they were",
         "worldgen/interop/formats/ros.py",
-        "flip_rows(walls), metadata.resolution,",
-        "walls, metadata.resolution,",
+        "pixels = flip_rows(",
+        "pixels = (",
         ("tests/worldgen/test_ros_map.py",),
     ),
     Fault(

@@ -203,10 +203,10 @@ def test_grey_between_the_thresholds_of_an_anti_aliased_picture_is_said_and_soli
             {"code": "not-a-number", "key": "resolution", "word": "0,05"},
         ),
         (YAML.replace("0.65", "65"), {"code": "wrong-order"}),
-        (YAML.replace("p.pgm", "/home/me/maps/p.pgm"), {"code": "outside-folder", "key": "image"}),
+        (YAML.replace("p.pgm", "/home/me/maps/q.pgm"), {"code": "outside-folder", "key": "image"}),
         (
-            YAML.replace("p.pgm", "'C:\\maps\\p.pgm'"),
-            {"code": "no-such-file", "key": "image", "name": "'C:\\\\maps\\\\p.pgm'"},
+            YAML.replace("p.pgm", "'C:\\maps\\q.pgm'"),
+            {"code": "no-such-file", "key": "image", "name": "'C:\\\\maps\\\\q.pgm'"},
         ),
         (YAML.replace("negate", "\tnegate"), {"code": "not-yaml"}),
         (YAML.encode("utf-16"), {"code": "not-utf8"}),
@@ -218,10 +218,9 @@ def test_a_wrong_yaml_file_is_told_what_to_do(text, expected, ros):
         ros(text)
 
 
-@pytest.mark.parametrize("kind", ["JPEG", "GIF"])
-def test_a_picture_that_loses_or_moves_pixels_is_refused(kind, ros):
+def test_a_picture_that_moves_is_refused(ros):
     with raises(FormatError, "unknown-format"):
-        ros(pixels=picture(GREY, kind))
+        ros(pixels=picture(GREY, "GIF"))
 
 
 @pytest.mark.parametrize(
@@ -248,8 +247,7 @@ def test_a_map_turned_by_quarters_lies_where_its_yaw_says(yaw, corner, ros):
     assert np.array_equal(found.walls, expected)
 
 
-def test_a_yaw_too_coarse_for_the_pictures_size_asks_for_its_digits(ros):
+def test_a_yaw_too_coarse_for_the_pictures_size_is_no_quarter_turn(ros):
     pixels = b"P5\n400 400\n255\n" + b"\xfe" * 160_000
     assert ros(YAML.replace("0.0]", "1.57]"), pixels).walls.shape == (400, 400)
-    with raises(FormatError, "turned-map"):
-        ros(YAML.replace("0.0]", "3.14]"), pixels)
+    assert ros(YAML.replace("0.0]", "3.14]"), pixels).is_resampled

@@ -167,6 +167,9 @@ SAME_PICTURE = {
     "PNG, palette": picture(Image.fromarray(PIXELS).convert("P")),
     "PNG, opaque": picture(Image.fromarray(PIXELS).convert("RGBA")),
     "BMP": picture(Image.fromarray(PIXELS), "BMP"),
+    "TIFF": picture(Image.fromarray(PIXELS), "TIFF"),
+    "TIFF, 16 bits": picture(Image.fromarray(PIXELS.astype(np.uint16) * 257), "TIFF"),
+    "JPEG": picture(Image.fromarray(PIXELS.repeat(8, 0).repeat(8, 1)), "JPEG", quality=100),
 }
 
 
@@ -174,7 +177,8 @@ SAME_PICTURE = {
 def test_the_same_greys_in_any_file_give_the_same_map(name):
     metadata = RosMetadata(None, 0.05, (0.0, 0.0), 0.65, 0.196)
     cells = occupancy(read_grey_image(SAME_PICTURE[name]), metadata)
-    assert cells.tolist() == [[100, 100, -1], [-1, 0, 0]]
+    scale = cells.shape[0] // 2
+    assert cells[::scale, ::scale].tolist() == [[100, 100, -1], [-1, 0, 0]]
 
 
 @settings(max_examples=30)
@@ -212,6 +216,8 @@ BAD_PICTURES = [
     (b"", {"code": "unknown-format"}),
     (b"P6\n1 1\n255\n\0\0\0", {"code": "unknown-format"}),
     (picture(Image.new("L", (2, 2)), "GIF"), {"code": "unknown-format"}),
+    (picture(Image.new("F", (2, 2)), "TIFF"), {"code": "unsupported"}),
+    (picture(Image.new("I", (2, 2), 70_000), "TIFF"), {"code": "out-of-range", "most": 70_000}),
     (b"P5\n", {"code": "wrong-form", "name": "width", "came": "''"}),
     (b"P5\n3 x\n255\n", {"code": "wrong-form", "name": "height", "came": "'x'"}),
     (b"P5\n3 2 # no line end", {"code": "wrong-form", "name": "maximum"}),
@@ -256,8 +262,8 @@ BAD_YAML = [
     ({"origin": "[0, 0]"}, 3, {"code": "wrong-type"}),
     ({"origin": "0"}, 3, {"code": "wrong-type"}),
     ({"origin": "[0, [0], 0]"}, 3, {"code": "wrong-type"}),
-    ({"origin": "[0, 0, 1]"}, 3, {"code": "turned-map"}),
-    ({"origin": "[0, 0, 1e9]"}, 3, {"code": "turned-map"}),
+    ({"origin": "[0, 0, .inf]"}, 3, {"code": "wrong-type"}),
+    ({"free_thresh": "-.inf"}, 6, {"code": "not-a-number", "key": "free_thresh"}),
     ({"negate": "2"}, 4, {"code": "not-a-number", "key": "negate", "word": "2"}),
     ({"free_thresh": "0.7"}, 6, {"code": "wrong-order"}),
     ({"occupied_thresh": "65"}, 6, {"code": "wrong-order"}),

@@ -50,11 +50,12 @@ EXAMPLES = (
 )
 @click.option(
     "--frame",
-    type=click.Choice(["corner", "map"]),
+    type=click.Choice(["corner", "map", "picture"]),
     default="corner",
     show_default=True,
-    help="Read and print places from the lower-left corner, or in the file's own coordinates, "
-    "such as ROS's map frame.",
+    help="Frame of the places that you give and read: from the lower-left corner, or in the file's "
+    "own coordinates, such as ROS's map frame. picture is for a ROS map with a yaw: it leaves the "
+    "cells as in the picture, unturned, and measures places from its lower-left corner.",
 )
 @click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
 @click.option(
@@ -133,7 +134,8 @@ def import_map(
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread, robots, frame == "map", kind,
     )  # fmt: skip
-    asked = {} if cell_size is None else {"cell_size": cell_size}
+    asked: dict[str, Any] = {} if cell_size is None else {"cell_size": cell_size}
+    asked |= {"frame": frame} if frame == "picture" else {}
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)

@@ -17,14 +17,14 @@ from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import UNIT, exact
-from worldgen.reach import Decision, decide
+from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.robot_overrides import RobotOverrides, describe_body
 from worldgen.support.paths import real_path
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
 # Raise this whenever some file becomes a different world than before.
-VERSION = 4
+VERSION = 5
 
 
 @dataclass(frozen=True)
@@ -181,6 +181,8 @@ def _with_robot(
         warnings.append(f"not read, and not in this world: {'; '.join(found.unread)}")
     world = replace(world, provenance=Provenance(IMPORTED, VERSION, robot.seed or 0, params))
     decision = decide(world)
+    if found.is_resampled:
+        decision = replace(decision, reason=decision.reason + _on_file(decision, found))
     world = replace(world, certificate=decision.certificate)
     return Imported(
         world,
@@ -192,6 +194,17 @@ def _with_robot(
         bool(world.unread),
         found.origin,
         robot.in_file_frame,
+    )
+
+
+def _on_file(decision: Decision, found: ForeignMap) -> str:
+    """Return what a decision about resampled cells means for the file itself."""
+    if decision.result == REACHABLE:
+        return ". This holds for the file too, whose walls reach into these cells but not beyond"
+    return (
+        ". This holds for these cells, into which the file's walls reach, and not for the file: "
+        "its gaps may be up to two cells wider"
+        + ("; --frame picture judges the picture's own cells" if "yaw" in found.params else "")
     )
 
 

@@ -119,6 +119,8 @@ class ForeignMap:
         is_picture: True if the cells are pixels, so that the map may show its surroundings too.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its
             own there; empty if the file just lists its robots.
+        is_resampled: True if a cell is solid where only a part of it is in the file, so that only
+            ``reachable`` holds for the file too.
     """
 
     walls: Bools
@@ -133,6 +135,7 @@ class ForeignMap:
     unread: tuple[str, ...] = ()
     is_picture: bool = False
     numbers: tuple[int, ...] = ()
+    is_resampled: bool = False
 
     @property
     def robot(self) -> ForeignRobot:

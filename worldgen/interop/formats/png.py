@@ -23,6 +23,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 # Keyword that identifies our own pictures; without it the other keywords are ignored.
 _MARK = "worldgen"
 _WHITE = 255
+_SUFFIXES = (".png", ".pgm", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 def read_picture(
@@ -35,7 +36,7 @@ def read_picture(
     """Read a picture whose dark pixels are solid cells.
 
     Args:
-        path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
+        path: PNG, PGM, BMP, JPEG or TIFF, of any depth; colours count by their luma (ITU-R BT.601).
         cell_size: Side of a pixel, m; 0 means the picture's own scale, otherwise 0.1.
         threshold: Grey, black 0 to white 255, from which a pixel is free.
         background: What transparent pixels become: free is white, solid is black.
@@ -134,7 +135,7 @@ def write_png(world: World, destination: Destination) -> Exported:
     Raises:
         InvalidParameter: If its suffix belongs to another kind of picture.
     """
-    if destination.name.lower().endswith((".pgm", ".bmp")):
+    if destination.name.lower().endswith(_SUFFIXES[1:]):
         raise InvalidParameter(
             "wrong-suffix",
             "{name} is not the name of a PNG",
@@ -151,8 +152,8 @@ def write_png(world: World, destination: Destination) -> Exported:
 # A picture is a map only if it contains the keyword.
 png = Format(
     "png",
-    "picture, dark is solid, .png, .pgm or .bmp",
-    (".png", ".pgm", ".bmp"),
+    "picture, dark is solid, .png, .pgm, .bmp, .jpg or .tif",
+    _SUFFIXES,
     re.compile(rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"),
     read_picture,
     write_png,

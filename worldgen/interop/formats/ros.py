@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Literal
@@ -16,21 +15,22 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Note
-from worldgen.family import check_choice
+from worldgen.errors import FormatError, Note
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format.foreign_map import (
     FLOOR_ROBOT,
     ForeignMap,
     ForeignRobot,
+    naming,
     read_bounded,
     sibling_file,
 )
+from worldgen.interop.geometry.turned_pixels import cells_reached
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
 from worldgen.interop.readers.nav2_params import MAX_PARAMS_BYTES, nav2_params, read_nav2_params
-from worldgen.interop.readers.places_text import KEYS, from_decimal, place_words, read_places
-from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
+from worldgen.interop.readers.places_text import KEYS, place_words
+from worldgen.interop.readers.ros_layout import RosLayout
+from worldgen.interop.readers.ros_metadata import OURS, RosMetadata, read_ros_metadata
 from worldgen.lattice import exact
 from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
@@ -40,49 +40,19 @@ from worldgen.world import Value, World
 FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
-MODES = ("trinary", "scale", "raw")
 # Grey that map savers write for unknown cells.
 _UNKNOWN_GREY = 205
 # Occupancy: five greys of 255.
 _CLOSE = 0.02
-_MAX_YAML_BYTES = 64 << 10
-# Key under which our own maps store start, target and robot.
-_OURS = "worldgen"
-# Largest deviation from a quarter turn, rad; the picture's size may set a smaller one.
-_MOST_OFF = 0.01
-_REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
-
-
-@dataclass(frozen=True)
-class RosMetadata:
-    """The contents of the YAML file.
-
-    Args:
-        image: The picture's path.
-        resolution: Side of a cell, m.
-        origin: x and y in m of the picture's lower-left corner in the map's frame.
-        occupied_thresh: Occupancy, 0 to 1, from which a cell is occupied.
-        free_thresh: Occupancy up to which a cell is free.
-        negate: True if white is occupied.
-        mode: ``trinary``, ``scale`` or ``raw``.
-        places: Start, target and robot, if worldgen wrote the map.
-        yaw: Angle, rad, by which the picture is turned counter-clockwise about its lower-left
-            corner; near a quarter turn.
-    """
-
-    image: Path
-    resolution: float
-    origin: tuple[float, float]
-    occupied_thresh: float
-    free_thresh: float
-    negate: bool = False
-    mode: str = "trinary"
-    robot: ForeignRobot = field(default_factory=ForeignRobot)
-    yaw: float = 0.0
 
 
 def read_ros_map(
-    path: Path, *, unknown: Literal["solid", "free"] = "solid", params: str = ""
+    path: Path,
+    *,
+    unknown: Literal["solid", "free"] = "solid",
+    params: str = "",
+    walls: str = "",
+    frame: Literal["map", "picture"] = "map",
 ) -> ForeignMap:
     """Read a map_server pair of files.
 
@@ -91,18 +61,56 @@ def read_ros_map(
         unknown: How to treat cells that are neither occupied nor free: ``solid`` or ``free``.
         params: A file of Nav2's parameters next to the map, for the robot's footprint or radius and
             for its goal checker.
+        walls: Another map next to it in the same frame, such as a keepout mask or a costmap's
+            layer; its occupied cells become walls too.
+        frame: Which way cells lie if the picture is turned: along the axes of the ``map`` frame, or
+            of the ``picture``.
 
     Raises:
-        FormatError: If the YAML file or the picture breaks a rule, with the line if there is one.
+        FormatError: If a YAML file or a picture breaks a rule, with the line if there is one.
     """
     # Read the YAML file and the picture.
-    text = read_bounded(path, _MAX_YAML_BYTES)
-    metadata = read_metadata(text, path)
+    metadata = read_ros_metadata(path)
     robot = metadata.robot
     if params:
         robot = _with_params(robot, sibling_file(path, "params", params))
     image, image_digest = read_picture_file(metadata.image)
-    # Decide which cells are solid, and turn the map upright.
+    solid, unsure, notes = _judged(image, metadata, unknown)
+    pixels = flip_rows(solid | unsure if unknown == "solid" else solid)
+    # Lay the cells along the axes of the map, or leave them as they are.
+    layout = RosLayout.of(metadata, pixels.shape, frame)
+    cells = layout.cells(pixels)
+    notes += layout.notes(metadata)
+    is_resampled = layout.rest != 0.0
+    # Record where the map came from.
+    made: dict[str, Value] = {
+        "image": metadata.image.name,
+        "image_sha256": image_digest,
+        "mode": metadata.mode,
+        "origin": list(layout.corner),
+        "unknown": unknown,
+    }
+    made |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
+    made |= {"picture": [*metadata.origin, metadata.yaw]} if layout.is_picture else {}
+    made |= {"params": params} if params else {}
+    # Close what another map closes.
+    if walls:
+        closed, is_aligned, image_digest, more = _other_walls(path, walls, layout)
+        notes += [*more, f"{walls} closes {np.count_nonzero(closed & ~cells):,} more cells"]
+        cells = cells | closed
+        is_resampled |= not is_aligned
+        made |= {"walls": walls, "walls_sha256": image_digest}
+    warnings = (*metadata.warnings, *_warnings(image, metadata), *layout.warnings(metadata))
+    return ForeignMap(
+        cells, metadata.resolution, made, (*metadata.notes, *notes), warnings, origin=layout.corner,
+        is_picture=True, robots=(layout.placed(robot, metadata),), is_resampled=is_resampled,
+    )  # fmt: skip
+
+
+def _judged(
+    image: GreyImage, metadata: RosMetadata, unknown: str
+) -> tuple[Bools, Bools, list[str]]:
+    """Return which pixels are solid and which are unknown, top row first, with notes on these."""
     cells = occupancy(image, metadata)
     solid, unsure = solid_cells(cells, metadata)
     notes: list[str] = []
@@ -128,31 +136,25 @@ def read_ros_map(
             f"{others:,} of {unsure.size:,} cells are neither occupied nor free; they count as "
             f"{unknown}"
         )
-    walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata)
-    if metadata.yaw != 0.0:
-        notes.append(
-            f"the picture is turned by {_quarters(metadata.yaw)} quarters, according to its yaw "
-            f"of {metadata.yaw:g}"
-        )
-    if x != 0.0 or y != 0.0:
-        notes.append(
-            f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS"
-        )
-    # Record where the map came from.
-    made: dict[str, Value] = {
-        "image": metadata.image.name,
-        "image_sha256": image_digest,
-        "mode": metadata.mode,
-        "origin": [x, y],
-        "unknown": unknown,
-    }
-    made |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
-    made |= {"params": params} if params else {}
-    warnings = tuple(_warnings(image, metadata))
-    return ForeignMap(
-        flip_rows(walls), metadata.resolution, made, tuple(notes), warnings, origin=(x, y), is_picture=True,
-        robots=(robot,),
-    )  # fmt: skip
+    return solid, unsure, notes
+
+
+def _other_walls(path: Path, name: str, layout: RosLayout) -> tuple[Bools, bool, str, list[str]]:
+    """Return the cells that another map's occupied cells reach into.
+
+    What it leaves unknown, or does not cover, stays as it is.
+
+    Returns:
+        The cells; whether its pixels fill whole cells; its picture's digest; notes.
+    """
+    other = sibling_file(path, "walls", name)
+    with naming(other):
+        metadata = read_ros_metadata(other)
+        image, image_digest = read_picture_file(metadata.image)
+    solid, _ = solid_cells(occupancy(image, metadata), metadata)
+    frame = layout.other(metadata, solid.shape)
+    closed = cells_reached(flip_rows(solid), frame, layout.shape, outside=False)
+    return closed, frame.is_aligned, image_digest, [*metadata.notes, *metadata.warnings]
 
 
 def _with_params(robot: ForeignRobot, path: Path) -> ForeignRobot:
@@ -164,36 +166,6 @@ def _with_params(robot: ForeignRobot, path: Path) -> ForeignRobot:
     if found.radius is not None or found.footprint:
         robot = robot._replace(radius=found.radius, footprint=found.footprint)
     return robot if found.goal is None else robot._replace(goal=found.goal)
-
-
-def _quarters(yaw: float) -> int:
-    """Return the nearest number of quarter turns."""
-    return round(yaw / (math.pi / 2))
-
-
-def _turned(walls: Bools, metadata: RosMetadata) -> tuple[Bools, tuple[float, float]]:
-    """Return the picture, top row first, turned by whole quarters, and its new lower-left corner.
-
-    Raises:
-        FormatError: If the yaw is so far from whole quarters that a cell would move by half its
-            side.
-    """
-    quarters = _quarters(metadata.yaw)
-    height, width = walls.shape
-    moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
-    if moved >= 0.5:
-        raise FormatError(
-            "turned-map",
-            "yaw {yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts "
-            "them",
-            "write its digits, such as 1.57079633, or turn the picture",
-            yaw=metadata.yaw,
-            moved=moved,
-        )
-    across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
-    x, y = map(exact, metadata.origin)
-    side = exact(metadata.resolution)
-    return np.rot90(walls, quarters % 4), (float(x + across * side), float(y + up * side))
 
 
 def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
@@ -284,141 +256,6 @@ def _near_thresholds(image: GreyImage, metadata: RosMetadata) -> list[str]:
     ]
 
 
-def read_metadata(text: bytes, path: Path) -> RosMetadata:
-    """Check the keys of the YAML file.
-
-    Args:
-        text: The file's text.
-        path: The file's path; the picture must be in the same folder or below it.
-
-    Raises:
-        FormatError: If it isn't YAML, a key is missing or wrong, the map is turned, or the
-            picture's path leads out of the folder.
-    """
-    # Check that all keys are there.
-    table = read_yaml(text, "a ROS map has `image: map.pgm` and similar keys")
-    missing = [key for key in _REQUIRED if key not in table]
-    if missing:
-        raise FormatError(
-            "missing-key",
-            "{missing!l} missing",
-            "a ROS map has the keys {keys!l}, and may have mode",
-            missing=list(missing),
-            keys=list(_REQUIRED),
-        )
-    # Check the numbers.
-    resolution = table.number("resolution")
-    occupied = table.number("occupied_thresh")
-    free = table.number("free_thresh")
-    if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
-        least, most = CELL_SIZES
-        raise FormatError(
-            "out-of-range",
-            "resolution is {resolution:g}; it must be the side of a pixel, {low:g} to {high:g} m",
-            resolution=resolution,
-            low=least,
-            high=most,
-            line=table.line_of("resolution"),
-        )
-    if not 0.0 <= free < occupied <= 1.0:
-        raise FormatError(
-            "wrong-order",
-            "free_thresh {free:g}, occupied_thresh {occupied:g}; they must satisfy 0 <= free < "
-            "occupied <= 1",
-            free=free,
-            occupied=occupied,
-            line=table.line_of("free_thresh"),
-        )
-    # Read the origin, and our own places if there are any.
-    *origin, yaw = _origin(table)
-    negate = table.truth("negate")
-    corner = (origin[0], origin[1])
-    if yaw != 0.0 and _OURS in table:
-        raise FormatError(
-            "unsupported",
-            "a map with places under {key} must not be turned",
-            "write the yaw 0, or delete {key}",
-            key=_OURS,
-            line=table.line_of("origin"),
-        )
-    places = _places(table, corner)
-    image = sibling_file(path, "image", table.word("image"), line=table.line_of("image"))
-    return RosMetadata(image, resolution, corner, occupied, free, negate, _mode(table), places, yaw)
-
-
-def _origin(table: YamlTable) -> tuple[float, float, float]:
-    try:
-        numbers = [from_decimal(word) for word in table.words("origin") or ()]
-    except InvalidParameter:
-        numbers = []
-    if len(numbers) != 3:
-        raise FormatError(
-            "wrong-type",
-            "origin must be three numbers, [x m, y m, yaw rad]",
-            line=table.line_of("origin"),
-        )
-    x, y, yaw = numbers
-    if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
-        raise FormatError(
-            "turned-map",
-            "the map is turned by {yaw:g} rad; only quarter turns can be read, such as 0 and "
-            "1.57079633",
-            "turn the picture, or write 0 if your programs ignore the yaw",
-            yaw=yaw,
-            line=table.line_of("origin"),
-        )
-    return x, y, yaw
-
-
-def _places(table: YamlTable, origin: tuple[float, float]) -> ForeignRobot:
-    """Return the facts under our own key in a map's file; map_server ignores that key."""
-    if _OURS not in table:
-        return ForeignRobot()
-    ours = table.tables(_OURS)
-    if len(ours) != 1:
-        raise FormatError(
-            "wrong-count",
-            "{key} has {tables} tables; it must have one",
-            key=_OURS,
-            tables=len(ours),
-            line=table.line_of(_OURS),
-        )
-    strange = [key for key in ours[0] if key not in KEYS]
-    if strange:
-        raise FormatError(
-            "unknown-name",
-            "{name!q} is not a key of {key}",
-            "it has {known!l}",
-            name=strange[0],
-            key=_OURS,
-            known=list(KEYS),
-            line=ours[0].line_of(strange[0]),
-        )
-    # Check one by one, so that a fault is reported with its line; a car's belong together.
-    read: dict[str, list[str]] = {}
-    for key in sorted(ours[0], key=list(KEYS).index):
-        words = ours[0].words(key)
-        read[key] = [ours[0].word(key)] if words is None else words
-        if key == "drive" and "turning_radius" in ours[0]:
-            continue
-        try:
-            read_places(read, origin)
-        except (InvalidParameter, InvalidWorld) as error:
-            raise FormatError.of(error.message, line=ours[0].line_of(key)) from error
-    return read_places(read, origin)
-
-
-def _mode(table: YamlTable) -> str:
-    if "mode" not in table:
-        return MODES[0]
-    mode = table.word("mode").lower()
-    try:
-        check_choice("mode", mode, MODES)
-    except InvalidParameter as error:
-        raise FormatError.of(error.message, line=table.line_of("mode")) from error
-    return mode
-
-
 def write_ros_map(
     world: World,
     destination: Destination,
@@ -452,7 +289,7 @@ def write_ros_map(
         f"negate: {int(negate)}",
         "occupied_thresh: 0.65",
         "free_thresh: 0.196",
-        f"{_OURS}:",
+        f"{OURS}:",
     ]
     for key, words in place_words(world, destination).items():
         # Nav2, too, writes a footprint as a text.

@@ -1,4 +1,4 @@
-"""Grey pictures of maps: PGM by our own reader, exact in every depth; PNG and BMP by Pillow.
+"""Grey pictures of maps: PGM by our own reader, exact in every depth; the others by Pillow.
 
 A picture is untrusted: the sizes in its header are checked before anything is allocated for them.
 """
@@ -25,7 +25,7 @@ from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 
-_PILLOW_FORMATS = ("PNG", "BMP")
+_PILLOW_FORMATS = ("PNG", "BMP", "JPEG", "TIFF")
 _PNG = b"\x89PNG\r\n\x1a\n"
 # Chunks of a PNG: those that make its pixels, and those about colours, texts, sizes and times.
 # Others belong to single programs, and may hold whole layers.
@@ -33,6 +33,9 @@ _CHUNKS = frozenset(
     b"IHDR PLTE IDAT IEND tRNS bKGD cHRM cICP cLLI mDCV gAMA hIST iCCP iTXt tEXt zTXt oFFs pCAL pHYs sBIT sCAL sPLT "
     b"sRGB sTER tIME eXIf dSIG vpAg caNv orNT iDOT".split()
 )
+# Tags of a TIFF: how it is turned, smaller pictures inside it, and layers of a drawing program.
+_ORIENTATION = 274
+_INNER_PICTURES = (330, 37724)
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
 _FIELD = re.compile(rb"(?:\s|#[^\r\n]*+[\r\n])++([0-9]{1,9})")
 _COMMENT = re.compile(rb"#[^\r\n]*+")
@@ -112,7 +115,8 @@ def read_grey_image(data: bytes) -> GreyImage:
     """Decode a picture of a map.
 
     Args:
-        data: PGM (P2 or P5), PNG or BMP; colours become grey by their luma (ITU-R BT.601).
+        data: PGM (P2 or P5), PNG, BMP, JPEG or TIFF; colours become grey by their luma (ITU-R
+            BT.601).
 
     Raises:
         FormatError: If it is not one of these, damaged, or too large.
@@ -251,6 +255,7 @@ def _read_with_pillow(data: bytes) -> GreyImage:
                 check_sides(*image.size)
                 grey = _to_grey(image)
                 report_unread("frames after the first", getattr(image, "n_frames", 1) - 1)
+                _account_for_tags(image)
         if data.startswith(_PNG):
             _account_for_chunks(data)
         return grey
@@ -262,7 +267,7 @@ def _read_with_pillow(data: bytes) -> GreyImage:
         ) from error
     except UnidentifiedImageError as error:
         raise FormatError(
-            "unknown-format", "is not a PGM, PNG or BMP picture", "convert it"
+            "unknown-format", "is not a PGM, PNG, BMP, JPEG or TIFF picture", "convert it"
         ) from error
     # Pillow's decoders raise all kinds of exceptions on damaged files.
     except Exception as error:
@@ -287,15 +292,43 @@ def _account_for_chunks(data: bytes) -> None:
     report_unread("bytes after the picture's end", len(data[at:].strip(b"\0\r\n")))
 
 
+def _account_for_tags(image: Image.Image) -> None:
+    """Report tags that turn a picture, which programs read differently, and pictures inside it."""
+    tags = image.getexif()
+    report_unread("orientations of the picture", tags.get(_ORIENTATION, 1) != 1)
+    report_unread("layers in the picture", sum(tag in tags for tag in _INNER_PICTURES))
+
+
 def _to_grey(image: Image.Image) -> GreyImage:
     image.load()
     text = {str(keyword): str(words) for keyword, words in getattr(image, "text", {}).items()}
     # 16-bit grey; convert("L") would clip it at 255.
     if image.mode.startswith("I"):
-        wide = np.asarray(image).astype(np.int64)
-        return GreyImage(np.clip(wide, 0, 65535).astype(np.uint16), 65535, text=text)
+        return _deep_grey(image, text)
+    if image.mode == "F":
+        raise FormatError(
+            "unsupported",
+            "holds floating-point numbers, of which black and white are unknown",
+            "save it with 8 or 16 bits per pixel",
+        )
     alpha = None
     if "transparency" in image.info or image.mode.endswith(("A", "a")):
         image = image.convert("RGBA")
         alpha = np.asarray(image.getchannel("A"))
     return GreyImage(np.asarray(image.convert("L")), 255, alpha, text)
+
+
+def _deep_grey(image: Image.Image, text: Mapping[str, str]) -> GreyImage:
+    """Return a picture of 16 bits per pixel; one grey of a PNG may stand for transparency."""
+    wide = np.asarray(image).astype(np.int64)
+    if wide.min() < 0 or wide.max() > 65535:
+        raise FormatError(
+            "out-of-range",
+            "has pixels from {least} to {most}; a grey has at most 16 bits",
+            "save it with 8 or 16 bits per pixel",
+            least=int(wide.min()),
+            most=int(wide.max()),
+        )
+    clear = image.info.get("transparency")
+    alpha = None if clear is None else np.where(wide == clear, 0, 255).astype(np.uint8)
+    return GreyImage(wide.astype(np.uint16), 65535, alpha, text)
