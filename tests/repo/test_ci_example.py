@@ -174,21 +174,14 @@ def test_scripts_hold_no_expressions_and_actions_are_pinned():
     ]
 
 
+WORKFLOWS = (
+    f"examples/ci/{WORKFLOW}",
+    *(f".github/workflows/{path.name}" for path in sorted((ROOT / ".github/workflows").iterdir())),
+)
 CHECKS = {
     "action": ("check-jsonschema", "--builtin-schema", "vendor.github-actions", "action.yml"),
-    "workflow": (
-        "check-jsonschema",
-        "--builtin-schema",
-        "vendor.github-workflows",
-        f"examples/ci/{WORKFLOW}",
-    ),
-    "security": (
-        "zizmor",
-        "--offline",
-        "--min-severity=medium",
-        "action.yml",
-        f"examples/ci/{WORKFLOW}",
-    ),
+    "workflows": ("check-jsonschema", "--builtin-schema", "vendor.github-workflows", *WORKFLOWS),
+    "security": ("zizmor", "--offline", "--min-severity=medium", "action.yml", *WORKFLOWS),
 }
 
 

@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 
 from build_tools.cores import CORES, suffix
 from build_tools.wasm import module_of
@@ -78,6 +79,18 @@ def is_compiled(name):
     That is C code, and the headers that users' controllers do not include.
     """
     return "/core/" in name or name.startswith("worldgen/include/")
+
+
+def test_the_version_is_the_same_in_every_file_that_names_it():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    first = next(
+        line
+        for line in (ROOT / "CHANGELOG.md").read_text("utf-8").splitlines()
+        if line[:3] == "## "
+    )
+    assert citation["version"] == version
+    assert first.split()[1] == version
 
 
 def test_every_file_that_is_not_python_is_declared_as_a_packages_data():
