@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import shlex
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
@@ -20,11 +19,12 @@ from fuzz.ci import NO_OUTPUTS, Outputs
 from fuzz.commands._ending import Ending
 from fuzz.facts.hazards import is_hazard
 from fuzz.failure import Failure, ShrinkState
+from fuzz.overview.answer import MORE, more_seconds
 from fuzz.overview.building import Conclusion, Overview, answer_numbers, build_overview, files_of
 from fuzz.overview.limits import seconds_to_conclude
 from fuzz.overview.result import CampaignResult, write_overview
 from fuzz.shrink.queue import SHRINKING_SECONDS
-from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
+from fuzz.unit.answer import Answer, AnswerNumbers
 from fuzz.unit.live import LiveState, Phase, shown_in
 from fuzz.unit.names import DATABASE
 from sim.clock.controller_time import Effort
@@ -41,12 +41,6 @@ _TO_DRAW = 2.0
 # Seconds for natural worlds and explanations after Ctrl-C.
 _TO_CONCLUDE_AT_ONCE = 1.0
 
-
-# Times the budget, and minutes, that a campaign without an answer is offered.
-_MORE = 4
-_FEWEST_MINUTES = 5
-# Times the seconds that the proofs need: the search comes before them, and shrinking after.
-_TIMES_THE_PROOFS = 2
 
 NO_ANSWER = 4
 """Exit code of a campaign that tried too little to say whether the controller fails."""
@@ -197,10 +191,8 @@ class CampaignSession:
         """The command that continues the campaign with several times its budget."""
         command = f"worldgen fuzz --resume {shlex.quote(str(self._out))}"
         if self._budget.seconds is None:
-            return f"{command} --units {_MORE * max(self._campaign.state.until, 1)}"
-        needed = _TIMES_THE_PROOFS * seconds_to_prove(self._numbers())
-        minutes = math.ceil(max(_MORE * self._budget.seconds, needed) / 60.0)
-        return f"{command} --budget {max(minutes, _FEWEST_MINUTES)}m"
+            return f"{command} --units {MORE * max(self._campaign.state.until, 1)}"
+        return f"{command} --budget {more_seconds(self._budget.seconds, self._numbers()) // 60}m"
 
     def _files(self) -> Mapping[str, Failure]:
         """Return the failures that the folder shows, by the stem of their file."""

@@ -143,7 +143,7 @@ def _is_known(now: Failure) -> bool:
 
 def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
     """Return the failure as recorded today, or ``None`` and the reason why it no longer fails."""
-    fault = certificate_fault(failure.world)
+    fault = certificate_fault(failure.world, failure.record.motion)
     if fault:
         return None, fault
     try:

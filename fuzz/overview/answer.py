@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import msgspec
@@ -10,7 +11,7 @@ from msgspec import UNSET
 from fuzz.campaign.store import MEMORY, Summary
 from fuzz.cause import Cause, Severity
 from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult
-from fuzz.unit.answer import Answer, AnswerNumbers
+from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
 from worldgen.support.plain_text import counted, shown
 
 # A robot arrives rarely if its rate of arrival is certainly below the first, usually does not if it
@@ -22,6 +23,13 @@ _NEARLY_ALWAYS = 0.95
 
 NO_ANSWER = "none"
 CLEAN = "clean"
+
+# Times its seconds, and seconds, that a campaign without an answer is offered at least.
+MORE = 4
+_FEWEST_SECONDS = 300
+# Times the seconds that the proofs need: the search comes before them, and shrinking after.
+_TIMES_THE_PROOFS = 2
+_MINUTE = 60
 
 
 class Headline(msgspec.Struct, frozen=True):
@@ -73,6 +81,7 @@ class CampaignAnswer(msgspec.Struct, frozen=True):
         causes: The causes, the worst first.
         others: The names of the causes that do not count; may be empty.
         comparison: What changed since an earlier campaign; may be empty.
+        more_seconds: Time that is likely to bring an answer; 0 if there is one.
     """
 
     headline: Headline
@@ -80,18 +89,34 @@ class CampaignAnswer(msgspec.Struct, frozen=True):
     causes: list[RankedCause]
     others: str
     comparison: str
+    more_seconds: int
+
+
+def more_seconds(spent: float, numbers: AnswerNumbers) -> int:
+    """Return the seconds, whole minutes, that a campaign without an answer is offered.
+
+    Args:
+        spent: Seconds that it had.
+        numbers: Those that decide its answer.
+    """
+    wanted = max(MORE * spent, _TIMES_THE_PROOFS * seconds_to_prove(numbers), _FEWEST_SECONDS)
+    return math.ceil(wanted / _MINUTE) * _MINUTE
 
 
 def answer_of(result: CampaignResult) -> CampaignAnswer:
     """Return the answer of a campaign from its result, with its numbers."""
     causes = ranked_causes(result)
     natural = result.natural
+    numbers = numbers_of(result)
+    decisive = numbers.answer_numbers or AnswerNumbers()
+    is_open = numbers.answer == Answer.NONE
     return CampaignAnswer(
         headline=headline(result),
         rate=describe_rate(natural) if natural is not None and natural.worlds else "",
         causes=[_ranked(one, natural) for one in causes],
         others=describe_others(result, (), causes),
         comparison="" if result.comparison is None else shown(result.comparison.sentence),
+        more_seconds=more_seconds(numbers.seconds, decisive) if is_open else 0,
     )
 
 
@@ -170,6 +195,8 @@ def describe_rate(natural: NaturalResult) -> str:
 
 def headline(result: CampaignResult) -> Headline:
     """Return in a few words whether it works."""
+    if result.summary is UNSET:
+        return _of_causes(result, "", "")
     numbers = numbers_of(result)
     controller = shown(f"{numbers.controller} under {numbers.motion}")
     decisive = numbers.answer_numbers or AnswerNumbers()
@@ -179,6 +206,11 @@ def headline(result: CampaignResult) -> Headline:
     if numbers.answer == Answer.NONE:
         reason = shown(str(numbers.answer_reason))
         return Headline(controller, "no answer", f": {reason}; {searched}", NO_ANSWER)
+    # A campaign that was killed has not decided what it answers.
+    if numbers.answer is UNSET and numbers.answer_numbers is UNSET:
+        if result.causes:
+            return _of_causes(result, controller, f", {searched}")
+        return Headline(controller, "no answer yet", f"; {searched}", NO_ANSWER)
     # Without failures, mention the runs that the search did not count as failures.
     if not decisive.failures:
         what = "new failure" if numbers.known else "failure"
@@ -193,8 +225,12 @@ def headline(result: CampaignResult) -> Headline:
                 "to be a failure"
             )
         return Headline("", found, f"; {searched}", CLEAN)
-    # Otherwise the worst cause determines the verdict.
-    own = own or [one for one in result.causes if one.is_met] or result.causes
+    return _of_causes(result, controller, f", {searched}")
+
+
+def _of_causes(result: CampaignResult, controller: str, searched: str) -> Headline:
+    """Return a headline that the worst cause decides."""
+    own = ranked_causes(result) or result.causes
     worst = own[0].cause.severity
     words = own[0].cause.phrase
     if worst in (Severity.HARMED, Severity.NEVER_ARRIVES):
@@ -203,7 +239,7 @@ def headline(result: CampaignResult) -> Headline:
         words = f"{often}, and {words}" if worst == Severity.HARMED else often
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
-    return Headline(controller, words, f"; {counted(len(own), 'cause')}, {searched}", worst.word)
+    return Headline(controller, words, f"; {counted(len(own), 'cause')}{searched}", worst.word)
 
 
 def how_often_it_arrives(natural: NaturalResult | None) -> str:

@@ -84,7 +84,7 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
         return ReplayAnswer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
 
     # Without a valid certificate nothing can be concluded; otherwise check if it is fixed.
-    fault = certificate_fault(failure.world)
+    fault = certificate_fault(failure.world, record.motion)
     if fault:
         return ReplayAnswer(
             State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode

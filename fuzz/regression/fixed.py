@@ -89,7 +89,7 @@ def arrives(world: World, controller: str) -> Checked:
 
 def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Oracle) -> Checked:
     """Run a scenario and check its verdict, and what the oracle finds, against the certificate."""
-    fault = certificate_fault(world)
+    fault = certificate_fault(world, options.motion)
     if fault:
         return Checked(
             f"the file proves nothing: {fault}; create the failure again", RegressionRun(world)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +14,14 @@ from msgspec import structs
 from fuzz.cause import Cause, Severity
 from fuzz.corpus import CorpusEntry
 from fuzz.failure import Failure
-from fuzz.overview.answer import how_often_it_arrives
+from fuzz.overview.answer import NO_ANSWER, headline, more_seconds
 from fuzz.overview.building import with_worlds
 from fuzz.overview.causes import causes_of
 from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult, read_overview
 from fuzz.overview.terminal import never_tried
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.diagnosis import cause_of
+from fuzz.unit.answer import AnswerNumbers
 from worldgen.files.json_file import plain
 
 # Limits on explaining the causes of controllers without a campaign, for all of them together. A
@@ -51,14 +53,23 @@ class ControllerSummary:
         """Return the contents of the page."""
         natural = self.result.natural
         comparison = self.result.comparison
+        first = headline(self.result)
         return {
             "controller": self.controller,
             "motion": self.motion,
+            "headline": {**plain(first), "more": self._more() if first.tone == NO_ANSWER else ""},
             "causes": [_shown(cause) for cause in self.result.causes],
             "natural": None if natural is None else _natural(natural),
             "comparison": None if comparison is None else plain(comparison),
-            "arrives": how_often_it_arrives(natural),
         }
+
+    def _more(self) -> str:
+        """Return the command that is likely to bring an answer."""
+        assert self.campaign is not None, "only a campaign can lack an answer"
+        numbers = self.campaign.summary
+        seconds = more_seconds(numbers.seconds, numbers.answer_numbers or AnswerNumbers())
+        folder = shlex.quote(str(self.campaign.folder))
+        return f"worldgen fuzz --resume {folder} --budget {seconds // 60}m"
 
 
 def _natural(natural: NaturalResult) -> dict[str, Any]:
@@ -92,7 +103,7 @@ def answers_for(
             continue
         summary = campaign.summary
         causes = [_placed(cause, campaign.folder) for cause in result.causes]
-        result = structs.replace(result, causes=causes)
+        result = structs.replace(result, causes=causes, summary=summary)
         answers.append(ControllerSummary(summary.controller, summary.motion, result, campaign))
         told.add((summary.controller, summary.motion))
     others: dict[tuple[str, str], list[CorpusEntry]] = {}
@@ -131,7 +142,7 @@ def _of_entries(
         entries: The failures.
         of: Number of such controllers, which share the work of explaining causes.
     """
-    failures = {entry.path: Failure.read(entry.path) for entry in entries if entry.path.is_file()}
+    failures = {entry.path: Failure.read(entry.path) for entry in entries}
     own: dict[Cause, list[Failure]] = {}
     for failure in sorted(failures.values(), key=lambda one: one.order):
         own.setdefault(cause_of(failure), []).append(failure)

@@ -64,7 +64,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     except WorldgenError as error:
         return Replay("error", False, str(error))
     # The first difference explains why the failure is not confirmed.
-    reason = _what_differs(failure, trial, found) or certificate_fault(failure.world)
+    reason = _what_differs(failure, trial, found) or certificate_fault(failure.world, record.motion)
     episode = trial.episode
     if found is not None and found.evidence is not None:
         episode = replace(episode, evidence=found.evidence)

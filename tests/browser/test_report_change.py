@@ -9,6 +9,7 @@ from fuzz.failure import Failure
 from fuzz.player.live import live_core
 from fuzz.report import write_report
 from fuzz.triage.judging import failure_of
+from fuzz.triage.replaying import replay
 from sim.scenario import Scenario
 from tests.helpers.accessibility import complaints
 from tests.helpers.browser import page_in
@@ -176,6 +177,18 @@ def test_the_copied_test_of_a_robot_that_still_fails_fails(page, tmp_path):
     assert outcome(copied(page)) == "failed"
 
 
+def test_a_changed_world_in_which_the_robot_stalls_is_saved_as_a_failure_that_replays(
+    browser, tmp_path
+):
+    address, failure = write_failure(tmp_path, "turn-right+slip=0.1")
+    with failure_in(browser, address, failure) as page:
+        begin(page, failure.verdict)
+        drag(page, (4, 8), (4, 8))
+        page.locator("#change-verdict b", has_text="stalled").wait_for()
+        world = saved(page, tmp_path)
+    assert replay(Failure.of(world)).confirmed
+
+
 def test_a_target_in_a_closed_room_is_proved_to_be_out_of_reach(page, tmp_path):
     begin(page)
     page.wait_for_timeout(300)
@@ -187,6 +200,7 @@ def test_a_target_in_a_closed_room_is_proved_to_be_out_of_reach(page, tmp_path):
     world = saved(page, tmp_path)
     assert (world.target.x, world.target.y) == (1.25, 0.95)
     assert check_certificate(world).valid and world.failure is None
+    assert outcome(copied(page)) == ""  # the robot stays out
     page.get_by_role("button", name="Undo").click()
     page.locator("#change-proof.good").wait_for()
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzz.facts.proofs import certificate_fault
 from fuzz.failure import Failure
 from fuzz.regression.answer import State, answer, describe_summary
 from fuzz.regression.checks import CONFIRMED, check, run, tell
@@ -21,6 +22,7 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
+from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
 BREACH = Path("corpora/thesis-faults/thesis-1-breach.grid")
@@ -82,6 +84,17 @@ def test_where_the_target_is_walled_off_fixed_means_that_the_robot_stays_out(tmp
         tmp_path / "b.grid",
     )
     assert check(tmp_path / "b.grid", controller="bug2").reason == ""
+
+
+@pytest.mark.parametrize(("motion", "reason"), [("swept", ""), ("stepped", "whole cell")])
+def test_a_cut_need_separate_the_target_s_whole_cell_only_for_the_thesis_s_robot(motion, reason):
+    # The target's cell is next to a doorway that is too narrow: the disc can lean into its other end.
+    walls = np.zeros((11, 11), bool)
+    walls[:, 5] = [row != 5 for row in range(11)]
+    world = World(walls, Pose(0.15, 0.15, 0.0), Target(0.62, 0.55, 0.02), robot_radius=0.07)
+    cut = decide(world).certificate
+    fault = certificate_fault(replace(world, certificate=cut), motion)
+    assert reason in fault and bool(fault) == bool(reason)
 
 
 def test_a_world_without_a_failure_is_a_test_for_the_controller_that_is_named(trap, tmp_path):

@@ -64,7 +64,7 @@ test("groups of causes have the answer's order, the worst first", () => {
 test("the answer has advice for every cause, and a command if no change was tried", () => {
   const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, groups: ["a"], file: "one.grid", why: "", ...more });
   const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {}, percent: 10, never: ["gaps of 2 to 3 robot radii", "paths with no quarter turns"] };
-  const answer = { controller: "c", motion: "m", causes: [cause("circles-an-obstacle"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] };
+  const answer = { controller: "c", motion: "m", causes: [cause("circles-an-obstacle"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, headline: { who: "c under m", words: "rarely arrives", rest: "; 2 causes", tone: "never-arrives", more: "" }, comparison: null, campaign: 0, reactions: [] };
   const shown = element("answer");
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
   for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-an-obstacle.", "Mend wanders.", "worldgen explain one.grid", "Never tried: gaps of 2 to 3 robot radii; paths with no quarter turns."])
@@ -76,7 +76,7 @@ test("one cause at a time shows its example, the first until another one is chos
   const causes = [cause("circles-an-obstacle", { file: "one.grid" }), cause("wanders", { file: "two.grid", why: "arrives if cell (1, 1) is free" }), cause("stands-still", { file: "" })];
   const failures = [failure("one", "loop", 20), failure("two", "loop", 30)];
   const shown = element("answer");
-  makeAnswer(shown, { failures, extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes, natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
+  makeAnswer(shown, { failures, extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes, natural: null, headline: { who: "c under m", words: "rarely arrives", rest: "; 2 causes", tone: "never-arrives", more: "" }, comparison: null, campaign: 0, reactions: [] }] });
   const folded = () => shown.querySelectorAll(".cause .folded").map((one) => one.hidden);
   const pressed = () => shown.querySelectorAll(".cause button[aria-pressed]").map((one) => one.getAttribute("aria-pressed"));
   assert.deepEqual([folded().slice(0, 2), pressed().slice(0, 2)], [[false, true], ["true", "false"]]);
@@ -87,11 +87,12 @@ test("one cause at a time shows its example, the first until another one is chos
   assert.equal(shown.querySelectorAll(".cause")[2].querySelector("button").hidden, true);
 });
 
-test("a hazard that it can sense does not hide how often it arrives", () => {
-  const burned = { cause: "caught-by-a-change", sentence: "It burns.", advice: "Mend it.", severity: "harmed", state: "", met: 3, verdicts: { burned: 3 }, natural: null, groups: ["a"], file: "", why: "" };
+test("without an answer, the page says why and what would bring one", () => {
+  const headline = { who: "c under m", words: "no answer", rest: ": none of the 5 worlds was finished; 0 worlds searched", tone: "none", more: "worldgen fuzz --resume a --budget 5m" };
   const shown = element("answer");
-  makeAnswer(shown, { failures: [], extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes: [burned], natural: null, arrives: "rarely arrives", comparison: null, campaign: 0, reactions: [] }] });
-  assert.equal(shown.querySelector(".headline").textContent, "It rarely arrives, and runs into a hazard that it can sense.");
+  makeAnswer(shown, { failures: [], extras: [], campaigns: [], answers: [{ controller: "c", motion: "m", causes: [], natural: null, headline, comparison: null, campaign: 0, reactions: [] }] });
+  assert.equal(shown.querySelector(".headline").textContent, "No answer: none of the 5 worlds was finished; 0 worlds searched.");
+  assert.equal(shown.querySelector("code").textContent, headline.more);
 });
 
 test("verdicts and a search filter the cards, and a note says if none match", () => {

@@ -7,7 +7,7 @@ import numpy as np
 from worldgen.lattice import TURN, UNIT
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.marks import Mark
-from worldgen.render.primitives import DrawnLine, Primitive
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Primitive
 from worldgen.support.arrays import Floats, Ints
 from worldgen.world import Cut, World
 
@@ -16,16 +16,26 @@ FINENESS = 4
 # Share of the headings that are all: boxes end a step before the next.
 _ALL = 0.995
 _MOST_PLACES = 2_000_000
+_OUTLINE = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
 def cut_chain(proof: Cut, frame: Frame, mark: Mark) -> list[Primitive]:
-    """Return a chain of walls through their middles; those outside the grid on the wall around it."""
-    points = frame.corners(proof.cells + 0.5)
+    """Return a chain of walls through their middles; those outside the grid on the wall around it.
+
+    A single cell has its outline, and a chain that is too small to see has a ring around it.
+    """
+    points = frame.corners(proof.cells + 0.5 if len(proof.cells) > 1 else proof.cells + _OUTLINE)
     beyond = BAND / 2 * frame.unit
     corner = np.array((frame.left, frame.top))
     ends = corner + np.array((frame.width, frame.height))
     clipped: Floats = np.clip(points, corner - beyond, ends + beyond)
-    return [DrawnLine(clipped, paint, closed=True) for paint in mark.lines(frame.unit)]
+    paints = mark.lines(frame.unit)
+    parts: list[Primitive] = [DrawnLine(clipped, paint, closed=True) for paint in paints]
+    middle = (clipped.min(axis=0) + clipped.max(axis=0)) / 2
+    least = mark.size * frame.unit
+    if np.ptp(clipped, axis=0).max() < 2 * least:
+        parts += [DrawnCircle(float(middle[0]), float(middle[1]), least, paint) for paint in paints]
+    return parts
 
 
 def blocked_share(world: World, boxes: Ints) -> Floats:

@@ -11,7 +11,7 @@ import { circle, disc, fillMark, palette, robotColour, stroke, strokeMark } from
 export const SAMPLE = { width: 26, height: 14 }; // pixels
 
 // Marks that each of several robots has in its own colour.
-const OWN = new Set(["start", "target", "witness", "approach", "loop", "trail", "end"]);
+const OWN = new Set(["start", "target", "waypoint", "witness", "approach", "loop", "trail", "end"]);
 
 // Marks that the legend of a small picture explains.
 const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "blocked", "touched", "pierced", "named"]);
@@ -33,6 +33,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   const present = {
     start: true,
     target: true,
+    waypoint: Boolean(world.waypoints?.length),
     signal: Boolean(sensors?.signal) && !world.others?.length,
     witness: Boolean(openWorld(world).witness),
     cut: Boolean(world.cut),
@@ -129,6 +130,15 @@ export function drawSample(context, colours, name, left, top, number) {
   const own = {
     start: () => drawBody(pen, "start", { x, y, heading: 0 }, undefined, 6, colour),
     target: () => drawTargetMark(pen, x, y, 3, colour),
+    waypoint() {
+      circle(pen, x, y, 5.5);
+      fillMark(pen, name, colour);
+      stroke(pen, colour, 2);
+      context.font = "700 8px system-ui, sans-serif";
+      context.textAlign = "center";
+      context.fillStyle = colour;
+      context.fillText("1", x, y + 3);
+    },
     end: () => drawBody(pen, "end", { x, y, heading: 0 }, undefined, 6, colour),
     touched() {
       square();

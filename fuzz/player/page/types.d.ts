@@ -400,8 +400,8 @@ interface ReportAnswer {
   causes: ReportCause[];
   natural: NaturalWorlds | null;
   comparison: { sentence: string } | null;
-  /** How often it arrives, in words that follow "It". */
-  arrives: string;
+  /** Whether it works, as terminal and studio say it; `more` is the command that brings an answer. */
+  headline: { who: string; words: string; rest: string; tone: string; more: string };
   campaign: number;
   /** Of all runs of this controller on the page. */
   reactions: [string, number, string, string][];
@@ -935,7 +935,7 @@ interface LiveRun {
   /** What a controller that failed said. */
   error: string;
   /** As a failure's record holds it: sim/evidence.py. */
-  evidence?: Record<string, any>;
+  evidence: Record<string, any>;
   /** Where it really begins. */
   start: Triple;
   /** For the player, already open. */

@@ -6,19 +6,6 @@ import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
 import { insidePart, reactionsPart } from "#report/inside.js";
 
-const PHRASES = {
-  "through-walls": "It goes through walls",
-  "through-robots": "It drives through other robots",
-  "controller-error": "Its controller fails",
-  "too-slow": "It is too slow in some worlds",
-  questionable: "It breaks a rule that you set",
-};
-const OWN_PHRASES = {
-  "touches-a-wall": "It touches walls",
-  crashes: "Its controller crashes",
-  "gives-no-answer": "Its controller does not answer",
-  "invalid-command": "Its controller sends invalid commands",
-};
 // A severity has the colour of its typical verdict.
 /** @type {Record<string, string>} */
 export const COLOURS = {
@@ -87,7 +74,6 @@ function controllersTable(answers, parts) {
 
 function answerPart(answer, find, several, campaign, redraw) {
   const own = answer.causes.filter(isCounted);
-  const worst = own[0];
   const causes = own.length ? own : answer.causes.filter(isMet);
   const others = answer.causes.filter((cause) => !causes.includes(cause));
   const shown = causes.slice(0, MOST_SHOWN).map((cause) => makeCause(cause, answer, find(cause.file)));
@@ -109,7 +95,7 @@ function answerPart(answer, find, several, campaign, redraw) {
       el(
         "div",
         {},
-        verdictPart(worst, answer, campaign),
+        verdictPart(answer),
         el("ol", { class: "causes" }, shown.map(({ item }) => item)),
         causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
@@ -160,39 +146,19 @@ function verdictsOf(cause) {
   return met.map(([verdict, count]) => `${grouped(count)} ${verdict}`).join(", ");
 }
 
-function verdictPart(worst, answer, campaign) {
-  if (campaign?.answer === "none")
-    return el(
-      "div",
-      {},
-      el("p", { class: "headline", "data-verdict": "timeout" }, `No answer: ${campaign.answer_reason}.`),
-      answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
-    );
-  const words = worst ? headline(worst, answer) : "No failure found";
+// The first line of the answer that terminal and studio give, too.
+function verdictPart({ headline, natural }) {
+  const { words, rest, tone, more } = headline;
+  const isAnswer = Boolean(COLOURS[tone]);
+  const colour = isAnswer ? COLOURS[tone] : tone === "clean" ? "reached" : "timeout";
+  const whole = isAnswer ? (words.startsWith("its ") ? words : `it ${words}`) : `${words}${rest}`;
   return el(
     "div",
     {},
-    el(
-      "p",
-      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : campaign?.answer === "clean" ? "reached" : "timeout" },
-      `${campaign?.answer === "clean" ? "✓ " : ""}${words}.`,
-    ),
-    answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
-    answer.causes.length ? null : doubtPart(campaign),
+    el("p", { class: "headline", "data-verdict": colour }, `${tone === "clean" ? "✓ " : ""}${capital(whole)}.`),
+    natural && natural.worlds ? ratePart(natural) : null,
+    more ? [el("p", {}, "Give it more time:"), el("div", { class: "command" }, el("code", {}, more), copyButton("Copy", () => more))] : null,
   );
-}
-
-// Without failures, mention the runs of the search that did not arrive.
-function doubtPart(campaign) {
-  const late = campaign?.answer_numbers?.searched_unjudged;
-  if (!late) return null;
-  return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
-}
-
-function headline(worst, answer) {
-  if (worst.severity === "never-arrives") return `It ${answer.arrives}`;
-  if (worst.severity === "harmed") return `It ${answer.arrives}, and runs into a hazard that it can sense`;
-  return OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity];
 }
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.

@@ -268,9 +268,10 @@ function showAnswer(change) {
   parts.proof.replaceChildren(el("b", {}, told.head), told.words);
   parts.note.hidden = !session?.question.why;
   parts.note.textContent = session?.question.why ?? "";
-  // A test needs a proof that the target can be reached.
-  parts.copy.disabled = Boolean(answer?.live.proof) && !isUnchanged(session);
-  parts.copy.title = parts.copy.disabled ? "Save the world, and prove it with worldgen verify" : "";
+  // A test needs a proof and, if the core runs the controller, a run.
+  const cannotRun = Boolean(answer?.live.run);
+  parts.copy.disabled = (cannotRun || Boolean(answer?.live.proof)) && !isUnchanged(session);
+  parts.copy.title = !parts.copy.disabled ? "" : cannotRun ? answer.live.run : "Save the world, and prove it with worldgen verify";
   if (!answer || !draw) return;
   draw.board.proof = proof;
   draw.board.run = null;
@@ -374,7 +375,7 @@ async function textOf(change, isTest = false) {
     await new Promise((done) => setTimeout(done));
   }
   const { proof, run } = session.answer;
-  const fails = run && proof.witness && run.verdict !== "reached" && run.evidence;
+  const fails = run && proof.witness && run.verdict !== "reached";
   return gridText(model.world, proof, fails || (run && isTest) ? run : null);
 }
 

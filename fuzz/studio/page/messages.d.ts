@@ -12,6 +12,8 @@ interface CampaignAnswer {
   others: string;
   /** What changed since an earlier campaign; may be empty. */
   comparison: string;
+  /** Time that is likely to bring an answer; 0 if there is one. */
+  more_seconds: number;
 }
 
 /** Changes of cells, in columns; state 0 is free, 1 solid, 2 burning. */

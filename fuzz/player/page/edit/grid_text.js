@@ -113,16 +113,15 @@ function robotLines(table, { start, target, robot_radius }) {
   });
 }
 
-function failureLines(table, { verdict, digest, budget, evidence = {} }) {
+function failureLines(table, { verdict, digest, budget, evidence }) {
   const keeps = (name) => table.filter((line) => line.startsWith(`${name} = `));
   const parameters = keeps("parameters").map((line) => line.replace(/([{ ]steps = )\d+/, `$1${budget}`));
-  const facts = Object.keys(evidence).length > 0 ? [`evidence = ${valueText(evidence)}`] : [];
   return [
     ...["controller", "motion", "seed"].flatMap(keeps),
     `verdict = ${valueText(verdict)}`,
     `trace_digest = ${valueText(digest)}`,
     ...parameters,
-    ...facts,
+    `evidence = ${valueText(evidence)}`,
   ];
 }
 
@@ -158,7 +157,7 @@ function numberText(value) {
  */
 function valueText(value) {
   if (typeof value === "number") return Number.isInteger(value) ? String(value) : numberText(value);
-  if (typeof value === "string") return `"${value}"`;
+  if (typeof value === "string") return JSON.stringify(value);
   if (Array.isArray(value)) return `[${value.map(valueText).join(", ")}]`;
   if (typeof value !== "object") return String(value);
   const parts = Object.keys(value)

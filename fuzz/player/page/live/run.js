@@ -64,6 +64,7 @@ export async function runOnLattice(core, world, recipe, witness, budget, pause) 
 
   const isLoop = verdict === "loop";
   const isCrash = verdict === "crash";
+  const error = isCrash && report.error ? core.text(report.error) : "";
   const judged = {
     verdict,
     steps: report.steps,
@@ -76,6 +77,7 @@ export async function runOnLattice(core, world, recipe, witness, budget, pause) 
     stateDigest: () => fnv1a(state),
     burned: report.hit_state === core.constants.WG_SOLID ? "solid" : "burning",
     multiple: multipleOf(recipe, report.steps, witness),
+    error,
   });
   // Again, for the path. The step in which a controller fails isn't part of it.
   core.set(settings, "WgSettings", { digest: 0 });
@@ -90,7 +92,7 @@ export async function runOnLattice(core, world, recipe, witness, budget, pause) 
     digest: digest.toString(16).padStart(16, "0"),
     path_length: report.path_length * core.get(settings, "WgSettings", "metres"),
     collisions: report.collisions,
-    error: isCrash && report.error ? core.text(report.error) : "",
+    error,
     start: [toMetres(start[0], side), toMetres(start[1], side), headingFromLattice(Number(start[2]))],
     drawn: trail.drawn(judged, recipe),
   };

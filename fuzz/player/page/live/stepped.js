@@ -15,6 +15,19 @@ const WORK = 1 << 22;
 const FIRST_DRAWS = 256;
 const GAMMA = 0x9e3779b97f4a7c15n;
 const MASK = (1n << 64n) - 1n;
+/** Poses that differ by less, in pixels and rad, count as the same: sim/thesis/run.py. */
+const DRIFT = 1e-6;
+/** Periods that must be seen before a drift is reported: sim/runners/drifting.py. */
+const PERIODS = 4;
+
+/** @typedef {[number, number, number]} Place in the thesis's frame: x, y, heading */
+/**
+ * @typedef {object} Recorded
+ * @property {Trail} trail
+ * @property {(step: number) => boolean} isKept whether to draw a step
+ * @property {number} half step from which places are kept
+ * @property {Place[]} late
+ */
 
 /**
  * Runs a recipe in a world until the verdict is certain.
@@ -61,14 +74,21 @@ export async function runStepped(core, world, recipe, witness, budget, pause) {
   };
   const entered = place === "tunnel" || place === "overlap" ? causeOf(core, ended, place) : {};
   const { WG_SOLID } = constants;
+
+  // Again, for the path, and for the second half of a run that stalls.
+  const trail = new Trail();
+  const half = verdict === "stalled" ? Math.floor(steps / 2) : Infinity;
+  /** @type {Place[]} */
+  const late = [];
+  const recorded = { trail, isKept: keptSteps(judged), half, late };
+  await frame.run({ steps, find_loop: constants.WG_NO_LOOP, digest: 0 }, recorded, pause);
   const evidence = evidenceOf(judged, {
     stateDigest: () => fnv1a(found.state),
     entered,
     burned: ended["hit.state"] === WG_SOLID ? "solid" : "burning",
     multiple: multipleOf(recipe, steps, witness),
+    confined: late.length ? confinedIn(late, half) : {},
   });
-  const trail = new Trail();
-  await frame.run({ steps, find_loop: constants.WG_NO_LOOP, digest: 0 }, { trail, isKept: keptSteps(judged) }, pause);
   return {
     ...judged,
     evidence,
@@ -150,7 +170,7 @@ function frameOf(core, world, recipe) {
   /**
    * Runs from the start.
    * @param {Record<string, number>} setup fields of the settings that differ
-   * @param {{ trail: Trail, isKept: (step: number) => boolean } | null} recorded
+   * @param {Recorded | null} recorded
    * @param {() => Promise<void>} pause
    */
   async function run(setup, recorded, pause) {
@@ -207,9 +227,9 @@ function frameOf(core, world, recipe) {
    * @param {number} table
    * @param {number} first step of the first row
    * @param {number} last
-   * @param {{ trail: Trail, isKept: (step: number) => boolean }} recorded
+   * @param {Recorded} recorded
    */
-  function takeRows(table, first, last, { trail, isKept }) {
+  function takeRows(table, first, last, { trail, isKept, half, late }) {
     const columns = core.size("WgThesisRow") / 8;
     const numbers = core.view(table, columns * (last - first + 1), "double");
     const [atX, atY, atHeading, atBump] = ["x", "y", "heading", "collision"].map(
@@ -219,6 +239,7 @@ function frameOf(core, world, recipe) {
       const row = numbers.subarray((step - first) * columns);
       const touches = row[atBump] !== 0;
       if (touches) trail.touch(step);
+      if (step >= half) late.push([row[atX], row[atY], row[atHeading]]);
       if (!isKept(step)) continue;
       const turned = modulo(2 * Math.PI - row[atHeading], 2 * Math.PI) - Math.PI;
       trail.add(step, row[atX] / CELL - pad, height - pad - row[atY] / CELL, turned, Number(touches));
@@ -248,6 +269,38 @@ function causeOf(core, ended, place) {
   const { WG_SLIDE, WG_BACK_OFF, WG_CORNER } = core.constants;
   const cause = new Map([[WG_SLIDE, "slide"], [WG_BACK_OFF, "back-off"], [WG_CORNER, "corner"]]).get(ended[`${place}.cause`]);
   return cause ? { cause, since: ended[`${place}.began`] } : {};
+}
+
+/**
+ * Returns how a robot behaves in the second half of a run that stalls.
+ * @param {Place[]} places
+ * @param {number} half step of the first one
+ */
+function confinedIn(places, half) {
+  const [columns, rows] = [0, 1].map((axis) => {
+    const cells = places.map((place) => Math.floor(place[axis] / CELL));
+    return cells.reduce((a, b) => Math.max(a, b)) - cells.reduce((a, b) => Math.min(a, b)) + 1;
+  });
+  const box = [columns, rows];
+  const recurs = periodOf(places);
+  return recurs ? { kind: "drifting", entry: half + recurs.entry, period: recurs.period, box } : { kind: "confined", box };
+}
+
+/**
+ * Returns the shortest period in which places recur until the end, and the first such one; null if
+ * there is none.
+ * @param {Place[]} places
+ */
+function periodOf(places) {
+  const last = places.length - 1;
+  const isNear = (/** @type {number} */ a, /** @type {number} */ b) => places[a].every((value, k) => Math.abs(value - places[b][k]) < DRIFT);
+  for (let period = 1; PERIODS * period <= places.length; period++) {
+    if (!isNear(last - period, last)) continue;
+    let entry = last - period;
+    while (entry > 0 && isNear(entry - 1, entry - 1 + period)) entry -= 1;
+    if (last - entry >= PERIODS * period) return { period, entry };
+  }
+  return null;
 }
 
 /**

@@ -52,24 +52,26 @@ export function endingOf(core, ending) {
  */
 
 /**
- * Returns the evidence of a run as a failure's record holds it (sim/evidence.py); undefined if it
- * takes an analysis that pages do not make.
+ * Returns the evidence of a run as a failure's record holds it (sim/evidence.py).
  * @param {Judged} run
  * @param {object} facts
  * @param {() => string} facts.stateDigest of the state to which a loop returns
  * @param {{ cause?: string, since?: number }} [facts.entered] the move that led into a wall, if it is known
  * @param {string} [facts.burned] state of the cell that ended a run
  * @param {number | null} facts.multiple the run's time divided by the witness's
- * @returns {Record<string, any> | undefined}
+ * @param {Record<string, any>} [facts.confined] how a stalled run stays where it is
+ * @param {string} [facts.error] of the controller
+ * @returns {Record<string, any>}
  */
-export function evidenceOf({ verdict, steps, entry, period, last_new_cell, hit }, { stateDigest, entered = {}, burned, multiple }) {
+export function evidenceOf({ verdict, steps, entry, period, last_new_cell, hit }, { stateDigest, entered = {}, burned, multiple, confined, error }) {
   if (verdict === "loop") return { entry, period, state_digest: stateDigest() };
-  if (verdict === "reached") return { step: steps };
-  if (verdict === "timeout") return { last_new_cell, ...(multiple === null ? {} : { witness_multiple: multiple }) };
-  if (!hit) return undefined;
+  if (verdict === "timeout" || verdict === "stalled") {
+    return { last_new_cell, ...(multiple === null ? {} : { witness_multiple: multiple }), ...(verdict === "stalled" ? confined : {}) };
+  }
   if (verdict === "burned") return { ...hit, state: burned };
   if (verdict === "contact") return { ...hit };
-  return verdict === "tunnel" || verdict === "overlap" ? { ...hit, ...entered } : undefined;
+  if (verdict === "tunnel" || verdict === "overlap") return { ...hit, ...entered };
+  return { step: steps, ...(error ? { error } : {}) };
 }
 
 /**

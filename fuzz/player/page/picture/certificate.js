@@ -31,14 +31,25 @@ export function drawWitness(pen, world, ms) {
 }
 
 /**
- * Draws the chain of walls that no disc passes.
+ * Draws the chain of walls that no disc passes: a single cell as its outline, and a ring around a
+ * chain that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world
  */
 export function drawCut(pen, { cut }) {
   if (!cut) return;
-  pen.context.beginPath();
-  for (const [ix, iy] of [...cut, cut[0]]) pen.context.lineTo(pen.px(ix + 0.5), pen.py(iy + 0.5));
+  const { context, px, py } = pen,
+    least = MARKS.cut.size * pen.unit;
+  const inside = cut.length > 1 ? [[0.5, 0.5]] : [[0, 0], [1, 0], [1, 1], [0, 1]];
+  const corners = cut.flatMap(([ix, iy]) => inside.map(([x, y]) => [px(ix + x), py(iy + y)]));
+  context.beginPath();
+  for (const [x, y] of corners) context.lineTo(x, y);
+  context.closePath();
+  strokeMark(pen, "cut");
+  const [[left, right], [top, bottom]] = [0, 1].map((axis) => corners.reduce(([low, high], at) => [Math.min(low, at[axis]), Math.max(high, at[axis])], [Infinity, -Infinity]));
+  if (Math.max(right - left, bottom - top) >= 2 * least) return;
+  context.beginPath();
+  context.arc((left + right) / 2, (top + bottom) / 2, least, 0, 2 * Math.PI);
   strokeMark(pen, "cut");
 }
 

@@ -1,7 +1,8 @@
 // The starts and the targets.
 
 import { MARKS } from "#player/picture/marks.js";
-import { bodyPath, disc, fillMark, stroke, strokeMark } from "#player/picture/pen.js";
+import { drawNumber } from "#player/picture/numbers.js";
+import { bodyPath, circle, disc, fillMark, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf, endsOf } from "#player/picture/scene_robots.js";
 
 /**
@@ -12,9 +13,26 @@ import { colourOf, endsOf } from "#player/picture/scene_robots.js";
 export function drawTarget(pen, world) {
   for (const ends of endsOf(world)) {
     const colour = colourOf(pen, "target", ends.number);
-    for (const [x, y, radius] of [...(ends.waypoints ?? []), ends.target])
-      drawTargetMark(pen, pen.px(x), pen.py(y), Math.max(radius * pen.scale, MARKS.target.size * pen.unit), colour);
+    const [x, y, radius] = ends.target;
+    drawTargetMark(pen, pen.px(x), pen.py(y), Math.max(radius * pen.scale, MARKS.target.size * pen.unit), colour);
     if (ends.aim !== undefined) drawGoal(pen, ends, colour);
+  }
+}
+
+/**
+ * Draws each waypoint as a ring with room for its number, below the target.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawWaypoints(pen, world) {
+  for (const ends of endsOf(world)) {
+    const colour = colourOf(pen, "waypoint", ends.number);
+    for (const [k, [x, y, radius]] of (ends.waypoints ?? []).entries()) {
+      circle(pen, x, y, shownRadius(pen, "waypoint", radius));
+      fillMark(pen, "waypoint", colour);
+      strokeMark(pen, "waypoint", colour);
+      drawNumber(pen, k + 1, pen.px(x), pen.py(y) + 0.36 * MARKS.number.size * pen.unit, colour);
+    }
   }
 }
 

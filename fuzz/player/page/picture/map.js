@@ -6,7 +6,7 @@ import { drawBlocked } from "#player/picture/blocked.js";
 import { drawEnd, drawOutlines, drawRobot } from "#player/picture/body.js";
 import { drawCut, drawCutPoses, drawWitness } from "#player/picture/certificate.js";
 import { drawBurnt, drawComing, drawOpenings } from "#player/picture/changes.js";
-import { drawHeadings, drawStart, drawTarget } from "#player/picture/ends.js";
+import { drawHeadings, drawStart, drawTarget, drawWaypoints } from "#player/picture/ends.js";
 import { drawFloor, drawGrid, drawSignal, drawWalls } from "#player/picture/ground.js";
 import { MARKS } from "#player/picture/marks.js";
 import { drawMemory, drawRemembered } from "#player/picture/memory.js";
@@ -65,6 +65,7 @@ const DRAWN = {
   memory: ({ pen, front, show }) => front && show.memory && drawMemory(pen, front.run, front.within),
   pierced: ({ pen, scene }) => scene && drawPierced(pen, scene),
   target: ({ pen, world }) => drawTarget(pen, world),
+  waypoint: ({ pen, world }) => drawWaypoints(pen, world),
   beam: ({ pen, scene, cells, front, show, sensors }) => scene && front && show.sensors && sensors && drawBeams(pen, { ...scene, sensors }, cells, front.pose),
   bearing: ({ pen, scene, front, show, sensors }) => scene && front && show.sensors && sensors && drawBearing(pen, scene, front.pose),
   driving: ({ pen, robots, whole }) => !whole && robots.forEach((one) => drawRobot(pen, one)),

@@ -15,7 +15,7 @@ export const MARKS = {
   "closes": {"colour": "quiet", "width": 1.5, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.3, "size": 7.0, "fade": [], "on_cards": true, "label": "closes later"},
   "opens": {"colour": "start", "width": 1.5, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.6, "size": 7.0, "fade": [], "on_cards": true, "label": "opens later"},
   "touched": {"colour": "touched", "width": 4.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": true, "label": "wall touched"},
-  "cut": {"colour": "breach", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": true, "label": "cut: every gap too narrow"},
+  "cut": {"colour": "breach", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 16.0, "fade": [], "on_cards": true, "label": "cut: every gap too narrow"},
   "cut-poses": {"colour": "breach", "width": 1.4, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.4, "size": 7.0, "fade": [], "on_cards": true, "label": "cut: no heading fits here"},
   "band": {"colour": "loop", "width": 0.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.2, "size": 0.0, "fade": [], "on_cards": true, "label": ""},
   "start": {"colour": "start", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 4.0, "fade": [], "on_cards": true, "label": "start; the tick is its heading"},
@@ -39,6 +39,7 @@ export const MARKS = {
   "overlap": {"colour": "pierced", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.0, "size": 7.0, "fade": [], "on_cards": true, "label": "overlap"},
   "breach": {"colour": "pierced", "width": 4.0, "dash": [], "opacity": 1.0, "casing": 7.0, "fill": 0.0, "size": 7.0, "fade": [], "on_cards": true, "label": "through a wall"},
   "target": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 5.0, "fade": [], "on_cards": true, "label": "target"},
+  "waypoint": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 9.0, "fade": [], "on_cards": true, "label": "waypoint, with its place in the order"},
   "goal": {"colour": "target", "width": 1.4, "dash": [4.0, 4.0], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 12.0, "fade": [], "on_cards": true, "label": ""},
   "beam": {"colour": "target", "width": 1.0, "dash": [], "opacity": 0.3, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
   "bearing": {"colour": "target", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
@@ -51,7 +52,7 @@ export const MARKS = {
 };
 
 /** Names of the marks in a legend, in its order. @type {string[]} */
-export const LEGEND = ["start", "target", "signal", "witness", "cut", "cut-poses", "approach", "loop", "spot", "trail", "ahead", "end", "touched", "pierced", "overlap", "breach", "blocked", "pushed", "pushes", "missed", "remembered", "drift", "decoy", "fire", "burnt", "burns", "closes", "opens", "named"];
+export const LEGEND = ["start", "target", "waypoint", "signal", "witness", "cut", "cut-poses", "approach", "loop", "spot", "trail", "ahead", "end", "touched", "pierced", "overlap", "breach", "blocked", "pushed", "pushes", "missed", "remembered", "drift", "decoy", "fire", "burnt", "burns", "closes", "opens", "named"];
 
 /** What a small picture shows of a large world. */
 export const CARD = {"side": 190.0, "robot": 18.0, "around": 3.0};

@@ -43,11 +43,7 @@ function numberedRows(run, number) {
 export function drawNumbers(pen, world, robots, hasTrails) {
   const { unit } = pen,
     size = MARKS.number.size * unit;
-  for (const { target: [x, y, radius], start, number, waypoints } of endsOf(world)) {
-    for (const [k, goal] of (waypoints ?? []).entries()) {
-      const aside = goal[2] + (9 * unit) / pen.scale;
-      drawNumber(pen, k + 1, pen.px(goal[0] + aside), pen.py(goal[1] + aside) + 0.36 * size, pen.colours.target);
-    }
+  for (const { target: [x, y, radius], start, number } of endsOf(world)) {
     if (!number) continue;
     const away = radius + (9 * unit) / pen.scale;
     drawNumber(pen, number, pen.px(x + away), pen.py(y + away) + 0.36 * size);
@@ -90,7 +86,7 @@ function drawAlong(pen, one, places) {
  * @param {number} down
  * @param {string} [colour]
  */
-function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
+export function drawNumber(pen, number, across, down, colour = pen.colours[robotColour(number)]) {
   const { context, colours, unit } = pen,
     { size, casing } = MARKS.number;
   context.save();

@@ -282,7 +282,7 @@ function stopButton(onclick, disabled = false) {
 function goOnPart(state, campaign) {
   const byUnits = state.budget.units !== null;
   const left = byUnits && state.units < state.budget.units;
-  const usual = byUnits ? (left ? state.budget.units : 2 * state.budget.units) : state.budget.seconds;
+  const usual = byUnits ? (left ? state.budget.units : 2 * state.budget.units) : state.conclusion?.more_seconds || state.budget.seconds;
   const amount = el("input", { type: "number", id: "go-on-amount", value: usual, min: byUnits ? Math.max(1, state.units) : 1, step: 1 });
   const go = () => {
     const value = amount.valueAsNumber;

@@ -167,6 +167,7 @@ function emptyWords({ folder, states, folders }) {
   if (state?.activity === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
+  if (state?.conclusion) return "Continue the campaign for longer, or start another on the right.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
   if (state?.answer === "none") return `There is no answer yet: ${state.answer_reason}. Continue the campaign for longer.`;
   if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or start another on the right.`;
