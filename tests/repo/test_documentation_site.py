@@ -26,7 +26,7 @@ BUDGETS = {
     "reference/fleets.md": 1300,
     "reference/formats.md": 2450,
     "reference/grid-format.md": 3200,
-    "reference/import-formats.md": 1600,
+    "reference/import-formats.md": 1650,
     "reference/library.md": 1600,
     "reference/simulator.md": 1900,
     "reference/tables.md": 1500,

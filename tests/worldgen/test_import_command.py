@@ -101,6 +101,8 @@ def test_the_answer_is_the_file(run, tmp_path):
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, 0.04],
         "origin": [0.0, 0.0],
+        "placement": "start and target at the ends of a longest path in the largest region (100 % of the free "
+        "space); 0.1 and 0.1 m from the nearest walls",
         "notes": [],
         "warnings": [],
     }
@@ -118,7 +120,7 @@ def test_provenance_names_the_source_and_its_digest(run):
     assert params["sha256"] == "79a5abb21c59e7df1514ac7c378668f96196655b1247378053da2e7f617891a2"
 
 
-def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
+def test_people_get_four_lines_and_the_origin_as_a_note(tmp_path, capsys):
     out = tmp_path / "w.grid"
     cli.main(["import", HALL, "--out", str(out)], standalone_mode=False)
     captured = capsys.readouterr()
@@ -126,7 +128,10 @@ def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
         captured.out.splitlines()[0]
         == f"{out}: 384 x 482 cells of 0.04 m, robot radius 0.22 m (Nav2's default, a TurtleBot's)"
     )
-    assert captured.out.splitlines()[2].startswith("reachable: ")
+    assert captured.out.splitlines()[2].startswith(
+        "placed: start and target at the ends of a longest"
+    )
+    assert captured.out.splitlines()[3].startswith("reachable: ")
     assert "the world's (0, 0) is the map's (-3.16, -9.36) m" in captured.err
 
 

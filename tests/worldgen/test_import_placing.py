@@ -9,7 +9,7 @@ from PIL import Image
 from tests.helpers.command_line import worldgen
 from tests.helpers.foreign_samples import picture
 from tests.helpers.raising import raises
-from worldgen.errors import InvalidWorld
+from worldgen.errors import InvalidWorld, WorldgenError
 from worldgen.interop import ImportedRobot, import_world
 from worldgen.interop.readers.grey_image import pgm_bytes
 
@@ -59,7 +59,7 @@ def test_start_and_target_are_in_the_region_of_the_maps_origin(framed, tmp_path)
     corner = (-CELL * (SIDE / 2 + RING), -CELL * SIDE / 2)
     imported = import_world(ros_map(tmp_path, track(framed=framed), corner))
     assert is_on_track(imported)
-    assert "start and target are in the region with the map's origin" in imported.notes
+    assert "longest path in the region with the map's origin" in imported.placement
     assert not any("border" in sentence for sentence in imported.warnings)
 
 
@@ -68,7 +68,7 @@ def test_without_an_origin_a_region_that_reaches_the_border_is_avoided(suffix, t
     path = ros_map(tmp_path, track()).with_suffix(suffix)
     imported = import_world(path, ImportedRobot(radius=0.22))
     assert all(distance < OUTER for distance in away(imported.world))
-    assert any("does not reach the picture's border" in sentence for sentence in imported.notes)
+    assert "does not reach the picture's border" in imported.placement
 
 
 def test_a_region_that_reaches_the_border_is_warned_about(tmp_path):
@@ -101,7 +101,7 @@ def test_a_plain_room_is_neither_warned_about_nor_explained(kind, tmp_path):
     thick = 1 if kind == "room" else 4
     room[:thick] = room[-thick:] = room[:, :thick] = room[:, -thick:] = 0
     imported = import_world(ros_map(tmp_path, room))
-    assert imported.warnings == () and not any("region" in one for one in imported.notes)
+    assert imported.warnings == () and "in the largest region" in imported.placement
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,9 @@ def test_a_refusal_keeps_the_notes_that_explain_it(tmp_path):
     assert (done.code, done.error_code) == (2, "no-room")
     assert "1,050 of 1,200 cells are transparent, hence unknown" in done.err
     assert "neither occupied nor free" not in done.err  # the same cells
-    assert "--from ros+unknown=free" in done.err
+    # The largest disc of the room: between the wall in its middle and one at its side.
+    expected = "--from ros+unknown=free) a radius of up to 0.95 m fits, at 1.05,1.05"
+    assert expected in done.err
     assert not (tmp_path / "w.grid").exists()
 
 
@@ -158,3 +160,48 @@ def test_transparent_pixels_of_a_picture_are_counted(tmp_path):
     done = worldgen("import", tmp_path / "m.png", "--out", tmp_path / "w.grid", "--json")
     notes = json.loads(done.out)["notes"] if done.code == 0 else done.err.splitlines()
     assert any("1,050 of 1,200 pixels are transparent" in sentence for sentence in notes)
+
+
+def room(folder):
+    """A room of 4 x 3 m with a wall across it that leaves a gap of 0.6 m at the top."""
+    greys = np.full((30, 40), 254, np.uint8)
+    greys[[0, -1]] = greys[:, [0, -1]] = 0
+    greys[7:, 20:22] = 0
+    return ros_map(folder, greys, (-1.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("given", "at", "expected"),
+    [
+        ({"near": (3.0, 0.5)}, {"start": (3.0, 0.5)}, "start at the nearest place"),
+        ({"near": (0.0, 0.0)}, {"start": (0.3, 0.3)}, "0.424 m away"),
+        ({"near": (0.0, 0.0), "clearance": 0.5}, {"start": (0.6, 0.6)}, "0.849 m away"),
+        ({"near": (3.0, 0.5), "start": (0.5, 0.5)}, {"target": (3.0, 0.5)}, "start as given; target at"),
+        ({"near": (3.0, 0.5), "target": (0.5, 0.5)}, {"start": (3.0, 0.5)}, "target as given; start at"),
+        ({"start": (0.5, 0.5), "target": (3.0, 0.5)}, {}, "start and target as given"),
+        ({"start": (0.5, 0.5), "clearance": 0.7}, {}, "and 0.7 m from the nearest walls"),
+        ({"near": (2.0, -0.5), "in_file_frame": True}, {"start": (3.0, 0.5)}, "0 m away"),
+    ],
+)  # fmt: skip
+def test_a_sentence_says_where_start_and_target_went_and_why(given, at, expected, tmp_path):
+    imported = import_world(room(tmp_path), ImportedRobot(radius=0.2, **given))
+    assert expected in imported.placement
+    for name, place in at.items():
+        found = getattr(imported.world, name)
+        assert (found.x, found.y) == pytest.approx(place, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "facts"),
+    [
+        ({"radius": 2.0}, "no-room", {"fits": 0.95, "clear": (1.05, 1.05)}),
+        ({"clearance": 3.0}, "no-room", {"fits": 0.95}),
+        ({"clearance": 3.0, "near": (3.0, 0.5), "radius": 0.3}, "no-room", {"fits": 0.95}),
+        ({"start": (1.0, 1.0), "radius": 2.0}, "not-clear", {"fits": 0.95}),
+        ({"near": (9.0, 9.0)}, "outside-grid", {"name": "near"}),
+        ({"start": (1.0, 1.0), "target": (3.0, 1.0), "near": (2.0, 2.0)}, "conflict", {}),
+    ],
+)  # fmt: skip
+def test_a_placement_that_fails_says_what_would_work(given, code, facts, tmp_path):
+    with raises(WorldgenError, code, **facts):
+        import_world(room(tmp_path), ImportedRobot(**{"radius": 0.2, **given}))

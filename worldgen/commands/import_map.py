@@ -17,6 +17,7 @@ EXAMPLES = (
     "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
     "  worldgen import old.gex --out w.grid\n"
     "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid\n"
+    "  worldgen import office.yaml --near 1.5,2.0 --clearance 0.4 --out w.grid\n"
     "  worldgen import office.yaml --footprint 0.62x0.9 --out w.grid\n"
     "  worldgen import building.glb --from glb+slice_height=0.2 --cell 0.05 --out w.grid"
 )
@@ -47,6 +48,16 @@ EXAMPLES = (
     "--target",
     metavar="X,Y[,RADIUS]",
     help="Target, m; placed automatically if omitted, with the robot's radius.",
+)
+@click.option(
+    "--near",
+    metavar="X,Y",
+    help="Place the start as near to this point as there is room, or the target if you give --start.",
+)
+@click.option(
+    "--clearance",
+    type=float,
+    help="Least distance, m, from a place that is chosen to the nearest wall.  [default: the radius]",
 )
 @click.option(
     "--frame",
@@ -99,6 +110,8 @@ def import_map(
     speed: float | None,
     start: str | None,
     target: str | None,
+    near: str | None,
+    clearance: float | None,
     frame: str,
     scen: Path | None,
     row: int,
@@ -133,6 +146,7 @@ def import_map(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread, robots, frame == "map", kind,
+        None if near is None else interop.parse_point("near", near), clearance,
     )  # fmt: skip
     asked: dict[str, Any] = {} if cell_size is None else {"cell_size": cell_size}
     asked |= {"frame": frame} if frame == "picture" else {}

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.domain import DECIMAL
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, WorldgenError
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message, WorldgenError
 from worldgen.family import check_between
 from worldgen.interop.format import ROBOT_FACTS, robot_kinds
 from worldgen.interop.format.foreign_map import IMPORTED, ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
+from worldgen.interop.largest_disc import largest_disc
 from worldgen.interop.place import Placement, heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
@@ -47,6 +48,9 @@ class ImportedRobot:
         in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
             frame, instead of measured from the grid's lower-left corner.
         overrides: Body, drive and goal that replace the file's.
+        near: x and y, m, to which the start is placed as near as possible, or the target if the
+            start is given. A ``.grid`` then loses its own places, as with a seed.
+        clearance: Least distance, m, to the nearest wall of a place that is chosen. Same here.
     """
 
     start: tuple[float, ...] | None = None
@@ -60,6 +64,13 @@ class ImportedRobot:
     robots: int | None = None
     in_file_frame: bool = False
     overrides: RobotOverrides = field(default_factory=RobotOverrides)
+    near: tuple[float, ...] | None = None
+    clearance: float | None = None
+
+    @property
+    def is_placed_again(self) -> bool:
+        """True if the file's own places do not count."""
+        return (self.seed, self.near, self.clearance) != (None,) * 3
 
 
 @dataclass(frozen=True)
@@ -77,6 +88,7 @@ class Imported:
         withheld: True if the world has no proof because of them.
         origin: The grid's lower-left corner, m, in the file's own coordinates.
         in_file_frame: True if people are told places in these coordinates.
+        placement: Where start and target come from, in a sentence.
     """
 
     world: World
@@ -88,19 +100,26 @@ class Imported:
     withheld: bool = False
     origin: tuple[float, float] = (0.0, 0.0)
     in_file_frame: bool = False
+    placement: str = ""
 
 
-def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
+def parse_point(name: str, text: str, third: str = "") -> tuple[float, ...]:
     """Parse two or three numbers separated by commas, as ``--start`` and ``--target`` take them.
+
+    Args:
+        name: The option, for messages.
+        text: The numbers.
+        third: What the third number is; empty if there are only two.
 
     Raises:
         InvalidParameter: If there are too few or too many, or one isn't a number.
     """
     words = [word.strip() for word in text.split(",")]
-    if not 2 <= len(words) <= 3 or not all(DECIMAL.fullmatch(word) for word in words):
+    most = 3 if third else 2
+    if not 2 <= len(words) <= most or not all(DECIMAL.fullmatch(word) for word in words):
         raise InvalidParameter(
             "wrong-form",
-            "{name}={text!r} is not X,Y or X,Y,{third}",
+            "{name}={text!r} is not X,Y" + (" or X,Y,{third}" if third else ""),
             "write numbers, as in 1.5,0.35",
             name=name,
             text=text[:60],
@@ -130,9 +149,13 @@ def import_world(
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
     found, sidecar = read_map_alone(path, name, options)
+    robot = robot or ImportedRobot()
     try:
-        return _with_robot(path, found, sidecar, robot or ImportedRobot())
+        return _with_robot(path, found, sidecar, robot)
     except WorldgenError as error:
+        lacks_room = error.code == "no-room" and "radius" in error.facts
+        if lacks_room and found.params.get("unknown") == "solid":
+            error.message = _with_unknown_free(error.message, path, name, options, robot)
         # What the reader noticed often explains why the robot has no room.
         lost = [f"not read: {'; '.join(found.unread)}"] if found.unread else []
         warnings = [f"warning: {sentence}" for sentence in (*found.warnings, *lost)]
@@ -140,11 +163,34 @@ def import_world(
         raise
 
 
+def _with_unknown_free(
+    message: Message,
+    path: Path,
+    name: str | None,
+    options: Mapping[str, Value | None] | None,
+    robot: ImportedRobot,
+) -> Message:
+    """Add to a message about too little room how much there is where unknown cells are free."""
+    found = read_map_alone(path, name, {**(options or {}), "unknown": "free"})[0]
+    fit = largest_disc(found.walls, found.cell_size)
+    if fit is None or fit.radius <= message.facts.get("fits", 0.0):
+        return message
+    left, low = found.origin if robot.in_file_frame else (0.0, 0.0)
+    return message.before(
+        "; with unknown cells free (--from {format}+unknown=free) a radius of up to {freed:g} m "
+        "fits, at {at[0]:.6g},{at[1]:.6g}",
+        format=found.params["format"],
+        freed=fit.radius,
+        at=[fit.centre[0] + left, fit.centre[1] + low],
+    )
+
+
 def _with_robot(
     path: Path, found: ForeignMap, sidecar: Sidecar | None, robot: ImportedRobot
 ) -> Imported:
     """Add a robot, a start and a target to a map, and decide whether the target is reachable."""
     # Complete the robot.
+    asked = robot
     if sidecar is not None:
         robot = _with_exported_robots(robot, found, sidecar, path)
     if robot.scenario is not None or robot.robots not in (None, len(found.robots)):
@@ -156,6 +202,7 @@ def _with_robot(
             robot,
             start=_from_corner(robot.start, found.origin),
             target=_from_corner(robot.target, found.origin),
+            near=_from_corner(robot.near, found.origin),
             overrides=robot.overrides.moved(-found.origin[0], -found.origin[1]),
         )
     found = _as_given(robot, found)
@@ -187,14 +234,35 @@ def _with_robot(
     return Imported(
         world,
         decision,
-        (*found.notes, *notes, *placement.notes),
+        (*found.notes, *notes),
         (*found.warnings, *warnings),
         radius_from,
         found.unread,
         bool(world.unread),
         found.origin,
         robot.in_file_frame,
+        _placement(asked, robot, placement),
     )
+
+
+def _placement(asked: ImportedRobot, used: ImportedRobot, placed: Placement) -> str:
+    """Return where start and target come from.
+
+    Args:
+        asked: The robot with the places that the user gives.
+        used: The robot with the file's places, too.
+        placed: The places.
+    """
+    file = "scenario" if used.scenario is not None else "file"
+    sources = {
+        name: "as given" if getattr(asked, name) is not None else f"from the {file}"
+        for name in ("start", "target")
+        if getattr(used, name) is not None
+    }
+    if len(set(sources.values())) == 1:
+        sources = {" and ".join(sources): sources.popitem()[1]}
+    given = [f"{name} {source}" for name, source in sources.items()]
+    return "; ".join(filter(None, (*given, placed.why)))
 
 
 def _on_file(decision: Decision, found: ForeignMap) -> str:
@@ -353,8 +421,8 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     old = found.world
     start = robot.start
     target = robot.target
-    # A seed requests new places.
-    if old is not None and robot.seed is None:
+    # A seed, a place to be near and a clearance request new places.
+    if old is not None and not robot.is_placed_again:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
     target = target or found.robot.target
@@ -373,7 +441,7 @@ def _at_programs_start(
 
     If it does not fit, return the reason.
     """
-    if robot.start is not None or robot.seed is not None or found.robot.start is None:
+    if robot.start is not None or robot.is_placed_again or found.robot.start is None:
         return robot, ()
     x, y = found.robot.start[:2]
     # _complete has already set the radius.
@@ -395,15 +463,17 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     radius = robot.radius or 0.0
     speed = robot.speed or 0.0
     given = [
-        None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)
+        None if point is None else (point[0], point[1])
+        for point in (robot.start, robot.target, robot.near)
     ]
+    check_between("clearance", robot.clearance or 0.0, 0.0, 1e9, "m")
     origin = (-found.origin[0], -found.origin[1]) if found.is_picture else None
     body = _with_kind(Robot(Pose(0.0, 0.0), Target(0.0, 0.0, radius), radius, speed), robot, found)
 
     def placed(disc: float) -> Placement:
         return place(
             found.walls, found.cell_size, disc, robot.seed or 0, start=given[0], target=given[1],
-            origin=origin,
+            origin=origin, near=given[2], clearance=robot.clearance or 0.0,
         )  # fmt: skip
 
     # A body has room to turn where its outer disc is clear; elsewhere, its inner one must be.
@@ -439,7 +509,7 @@ def _other_robots(
     robot: ImportedRobot, found: ForeignMap, radius: float, speed: float
 ) -> tuple[Robot, ...]:
     """Return the robots after the first: the file's, unless the user asked for other places."""
-    if robot.seed is not None:
+    if robot.is_placed_again:
         return ()
     if found.world is not None:
         return found.world.robots[1:]
@@ -479,6 +549,7 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
         "start": [world.start.x, world.start.y, world.start.heading],
         "target": [world.target.x, world.target.y, world.target.radius],
         "origin": list(imported.origin),
+        "placement": imported.placement,
         "notes": list(imported.notes),
         "warnings": list(imported.warnings),
     }
@@ -502,5 +573,6 @@ def describe(file: str | None, imported: Imported) -> list[str]:
         + f"{world.width} x {world.height} cells of {world.cell_size:g} m, {body}",
         f"start ({start.x + left:g}, {start.y + low:g}) m, heading {start.heading:.4g} rad; "
         f"target ({target.x + left:g}, {target.y + low:g}) m{frame}, radius {target.radius:g} m{headed}",
+        f"placed: {imported.placement}",
         f"{decision.result}: {decision.reason}",
     ]
