@@ -12,24 +12,26 @@ import pytest
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.refusals import IMPORT_OPTIONS, REMEDIES, describe_note, refusal
 from tests.helpers.command_line import worldgen
+from tests.helpers.raised_messages import raised_messages
 from tests.helpers.studio import page_of, sent, studio_of
 from tests.helpers.studio_campaign import begin, watch
-from tests.repo.test_errors_are_data import MESSAGES
 from worldgen import generate
 from worldgen.errors import FormatError, InvalidParameter, Message, Note
 from worldgen.files.grid import write_world
 
-AT_TERMINAL = {
-    (str(call.args[0].value), place): {str(keyword.arg) for keyword in call.keywords}
-    for place, call in MESSAGES
-    if any(keyword.arg == "at_terminal" for keyword in call.keywords)
-    and hasattr(call.args[0], "value")
-}
-"""Return the names of the facts of each error whose remedy needs a terminal, by code and place."""
+
+def facts_at_terminal():
+    """Return the names of the facts of each error whose remedy needs a terminal, by code and place."""
+    return {
+        (str(call.args[0].value), place): {str(keyword.arg) for keyword in call.keywords}
+        for place, call in raised_messages()
+        if any(keyword.arg == "at_terminal" for keyword in call.keywords)
+        and hasattr(call.args[0], "value")
+    }
 
 
 def test_each_way_out_of_the_page_fills_from_the_facts_of_the_errors_that_it_is_for():
-    for (code, place), facts in AT_TERMINAL.items():
+    for (code, place), facts in facts_at_terminal().items():
         wanted = {
             field for _, field, _, _ in string.Formatter().parse(REMEDIES.get(code, "")) if field
         }
@@ -38,7 +40,7 @@ def test_each_way_out_of_the_page_fills_from_the_facts_of_the_errors_that_it_is_
 
 def test_each_way_out_of_the_page_is_for_an_error_that_there_is():
     computed = {"ambiguous-layer", "layer-missing"}  # one or the other, at the same place
-    assert REMEDIES.keys() - {code for code, _ in AT_TERMINAL} <= computed
+    assert REMEDIES.keys() - {code for code, _ in facts_at_terminal()} <= computed
     assert REMEDIES.keys() >= IMPORT_OPTIONS
 
 
