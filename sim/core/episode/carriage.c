@@ -192,11 +192,18 @@ static int64_t part_of(int64_t whole, int64_t from, int64_t until)
     return (int64_t)((__int128)whole * until / WG_STEP_TIME) - (int64_t)((__int128)whole * from / WG_STEP_TIME);
 }
 
+// The turn on the first part of a step's way: never more than its share, so that no stretch is driven with more than
+// the car's curvature.
+static int64_t turn_after(const Way *way, int64_t until)
+{
+    return way->turn != 0 ? way->turn * part_of(way->ahead, 0, until) / way->ahead : 0;
+}
+
 static Way stretch_of(const Way *way, int64_t from, int64_t until)
 {
     return (Way){
         part_of(way->ahead, from, until),
-        part_of(way->turn, from, until),
+        turn_after(way, until) - turn_after(way, from),
         {part_of(way->drift.x, from, until), part_of(way->drift.y, from, until)},
     };
 }
@@ -217,7 +224,7 @@ static Leg leg_of(const WgArena *arena, const WgRobot *robot, const Way *stretch
     int64_t y = robot->carriage->off_y
                 + wg_scaled_cosine(stretch->ahead * WG_OFF_UNIT,
                                    arena->headings[wg_reduced_heading(along - WG_TURN / 4)]);
-    WgVector by = {wg_round_away((double)x / WG_OFF_UNIT), wg_round_away((double)y / WG_OFF_UNIT)};
+    WgVector by = {wg_floor_div(x + WG_OFF_UNIT / 2, WG_OFF_UNIT), wg_floor_div(y + WG_OFF_UNIT / 2, WG_OFF_UNIT)};
     int64_t before = order == HALF_AND_HALF ? half : order == ALL_LATE ? 0 : stretch->turn;
     return (Leg){
         before,

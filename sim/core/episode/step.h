@@ -207,8 +207,7 @@ static inline bool wg_nothing_near(const WgArena *arena, const WgSettings *setti
         return false;
     }
     int64_t cells = arena->clearance[iy * arena->width + ix] - 1;
-    // More than the drive, because a car's leg may be a unit longer.
-    return cells * WG_UNIT > settings->reach + settings->drift_reach + wg_abs(wg_drive(state->speed));
+    return cells * WG_UNIT >= settings->reach + settings->drift_reach + wg_abs(wg_drive(state->speed));
 }
 
 static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t time)

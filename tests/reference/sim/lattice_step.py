@@ -515,8 +515,12 @@ class _Way(NamedTuple):
         def share(whole: int) -> int:
             return _truncated(whole, end, TIME_UNIT) - _truncated(whole, begin, TIME_UNIT)
 
+        # The turn follows what is driven.
+        way = abs(self.ahead)
+        done = [way * time // TIME_UNIT for time in (begin, end)]
+        turned = [_truncated(self.turn, one, way) if self.turn != 0 else 0 for one in done]
         drift = (share(self.drift[0]), share(self.drift[1]))
-        return _Way(share(self.ahead), share(self.turn), drift)
+        return _Way(share(self.ahead), turned[1] - turned[0], drift)
 
     @property
     def units(self) -> int:
@@ -555,7 +559,7 @@ class _Car:
             half = 1 << 29
             exact = (product + half) >> 30 if product >= 0 else -((half - product) >> 30)
             exact += int(self.robot.state[k])
-            own.append(round_away(exact / 256))
+            own.append((exact + 128) // 256)
             off.append(exact - 256 * own[-1])
         return (own[0] + way.drift[0], own[1] + way.drift[1]), (off[0], off[1])
 
