@@ -15,6 +15,9 @@
 // The corners that one move may add to the path of a step, including the end of a wait.
 enum { WG_MOST_CORNERS = 4 };
 
+// Parts of a lattice unit in which a car's exact place is known.
+enum { WG_OFF_UNIT = 256 };
+
 // Return values of wg_episode_run and wg_episode_step.
 enum {
     WG_GOES_ON = 0,  // the steps are done, without a verdict
@@ -63,12 +66,16 @@ typedef struct WgController {
     int64_t memory_size;
 } WgController;
 
-// The state of a body, or of a car, besides its WgState. It is the end of the state; a disc that turns on the spot has
-// none. Between the controller's memory and it, the state of a robot with waypoints has WgRobot.passed.
+// The state of a car, or of a body, besides its WgState; only a car has more than the first two words. It is the end
+// of the state; a disc that turns on the spot has none. Between the controller's memory and it, the state of a robot with waypoints has WgRobot.passed.
 typedef struct WgCarriage {
     // 1 more than the heading of the direction away from the wall that cut its last turn short; 0 if none did
     int64_t bumped;
     int64_t steering;  // a car's curvature to the left, 2^-30 of the largest
+    // How far a car's exact place is from its lattice point, in WG_OFF_UNITths of a lattice unit. Without it, a slow
+    // car would drift off its arc by the rounding of each step.
+    int64_t off_x;
+    int64_t off_y;
 } WgCarriage;
 
 // The complete state, with the controller's memory: what a recurrence must repeat, word by word.

@@ -23,7 +23,8 @@ _HEADING = 2  # index in a state, after x and y
 _POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y, _POINT_HEADING = range(5)
 POINT_FIELDS = 4
 # Words of a WgCarriage.
-_CARRIAGE = ffi.sizeof("WgCarriage") // 8
+_OF_A_CAR = ffi.sizeof("WgCarriage") // 8
+_OF_A_BODY = 2
 
 
 def trace_of(
@@ -53,7 +54,9 @@ def trace_of(
     side = world.cell_size
     way = _with_stands(rows, path)
     has_headings = path.shape[1] > POINT_FIELDS
-    after_memory = 0 if lean else _CARRIAGE * has_headings
+    after_memory = 0
+    if not lean and has_headings:
+        after_memory = _OF_A_CAR if world.robots[0].drive.is_car else _OF_A_BODY
     if not lean and has_waypoints(world, options):
         after_memory += 1
         passed = states[:, -after_memory].copy()

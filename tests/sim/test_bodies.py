@@ -212,6 +212,46 @@ def test_a_car_never_turns_more_than_its_way_allows(body, motion):
         assert np.abs(turn).max() > 0.2
 
 
+def off_its_arcs(trace, radius):
+    """Return by how much a car's exact place leaves an arc in each step, and how far it turns too much.
+
+    Both are shares of what it drives, or of a lattice unit if that is more.
+    """
+    words = trace.states.astype(np.int64)
+    place = words[:, :2] + words[:, -2:] / 256
+    dx, dy = np.diff(place, axis=0).T
+    turn = (np.diff(words[:, 2]) + 32768) % 65536 - 32768
+    middle = (words[:-1, 2] + turn / 2) * TURN
+    driven = np.maximum(np.hypot(dx, dy), 1.0)
+    # The least chord of an arc with this turn.
+    chord = 2.0 * radius * np.sin(np.maximum(np.abs(turn) - 2, 0) * TURN / 2.0)
+    across = np.abs(dy * np.cos(middle) - dx * np.sin(middle))
+    return across / driven, (chord - np.hypot(dx, dy)) / driven
+
+
+@pytest.mark.parametrize("speed", [0.015, 2.0])
+@pytest.mark.parametrize("body", [(), box(0.3, 0.2, 0.1)], ids=["disc", "body"])
+def test_a_car_is_always_on_its_arcs_also_at_walls_and_where_it_is_slow(body, speed):
+    robot = Robot(
+        ROBOT.start, ROBOT.target, 0.15, speed, footprint=body, drive=Drive(0.5, reverse=True)
+    )
+    numbers = np.random.default_rng(4).uniform(-1.0, 1.0, (100, 2)) * [speed, 4.0 * speed]
+    commands = np.repeat(numbers, 10, axis=0).tolist()
+    trace = drive(pillars(robot, Pose(3.0, 2.5)), *commands).trace
+    assert trace.bump.sum() > 100 or speed < 1.0
+    across, turned = off_its_arcs(trace, 0.5 / SIDE * 1024)
+    assert across.max() < 0.004 and turned.max() < 0.004
+
+
+def test_a_car_with_full_lock_at_a_wall_stands_and_has_driven_nothing():
+    # It used to creep along the wall, by a unit of rounding a step.
+    for heading, rate in ((0.3, 9.0), (0.3, -9.0), (-0.9, 9.0), (0.01, -9.0)):
+        run = drive(hall(40, 40, CAR, Pose(3.6, 2.0, heading)), *((1.0, rate),) * 1000)
+        assert run.trace.bump[10:1000].all()
+        assert (run.trace.states[8:, :3] == run.trace.states[8, :3]).all()
+        assert run.path_length < 0.6
+
+
 def test_a_car_does_not_turn_on_the_spot_nor_drive_backwards_unless_it_may():
     world = hall(40, 40, CAR, Pose(2.0, 2.0))
     run = drive(world, *((0.0, 5.0),) * 3, *((-1.0, 0.0),) * 3)

@@ -4,7 +4,9 @@
 #include "step.h"
 
 enum {
-    MOST_LEGS = 32,  // straight legs of a car's step
+    MOST_LEGS = 1024,  // straight legs of a car's step
+    MOST_TRIES = 14,   // legs of a step that a wall may cut short before the car stops where it is
+    MOST_DRIVE = (1 << 25) - 1,  // lattice units of a step: more than any world is wide
     // lattice units times heading units: the product of the length and the turn of a leg that
     // leaves its arc by at most 1/64 of a cell. A chord of length l leaves the arc on which it turns
     // by the angle a by l a / 8, so it is 8 * 16 * 65536 / (2 pi).
@@ -39,10 +41,10 @@ int64_t wg_most_legs(const WgSettings *settings)
     if (settings->turn_per_unit <= 0.0) {
         return 1;
     }
-    int64_t fastest = (int64_t)(settings->top_speed * settings->speed) + 1;
+    int64_t fastest = (int64_t)wg_lower(settings->top_speed * settings->speed, MOST_DRIVE - 1) + 1;
     int64_t legs = settings->motion == WG_SWEPT ? legs_of(fastest, turn_on(settings, FULL_LOCK, fastest) + 1) : 1;
-    // The last one may be undone.
-    return legs + 1;
+    // Each has one corner, and after each try that fails there are at most two more. There is room for four a leg.
+    return legs + MOST_TRIES / 2 + 1;
 }
 
 void wg_steer(const WgSettings *settings, const WgCommand *command, WgRobot *robot)
@@ -149,19 +151,6 @@ WgNormal wg_bump_of_turn(const WgArena *arena, const WgCarriage *carriage)
                       (double)arena->headings[(away - WG_TURN / 4) & (WG_TURN - 1)]};
 }
 
-// The part of a whole that belongs to one of `count` equal parts, rounded towards zero.
-static int64_t part_of(int64_t whole, int64_t part, int64_t count)
-{
-    return whole * (part + 1) / count - whole * part / count;
-}
-
-// Returns which share of a displacement a robot has made.
-static double share_made(WgVector by, int64_t dx, int64_t dy)
-{
-    double length_sq = (double)(by.x * by.x + by.y * by.y);
-    return length_sq > 0.0 ? wg_clamp((double)(by.x * dx + by.y * dy) / length_sq, 0.0, 1.0) : 0.0;
-}
-
 static void note_turn(const WgSettings *settings, int64_t step, int64_t turned, WgRobot *robot)
 {
     robot->turned += turned;
@@ -170,99 +159,280 @@ static void note_turn(const WgSettings *settings, int64_t step, int64_t turned, 
     }
 }
 
-// Turns a car while it drives a leg, and returns how far.
-static int64_t turn_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+// What a car does in a step, or in a stretch of it: the length that it drives, lattice units, the turn on it,
+// heading units, and how far the floor drifts.
+typedef struct Way {
+    int64_t ahead;
+    int64_t turn;
+    WgVector drift;
+} Way;
+
+// When a car turns on a stretch. All lead to the same pose; where a wall is in the way of one of them, another may
+// be clear.
+typedef enum Order {
+    HALF_AND_HALF,  // by half before it drives straight, and by the rest after that
+    ALL_LATE,
+    ALL_EARLY,
+    ORDERS,
+} Order;
+
+// A stretch of a car's arc: it turns by `before`, drives the straight chord, and turns by `after`.
+typedef struct Leg {
+    int64_t before;
+    int64_t after;
+    WgVector by;
+    WgVector drift;  // the part of `by` that the wheels don't make
+    int64_t off_x;   // of the carriage after it
+    int64_t off_y;
+} Leg;
+
+// The part of a whole that belongs to a stretch of the step, rounded so that all parts make the whole.
+static int64_t part_of(int64_t whole, int64_t from, int64_t until)
 {
-    int64_t turned = wg_turn_body(arena, settings, step, turn, robot);
-    note_turn(settings, step, turned, robot);
-    return turned;
+    return (int64_t)((__int128)whole * until / WG_STEP_TIME) - (int64_t)((__int128)whole * from / WG_STEP_TIME);
 }
 
-// Undoes a leg on which a wall stopped a car so soon that it has turned by more than its way allows, and
-// where it cannot turn back.
-static void undo_leg(const WgArena *arena, const WgSettings *settings, int64_t step, const WgSegment *way, int64_t turned,
-                     int64_t time, WgRobot *robot)
+// The turn on the first part of a step's way: never more than its share, so that no stretch is driven with more than
+// the car's curvature.
+static int64_t turn_after(const Way *way, int64_t until)
+{
+    return way->turn != 0 ? way->turn * part_of(way->ahead, 0, until) / way->ahead : 0;
+}
+
+static Way stretch_of(const Way *way, int64_t from, int64_t until)
+{
+    return (Way){
+        part_of(way->ahead, from, until),
+        turn_after(way, until) - turn_after(way, from),
+        {part_of(way->drift.x, from, until), part_of(way->drift.y, from, until)},
+    };
+}
+
+// How many lattice units a stretch has at most.
+static int64_t units_of(const Way *stretch)
+{
+    return wg_abs(stretch->ahead) + wg_abs(stretch->drift.x) + wg_abs(stretch->drift.y);
+}
+
+// Returns the leg of a stretch: the chord of the arc that begins at the car's exact place, at its heading.
+static Leg leg_of(const WgArena *arena, const WgRobot *robot, const Way *stretch, Order order)
+{
+    int64_t half = stretch->turn / 2;
+    int64_t along = wg_reduced_heading(robot->body->state.heading + half);
+    int64_t x = robot->carriage->off_x
+                + wg_scaled_cosine(stretch->ahead * WG_OFF_UNIT, arena->headings[along]);
+    int64_t y = robot->carriage->off_y
+                + wg_scaled_cosine(stretch->ahead * WG_OFF_UNIT,
+                                   arena->headings[wg_reduced_heading(along - WG_TURN / 4)]);
+    WgVector by = {wg_floor_div(x + WG_OFF_UNIT / 2, WG_OFF_UNIT), wg_floor_div(y + WG_OFF_UNIT / 2, WG_OFF_UNIT)};
+    int64_t before = order == HALF_AND_HALF ? half : order == ALL_LATE ? 0 : stretch->turn;
+    return (Leg){
+        before,
+        stretch->turn - before,
+        {by.x + stretch->drift.x, by.y + stretch->drift.y},
+        stretch->drift,
+        x - by.x * WG_OFF_UNIT,
+        y - by.y * WG_OFF_UNIT,
+    };
+}
+
+static WgSegment way_of(const WgState *state, const Leg *leg)
+{
+    return (WgSegment){state->x, state->y, state->x + leg->by.x, state->y + leg->by.y};
+}
+
+// Returns true if a turn is clear; if not, notes what stops it.
+static bool turn_is_clear(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t turn,
+                          WgStopped *stopped)
+{
+    return turn == 0
+           || wg_clear_turn(wg_grid(arena), WG_SOLID, arena->headings, &settings->footprint, state->x, state->y,
+                            state->heading, turn, stopped)
+                  == turn;
+}
+
+// Returns true if a car can drive all of a leg. If a turn is what stops it, `stopped` says where.
+static bool leg_is_clear(const WgArena *arena, const WgSettings *settings, const WgState *state, const Leg *leg,
+                         WgStopped *stopped)
+{
+    WgSegment way = way_of(state, leg);
+    WgState there = *state;
+    there.heading = wg_reduced_heading(state->heading + leg->before);
+    stopped->cell.found = false;
+    if (settings->motion != WG_SWEPT) {
+        // `endpoint` only looks at the end.
+        way = (WgSegment){way.qx, way.qy, way.qx, way.qy};
+        int64_t heading = wg_reduced_heading(there.heading + leg->after);
+        return !wg_robot_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, settings, way, heading).found;
+    }
+    bool is_body = settings->footprint.count > 0;
+    if (is_body && !turn_is_clear(arena, settings, state, leg->before, stopped)) {
+        return false;
+    }
+    if (wg_robot_first_not_clear(wg_grid(arena), WG_SOLID, arena->headings, settings, way, there.heading).found) {
+        return false;
+    }
+    there.x = way.qx;
+    there.y = way.qy;
+    return !is_body || turn_is_clear(arena, settings, &there, leg->after, stopped);
+}
+
+// Drives a leg that is clear.
+static void drive_leg(const WgArena *arena, const WgSettings *settings, int64_t step, const Leg *leg, int64_t until,
+                      bool is_near, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
-    int64_t x = state->x;
-    int64_t y = state->y;
-    int64_t before = robot->corners;
-    wg_move(arena, settings, step, way->px - x, way->py - y, time, time, robot);
-    wg_note_headings(robot, before);
-    if (settings->measures != 0) {
-        wg_measure_move(arena, settings, step, state->x - x, state->y - y, robot);
+    turn_freely(arena, settings, step, leg->before, robot);
+    note_turn(settings, step, leg->before, robot);
+    if (robot->report.ending != WG_LIMIT) {
+        return;
     }
-    turn_car(arena, settings, step, -turned, robot);
+    int64_t first = robot->corners;
+    int64_t x = state->x + leg->by.x;
+    int64_t y = state->y + leg->by.y;
+    if (leg->by.x != 0 || leg->by.y != 0) {
+        wg_add_corner(robot, x, y, until);
+    }
+    if (is_near) {
+        wg_arrive_closely(arena, settings, step, x, y, robot);
+    } else {
+        wg_arrive(settings, x, y, robot);
+    }
+    wg_note_headings(robot, first);
+    if (settings->measures != 0) {
+        wg_measure_move(arena, settings, step, leg->by.x - leg->drift.x, leg->by.y - leg->drift.y, robot);
+    }
+    robot->carriage->off_x = leg->off_x;
+    robot->carriage->off_y = leg->off_y;
+    if (robot->report.ending == WG_LIMIT) {
+        turn_freely(arena, settings, step, leg->after, robot);
+        note_turn(settings, step, leg->after, robot);
+    }
+}
+
+// Drives a stretch if the whole of it is clear; returns true if it does.
+static bool drive_stretch(const WgArena *arena, const WgSettings *settings, int64_t step, const Way *stretch,
+                          int64_t until, WgRobot *robot)
+{
+    const WgState *state = &robot->body->state;
+    Leg leg = leg_of(arena, robot, stretch, HALF_AND_HALF);
+    bool is_near = !wg_nothing_near(arena, settings, state, leg.by.x, leg.by.y);
+    WgStopped stopped;
+    // A disc's turns are clear, and `endpoint` sees none, so that for them all orders are the same.
+    int orders = settings->footprint.count > 0 && settings->motion == WG_SWEPT && stretch->turn != 0 ? ORDERS : 1;
+    bool is_clear = !is_near || (units_of(stretch) == 0 && stretch->turn == 0)
+                    || leg_is_clear(arena, settings, state, &leg, &stopped);
+    for (int order = 1; order < orders && !is_clear; order++) {
+        leg = leg_of(arena, robot, stretch, (Order)order);
+        is_clear = leg_is_clear(arena, settings, state, &leg, &stopped);
+    }
+    if (is_clear) {
+        drive_leg(arena, settings, step, &leg, until, is_near, robot);
+    }
+    return is_clear;
+}
+
+// Returns the contact that stops a car on a stretch which is not clear, and ends the run if there may be none.
+static WgNormal stop_car(const WgArena *arena, const WgSettings *settings, int64_t step, const Way *stretch,
+                         WgRobot *robot)
+{
+    WgStopped stopped;
+    Leg leg = leg_of(arena, robot, stretch, HALF_AND_HALF);
+    (void)leg_is_clear(arena, settings, &robot->body->state, &leg, &stopped);
+    if (!stopped.cell.found) {
+        int64_t turn = settings->motion == WG_SWEPT ? leg.before : leg.before + leg.after;
+        return wg_touch(arena, settings, step, way_of(&robot->body->state, &leg), turn, robot);
+    }
+    note_stop(settings, step, &stopped, robot);
+    WgNormal contact = wg_bump_of_turn(arena, robot->carriage);
+    robot->carriage->bumped = 0;  // it is sensed in this step
+    return contact;
+}
+
+// Drives a car between two times of a step in which the world is static: in one leg, or up to a wall in ever
+// shorter ones. It stands on its arc, and the next lattice unit of that is not clear.
+static WgNormal drive_until(const WgArena *arena, const WgSettings *settings, int64_t step, const Way *way,
+                            int64_t from, int64_t until, int64_t *tries, WgRobot *robot)
+{
+    int64_t size = until - from;
+    bool is_blocked = false;
+    while (from < until && robot->report.ending == WG_LIMIT) {
+        int64_t end = wg_least(from + size, until);
+        Way stretch = stretch_of(way, from, end);
+        if (drive_stretch(arena, settings, step, &stretch, end, robot)) {
+            from = end;
+            continue;
+        }
+        int64_t units = units_of(&stretch);
+        if (units <= 1 || *tries == 0 || settings->motion != WG_SWEPT) {
+            return stop_car(arena, settings, step, &stretch, robot);
+        }
+        --*tries;
+        // Most cars at walls are held by them, and the first unit shows that.
+        if (!is_blocked) {
+            is_blocked = true;
+            int64_t unit = wg_least(from + size / units + 1, until);
+            Way first = stretch_of(way, from, unit);
+            if (!drive_stretch(arena, settings, step, &first, unit, robot)) {
+                return stop_car(arena, settings, step, &first, robot);
+            }
+            from = unit;
+        }
+        size /= 2;
+    }
+    return (WgNormal){0.0, 0.0};
+}
+
+// Lets the events of a step happen whose time has come, and returns the time of the next one in it.
+static int64_t pass_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t now,
+                           WgRobot *robot)
+{
+    while (robot->next_event < arena->event_count && robot->report.ending == WG_LIMIT) {
+        const WgEvent *event = &arena->events[robot->next_event];
+        if (event->step != step) {
+            break;
+        }
+        // `endpoint` checks the world only at the end of a step, so all events come first.
+        if (event->time > now && settings->motion == WG_SWEPT) {
+            return event->time;
+        }
+        // The robot waits for the event.
+        if (now > 0 && (robot->corners == 0 || robot->chain[robot->corners - 1].time < now)) {
+            wg_add_corner(robot, robot->body->state.x, robot->body->state.y, now);
+            wg_note_headings(robot, robot->corners - 1);
+        }
+        robot->next_event = wg_change_cells(arena, step, robot->next_event);
+        wg_catch(arena, settings, step, robot);
+    }
+    return WG_STEP_TIME;
 }
 
 WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t drive, WgRobot *robot)
 {
-    WgState *state = &robot->body->state;
-    int64_t turn = turn_on(settings, robot->carriage->steering, drive);
-    int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(drive), wg_abs(turn)) : 1;
-    robot->turned = 0;
-    for (int64_t leg = 0; leg < legs; leg++) {
-        // Turn by half, so that the leg is a chord of its arc. Where a wall is in the way of that, the car
-        // first has to drive away from it.
-        WgStopped stopped = {{false, 0, 0}, {0.0, 0.0}};
-        int64_t turns = part_of(turn, leg, legs);
-        int64_t half = turns / 2;
-        half = clear_part(arena, settings, state, half, &stopped) == half ? half : 0;
-        turn_freely(arena, settings, step, half, robot);
-        note_turn(settings, step, half, robot);
-        if (robot->report.ending != WG_LIMIT) {
-            return (WgNormal){0.0, 0.0};
-        }
-
-        // Drive straight.
-        WgVector by = {0, 0};
-        int64_t ahead = part_of(drive, leg, legs);
-        if (ahead != 0) {
-            by = wg_displacement(arena->headings, state->heading, ahead);
-        }
-        WgVector drift = {0, 0};
-        if (settings->disturbed != 0) {
-            drift = (WgVector){part_of(settings->drift_x, leg, legs), part_of(settings->drift_y, leg, legs)};
-        }
-        by = (WgVector){by.x + drift.x, by.y + drift.y};
-        WgSegment way = {state->x, state->y, state->x + by.x, state->y + by.y};
-        int64_t before = robot->corners;
-        WgNormal contact = wg_move_during(arena, settings, step, by, WG_STEP_TIME * leg / legs,
-                                          WG_STEP_TIME * (leg + 1) / legs, robot);
-        wg_note_headings(robot, before);
-        bool touches = wg_is_contact(contact);
-        if (settings->measures != 0) {
-            WgVector missed = touches ? (WgVector){0, 0} : drift;
-            wg_measure_move(arena, settings, step, state->x - way.px - missed.x, state->y - way.py - missed.y, robot);
-        }
-        if (robot->report.ending != WG_LIMIT) {
-            return contact;
-        }
-
-        // Where it has not moved, it can turn back; to test that would take most of the time of a step.
-        if (touches && state->x == way.px && state->y == way.py && arena->event_count == 0) {
-            state->heading = wg_reduced_heading(state->heading - half);
-            note_turn(settings, step, -half, robot);
-            return contact;
-        }
-
-        // And turn by the rest; in all by the share of the leg that was driven.
-        if (touches) {
-            turns = (int64_t)((double)turns * share_made(by, state->x - way.px, state->y - way.py));
-        }
-        int64_t turned = turn_car(arena, settings, step, turns - half, robot);
-        if (turned != turns - half) {
-            contact = wg_bump_of_turn(arena, robot->carriage);
-            if (wg_abs(half + turned) > wg_abs(turns)) {
-                undo_leg(arena, settings, step, &way, half + turned, WG_STEP_TIME * (leg + 1) / legs, robot);
-            }
-            robot->carriage->bumped = 0;  // it is sensed in this step
-        }
-        if (wg_is_contact(contact)) {
-            return contact;
-        }
+    int64_t ahead = wg_most(wg_least(drive, MOST_DRIVE), -MOST_DRIVE);
+    Way way = {ahead, turn_on(settings, robot->carriage->steering, ahead), {settings->drift_x, settings->drift_y}};
+    if (settings->disturbed == 0) {
+        way.drift = (WgVector){0, 0};
     }
-    return (WgNormal){0.0, 0.0};
+    int64_t legs = settings->motion == WG_SWEPT ? legs_of(wg_abs(ahead), wg_abs(way.turn)) : 1;
+    int64_t tries = MOST_TRIES;
+    WgNormal contact = {0.0, 0.0};
+    robot->turned = 0;
+    int64_t leg = 0;
+    for (int64_t now = 0; now < WG_STEP_TIME;) {
+        int64_t next_event = pass_events(arena, settings, step, now, robot);
+        if (robot->report.ending != WG_LIMIT) {
+            break;
+        }
+        int64_t end = WG_STEP_TIME * (leg + 1) / legs;
+        int64_t until = wg_least(end, next_event);
+        if (!wg_is_contact(contact)) {
+            contact = drive_until(arena, settings, step, &way, now, until, &tries, robot);
+        }
+        leg += until == end;
+        now = until;
+    }
+    return contact;
 }
 
 void wg_end_move(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)

@@ -16,7 +16,12 @@ enum {
 
 int64_t wg_carriage_words(const WgSettings *settings)
 {
-    return wg_has_carriage(settings) ? (int64_t)(sizeof(WgCarriage) / sizeof(uint64_t)) : 0;
+    enum { OF_A_BODY = 2 };
+
+    if (wg_is_car(settings)) {
+        return (int64_t)(sizeof(WgCarriage) / sizeof(uint64_t));
+    }
+    return wg_has_carriage(settings) ? OF_A_BODY : 0;
 }
 
 int64_t wg_words_after_memory(const WgSettings *settings)
@@ -219,7 +224,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
         memcpy(robot->body->memory, controller->memory, (size_t)controller->memory_size * sizeof(double));
     }
     if (wg_has_carriage(settings)) {
-        *robot->carriage = (WgCarriage){0, 0};
+        memset(robot->carriage, 0, (size_t)wg_carriage_words(settings) * sizeof(int64_t));
     }
     robot->goal = &settings->target;
     if (robot->passed != NULL) {

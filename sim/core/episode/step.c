@@ -222,6 +222,28 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     return moved.contact;
 }
 
+WgNormal wg_touch(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way, int64_t turn,
+                  WgRobot *robot)
+{
+    WgState *state = &robot->body->state;
+    int64_t before = state->heading;
+    state->heading = wg_reduced_heading(before + turn);
+    WgMoved moved = {robot->corners, {(double)(way.px - way.qx), (double)(way.py - way.qy)}};
+    if (!wg_is_contact(moved.contact)) {
+        // A move too short for the lattice.
+        double side = state->speed < 0 ? 1.0 : -1.0;
+        moved.contact.x = side * (double)arena->headings[state->heading];
+        moved.contact.y = side * (double)arena->headings[wg_reduced_heading(state->heading - WG_TURN / 4)];
+    }
+    if (settings->motion == WG_SWEPT) {
+        // Only what stops the move counts, so its corners are forgotten.
+        moved = swept_move(arena, settings, way, 0.0, 0.0, robot);
+    }
+    judge_contact(arena, settings, step, way, moved, robot);
+    state->heading = before;
+    return moved.contact;
+}
+
 int64_t wg_share_of(int64_t whole, int64_t time, int64_t whole_time)
 {
     return wg_round_away((double)whole * ((double)time / (double)whole_time));

@@ -144,8 +144,12 @@ WgNormal wg_bump_of_turn(const WgArena *arena, const WgCarriage *carriage);
 // Sets a car's curvature to that of a commanded arc, as near as its steering allows.
 void wg_steer(const WgSettings *settings, const WgCommand *command, WgRobot *robot);
 
-// Moves a car along the arc of a step: straight legs, each with a turn after it. It stops at the first contact,
-// which it returns.
+// Returns what stops a car on the way of a leg, for which it turns first, and ends the run if no wall may be touched.
+WgNormal wg_touch(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way, int64_t turn,
+                  WgRobot *robot);
+
+// Moves a car along the arc of a step: straight legs, all of whose ends are on the arc that begins at its exact
+// place, at its heading. It stops on the arc at the first contact, which it returns.
 WgNormal wg_drive_car(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t drive, WgRobot *robot);
 
 // Adds a step to the digest: whether a wall was touched, the corners of its path,

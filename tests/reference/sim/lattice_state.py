@@ -78,7 +78,8 @@ class Robot(NamedTuple):
     Args:
         state: (STATE_MEMORY + memory,) int64, ``STATE_``; a robot with waypoints has one more: how
             many it has passed; a body or a car has two more: 1 plus the heading away from the wall
-            that cut its last turn short, and its curvature.
+            that cut its last turn short, and its curvature; a car has two more, by which its exact
+            place is away from the lattice, in 1/256 of a unit.
         odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured
             them.
         chain: (n, 3) int64, path of the last step: x, y, time in the step.

@@ -7,7 +7,7 @@ whose turn takes effect immediately and whose speed drives the next step.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -134,7 +134,12 @@ def load_goal(arena: Arena, settings: Ints, number: int) -> None:
 
 def _passed_at(arena: Arena) -> int:
     """Index in a state of the number of waypoints that the robot has passed."""
-    return -1 if arena.carriage is None else -3
+    return -1 if arena.carriage is None else _bumped_at(arena) - 1
+
+
+def _bumped_at(arena: Arena) -> int:
+    """Index in a state of what cut its last turn short."""
+    return -4 if arena.carriage.turn_per_unit > 0.0 else -2
 
 
 def _meet_goal(arena: Arena, robot: Robot) -> None:
@@ -439,34 +444,21 @@ def _measure(
 
 def _bump(arena: Arena, robot: Robot) -> tuple[float, float]:
     """Direction away from the wall that cut the last turn short; (0, 0) if none did."""
-    if robot.state[-2] == 0:
+    if robot.state[_bumped_at(arena)] == 0:
         return 0.0, 0.0
-    away = int(robot.state[-2]) - 1
+    away = int(robot.state[_bumped_at(arena)]) - 1
     return float(arena.headings[away]), float(arena.headings[(away - TURN // 4) % TURN])
-
-
-def _is_clear_turn(arena: Arena, settings: Ints, turn: int, state: Ints) -> bool:
-    """Whether no wall is in the way of a turn."""
-    body = arena.carriage.body
-    if not body or turn == 0:
-        return True
-    x, y, heading = (int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING))
-    if settings[layout.SET_MOTION] == SWEPT:
-        pose = (x, y, heading)
-        return polygon.clear_turn(arena.cells, arena.headings, body, pose, turn)[0] == turn
-    there = turned(arena.headings, body, (heading + turn) % TURN)
-    return not polygon.first_not_clear(arena.cells, SOLID, there, (x, y, x, y))[0]
 
 
 def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) -> int:
     """Turns a robot as far as its body is clear; returns how far.
 
-    The last but one word of its state becomes 1 plus the heading away from the wall in its way.
+    A word of its state becomes 1 plus the heading away from the wall in its way.
     """
     state, counts = robot.state, robot.counts
     body = arena.carriage.body
     x, y, heading = (int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING))
-    state[-2] = 0
+    state[_bumped_at(arena)] = 0
     made, cell = turn, None
     if body and settings[layout.SET_MOTION] == SWEPT:
         made, cell = polygon.clear_turn(arena.cells, arena.headings, body, (x, y, heading), turn)
@@ -488,7 +480,7 @@ def turn_body(arena: Arena, settings: Ints, step: int, turn: int, robot: Robot) 
             made, cell = 0, (ix, iy)
             nx, ny = float(x - ix * UNIT) - UNIT / 2, float(y - iy * UNIT) - UNIT / 2
     if cell is not None:
-        state[-2] = 1 + heading_of(int(nx * UNIT), int(ny * UNIT), 0)
+        state[_bumped_at(arena)] = 1 + heading_of(int(nx * UNIT), int(ny * UNIT), 0)
         if (
             settings[layout.SET_CONTACT] == layout.FAIL
             and counts[layout.OUT_ENDING] == layout.LIMIT
@@ -510,97 +502,238 @@ def _truncated(whole: int, share: int, of: int) -> int:
     return abs(whole) * share // of * (1 if whole >= 0 else -1)
 
 
-def _part(whole: int, part: int, of: int) -> int:
-    """One of equal parts of a whole number."""
-    return _truncated(whole, part + 1, of) - _truncated(whole, part, of)
+class _Way(NamedTuple):
+    """What a car does in a stretch of a step: its drive, its turn, and the floor's drift."""
+
+    ahead: int
+    turn: int
+    drift: tuple[int, int]
+
+    def part(self, begin: int, end: int) -> _Way:
+        """The part between two times of the step."""
+
+        def share(whole: int) -> int:
+            return _truncated(whole, end, TIME_UNIT) - _truncated(whole, begin, TIME_UNIT)
+
+        # The turn follows what is driven.
+        way = abs(self.ahead)
+        done = [way * time // TIME_UNIT for time in (begin, end)]
+        turned = [_truncated(self.turn, one, way) if self.turn != 0 else 0 for one in done]
+        drift = (share(self.drift[0]), share(self.drift[1]))
+        return _Way(share(self.ahead), turned[1] - turned[0], drift)
+
+    @property
+    def units(self) -> int:
+        return abs(self.ahead) + abs(self.drift[0]) + abs(self.drift[1])
+
+
+class _Car:
+    """One step of a car, by legs with both ends on the arc that begins at its exact place."""
+
+    def __init__(
+        self, arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
+    ) -> None:
+        self.arena, self.settings, self.scales = arena, settings, scales
+        self.step, self.event, self.robot = step, event, robot
+        self.count, self.tries = 0, 14
+        self.swept = settings[layout.SET_MOTION] == SWEPT
+        robot.turned[0] = 0
+
+    @property
+    def is_over(self) -> bool:
+        return bool(self.robot.counts[layout.OUT_ENDING] != layout.LIMIT)
+
+    def pose(self) -> tuple[int, int, int]:
+        state = self.robot.state
+        return tuple(  # type: ignore[return-value]
+            int(state[k]) for k in (layout.STATE_X, layout.STATE_Y, layout.STATE_HEADING)
+        )
+
+    def chord(self, way: _Way) -> tuple[tuple[int, int], tuple[int, int]]:
+        """The move of a stretch, and what it leaves between the exact place and the lattice."""
+        headings = self.arena.headings
+        along = self.pose()[2] + int(way.turn / 2)
+        own, off = [], []
+        for k, quarter in ((-2, 0), (-1, TURN // 4)):
+            product = way.ahead * 256 * int(headings[(along - quarter) % TURN])
+            half = 1 << 29
+            exact = (product + half) >> 30 if product >= 0 else -((half - product) >> 30)
+            exact += int(self.robot.state[k])
+            own.append((exact + 128) // 256)
+            off.append(exact - 256 * own[-1])
+        return (own[0] + way.drift[0], own[1] + way.drift[1]), (off[0], off[1])
+
+    def stop(self, way: _Way, before: int) -> str | tuple[int, int, tuple[int, int]] | None:
+        """What stops a stretch: a chord, a turn (with its pose, cell), or nothing."""
+        body, cells, headings = self.arena.carriage.body, self.arena.cells, self.arena.headings
+        x, y, heading = self.pose()
+        (dx, dy), _ = self.chord(way)
+        after = way.turn - before
+        if not self.swept:
+            x, y, heading = x + dx, y + dy, heading + way.turn
+            return "chord" if self._meets(heading, (x, y, x, y)) else None
+        if body:
+            made, cell = polygon.clear_turn(cells, headings, body, (x, y, heading), before)
+            if made != before:
+                return (heading + made) % TURN, 0, cell
+        if self._meets(heading + before, (x, y, x + dx, y + dy)):
+            return "chord"
+        if body:
+            there = (x + dx, y + dy, (heading + before) % TURN)
+            made, cell = polygon.clear_turn(cells, headings, body, there, after)
+            if made != after:
+                return (there[2] + made) % TURN, 1, cell
+        return None
+
+    def _meets(self, heading: int, ends: tuple[int, int, int, int]) -> bool:
+        arena, reach = self.arena, self.settings[layout.SET_REACH]
+        shape: Shape = int(self.settings[layout.SET_CLEAR_SQ])
+        if arena.carriage.body:
+            shape = turned(arena.headings, arena.carriage.body, heading % TURN)
+        return bool(segment_first_not_clear(arena.cells, SOLID, shape, reach, ends)[0])
+
+    def turn(self, turn: int) -> None:
+        made = turn_body(self.arena, self.settings, self.step, turn, self.robot)
+        assert made == turn or not self.swept
+        self.robot.state[layout.STATE_HEADING] += turn - made  # `endpoint` refused it at this place
+        self.robot.state[layout.STATE_HEADING] %= TURN
+        self.robot.state[-4] = 0
+        self.robot.turned[0] += turn
+        if self.settings[layout.SET_MEASURES] != 0:
+            _measure_turn(self.settings, self.scales, self.step, turn, self.robot)
+
+    def drive(self, way: _Way, until: int) -> bool:
+        """Drive a stretch if all of it is clear."""
+        half = int(way.turn / 2)
+        orders = [half]
+        if self.arena.carriage.body and self.swept and way.turn != 0:
+            orders += [0, way.turn]
+        is_still = way.units == 0 and way.turn == 0
+        found = [turn for turn in orders if is_still or self.stop(way, turn) is None][:1]
+        if not found:
+            return False
+        chain, state, settings = self.robot.chain, self.robot.state, self.settings
+        (dx, dy), off = self.chord(way)
+        self.turn(found[0])
+        if self.is_over:
+            return True
+        first = self.count
+        if dx != 0 or dy != 0:
+            x, y, _ = self.pose()
+            chain[first] = x + dx, y + dy, until
+            self.count += 1
+        rows = (first, self.count)
+        _judge_path(self.arena, settings, self.scales, self.step, rows, False, self.robot)
+        if settings[layout.SET_MEASURES] != 0:
+            own = (dx - way.drift[0], dy - way.drift[1])
+            _measure(settings, self.scales, self.arena.headings, self.step, own, self.robot)
+        state[-2], state[-1] = off
+        if not self.is_over:
+            self.turn(way.turn - found[0])
+        return True
+
+    def contact(self, way: _Way) -> tuple[float, float]:
+        """What stops a stretch that is not clear; it ends the run if none may be touched."""
+        arena, settings, state = self.arena, self.settings, self.robot.state
+        half = int(way.turn / 2)
+        x, y, heading = self.pose()
+        (dx, dy), _ = self.chord(way)
+        found = self.stop(way, half)
+        if isinstance(found, tuple):
+            last, is_there, cell = found
+            where = (x + dx, y + dy) if is_there else (x, y)
+            nx, ny = polygon.away_from(
+                turned(arena.headings, arena.carriage.body, last), *cell, *where
+            )
+            away = heading_of(int(nx * UNIT), int(ny * UNIT), 0)
+            counts = self.robot.counts
+            if settings[layout.SET_CONTACT] == layout.FAIL:
+                counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.CONTACT, self.step
+                counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = cell
+            return float(arena.headings[away]), float(arena.headings[(away - TURN // 4) % TURN])
+        state[layout.STATE_HEADING] = (heading + (half if self.swept else way.turn)) % TURN
+        ends = (x, y, dx, dy)
+        if self.swept:
+            shape = shape_of(arena, settings, self.robot)
+            _, nx, ny = swept_move(
+                arena.cells, shape, settings[layout.SET_REACH], ends, (0.0, 0.0), 1.0,
+                self.robot.chain.copy(), 0,
+            )  # fmt: skip
+        elif dx != 0 or dy != 0:
+            nx, ny = float(-dx), float(-dy)
+        else:
+            side = 1.0 if state[layout.STATE_SPEED] < 0 else -1.0
+            now = int(state[layout.STATE_HEADING])
+            nx = side * float(arena.headings[now])
+            ny = side * float(arena.headings[(now - TURN // 4) % TURN])
+        _judge_contact(arena, settings, self.step, ends, nx != 0.0 or ny != 0.0, self.robot)
+        state[layout.STATE_HEADING] = heading
+        return nx, ny
+
+    def until(self, way: _Way, begin: int, end: int) -> tuple[float, float]:
+        """Drive between two times, in ever shorter legs up to a wall."""
+        size, is_blocked = end - begin, False
+        while begin < end and not self.is_over:
+            until = min(begin + size, end)
+            part = way.part(begin, until)
+            if self.drive(part, until):
+                begin = until
+                continue
+            if part.units <= 1 or self.tries == 0 or not self.swept:
+                return self.contact(part)
+            self.tries -= 1
+            if not is_blocked:
+                is_blocked = True
+                unit = min(begin + size // part.units + 1, end)
+                part = way.part(begin, unit)
+                if not self.drive(part, unit):
+                    return self.contact(part)
+                begin = unit
+            size //= 2
+        return 0.0, 0.0
+
+    def events(self, now: int) -> int:
+        """Let what is due happen; returns when the next event of the step is."""
+        rows, robot = self.arena.events, self.robot
+        while self.event < len(rows) and rows[self.event, layout.EVENT_STEP] == self.step:
+            time = int(rows[self.event, layout.EVENT_TIME])
+            if time > now and self.swept:
+                return time
+            if now > 0 and (self.count == 0 or robot.chain[self.count - 1, 2] < now):
+                robot.chain[self.count] = *self.pose()[:2], now
+                self.count += 1
+            self.event = _apply_events(self.arena, self.settings, self.step, self.event, robot)
+            if self.is_over:
+                break
+        return TIME_UNIT
 
 
 def _drive_car(
     arena: Arena, settings: Ints, scales: Floats, step: int, drive: int, event: int, robot: Robot
 ) -> tuple[int, int, float, float]:
-    """Moves a car along its arc, up to the first contact: by half a turn, a straight leg, and the rest.
-
-    Result as for :func:`_advance`.
-    """
-    state, car = robot.state, arena.carriage
+    """Moves a car along its arc, up to the first contact; result as for :func:`_advance`."""
+    car = _Car(arena, settings, scales, step, event, robot)
     # The turn of the step, and how many legs keep the path within 1/64 of a cell of its arc.
-    share = float(state[-1]) / float(1 << 30)
+    ahead = max(min(drive, 2**25 - 1), 1 - 2**25)
+    share = float(robot.state[-3]) / float(1 << 30)
     limit = min(32767.0, scales[layout.SCALE_TURN_LIMIT] * scales[layout.SCALE_TURN] + 1e-9)
-    turn = int(min(max(share * float(drive) * car.turn_per_unit, -limit), limit))
+    turn = int(min(max(share * float(ahead) * arena.carriage.turn_per_unit, -limit), limit))
     legs = 1
-    while (
-        settings[layout.SET_MOTION] == SWEPT
-        and legs < 32
-        and legs * legs * 1335088 < abs(drive) * abs(turn)
-    ):
+    while car.swept and legs < 1024 and legs * legs * 1335088 < abs(ahead) * abs(turn):
         legs += 1
-    count = 0
-    robot.turned[0] = 0
-
-    def note_turn(units: int) -> None:
-        robot.turned[0] += units
-        if settings[layout.SET_MEASURES] != 0:
-            _measure_turn(settings, scales, step, units, robot)
-
-    def turn_by(units: int) -> int:
-        made = turn_body(arena, settings, step, units, robot)
-        note_turn(made)
-        return made
-
-    for leg in range(legs):
-        # Where a wall is in the way of half the turn, all of it comes after the leg.
-        turns = _part(turn, leg, legs)
-        half = _truncated(turns, 1, 2)
-        half = half if _is_clear_turn(arena, settings, half, state) else 0
-        turn_by(half)
-        if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
-            return event, count, 0.0, 0.0
-        x, y = int(state[layout.STATE_X]), int(state[layout.STATE_Y])
-        ahead = _part(drive, leg, legs)
-        drift = tuple(
-            _part(int(settings[k]), leg, legs) for k in (layout.SET_DRIFT_X, layout.SET_DRIFT_Y)
-        )
-        way = displacement(arena.headings, state[layout.STATE_HEADING], ahead)
-        way = (int(way[0]) + drift[0], int(way[1]) + drift[1])
-        during = (TIME_UNIT * leg // legs, TIME_UNIT * (leg + 1) // legs)
-        if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
-            event, count, nx, ny = _move_through_events(
-                arena, settings, scales, step, way, event, robot, during, count
-            )
-        else:
-            count, nx, ny = _move(arena, settings, scales, step, way, during, count, robot)
-        touched = nx != 0.0 or ny != 0.0
-        dx, dy = int(state[layout.STATE_X]) - x, int(state[layout.STATE_Y]) - y
-        if settings[layout.SET_MEASURES] != 0:
-            missed = (0, 0) if touched else drift
-            own = (dx - missed[0], dy - missed[1])
-            _measure(settings, scales, arena.headings, step, own, robot)
-        if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
-            return event, count, nx, ny
-        if touched:
-            length_sq = float(way[0] * way[0] + way[1] * way[1])
-            share = float(way[0] * dx + way[1] * dy) / length_sq if length_sq > 0.0 else 0.0
-            turns = int(float(turns) * min(max(share, 0.0), 1.0))
-        made = turn_by(turns - half)
-        if made != turns - half:
-            nx, ny = _bump(arena, robot)
-            if abs(half + made) > abs(turns):
-                # It has turned by more than its way allows, and cannot turn back: it undoes the leg.
-                here = (int(state[layout.STATE_X]), int(state[layout.STATE_Y]))
-                back = (x - here[0], y - here[1])
-                when = (during[1], during[1])
-                count, _, _ = _move(arena, settings, scales, step, back, when, count, robot)
-                if settings[layout.SET_MEASURES] != 0:
-                    moved = (
-                        int(state[layout.STATE_X]) - here[0],
-                        int(state[layout.STATE_Y]) - here[1],
-                    )
-                    _measure(settings, scales, arena.headings, step, moved, robot)
-                turn_by(-half - made)
-            state[-2] = 0
-        if nx != 0.0 or ny != 0.0:
-            return event, count, nx, ny
-    return event, count, 0.0, 0.0
+    way = _Way(ahead, turn, (int(settings[layout.SET_DRIFT_X]), int(settings[layout.SET_DRIFT_Y])))
+    now, leg, contact = 0, 0, (0.0, 0.0)
+    while now < TIME_UNIT:
+        due = car.events(now)
+        if car.is_over:
+            break
+        end = TIME_UNIT * (leg + 1) // legs
+        until = min(end, due)
+        if contact == (0.0, 0.0):
+            contact = car.until(way, now, until)
+        leg += until == end
+        now = until
+    return car.event, car.count, *contact
 
 
 def _steer(arena: Arena, scales: Floats, speed: float, rate: float, robot: Robot) -> None:
@@ -613,11 +746,11 @@ def _steer(arena: Arena, scales: Floats, speed: float, rate: float, robot: Robot
         wanted = min(max(rate / speed * car.turning_radius, -1.0), 1.0)
     elif rate != 0.0:
         wanted = 1.0 if rate > 0.0 else -1.0
-    steering, now = int(wanted * full), int(robot.state[-1])
+    steering, now = int(wanted * full), int(robot.state[-3])
     if car.steering_rate < math.inf:
         most = int(min(car.steering_rate * scales[layout.SCALE_TIME_STEP] * full, 2.0 * full))
         steering = max(now - most, min(now + most, steering))
-    robot.state[-1] = steering
+    robot.state[-3] = steering
 
 
 def _push(
@@ -647,12 +780,12 @@ def _push(
     clear_sq, reach = shape_of(arena, settings, robot), settings[layout.SET_REACH]
     if arena.carriage is not None and arena.carriage.body:
         off = int(push[layout.PUSH_TURN]) % TURN
-        earlier = int(state[-2])
+        earlier = int(state[_bumped_at(arena)])
         turn_body(arena, settings, step, off - TURN if off > TURN // 2 else off, robot)
-        if state[-2] != 0:
+        if state[_bumped_at(arena)] != 0:
             nx, ny = _bump(arena, robot)
             moved = (count, nx, ny)
-        state[-2] = earlier
+        state[_bumped_at(arena)] = earlier
     else:
         state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + push[layout.PUSH_TURN]) % TURN
     clear_sq = shape_of(arena, settings, robot)
