@@ -3,15 +3,8 @@
 The audit is an independent check: it shares no code with the simulator.
 """
 
-from sim.audit.judge import (
-    DEFAULT_TOLERANCE,
-    KINDS,
-    LEAST_TOLERANCE,
-    Audit,
-    Finding,
-    Trajectory,
-    audit,
-)
+from sim.audit.judge import DEFAULT_TOLERANCE, KINDS, LEAST_TOLERANCE, Audit, Finding, audit
+from worldgen.logs.trajectory import Trajectory
 
 __all__ = [
     "DEFAULT_TOLERANCE",

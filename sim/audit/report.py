@@ -9,8 +9,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from sim.audit.judge import KINDS, Audit, Finding, Trajectory
+from sim.audit.judge import KINDS, Audit, Finding
 from worldgen import render
+from worldgen.logs.trajectory import Trajectory
 from worldgen.render.overlay import MarkKind
 from worldgen.support.arrays import Floats
 from worldgen.world import World

@@ -14,6 +14,7 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
+    note,
     say,
     write_out,
 )
@@ -28,13 +29,27 @@ EXAMPLES = (
     "\b\n  worldgen audit w.grid recording.csv --picture audit.png\n"
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json\n"
-    "  worldgen audit w.grid plan.csv --footprint 0.62x0.9 --interpolate arc"
+    "  worldgen audit w.grid plan.csv --footprint 0.62x0.9 --interpolate arc\n"
+    "  worldgen audit office.grid odom.csv --frame map --columns t=stamp:ms,x=px,y=py"
 )
 
 
 @click.command(epilog=EXAMPLES)
 @click.argument("world_path", type=PATH, metavar="WORLD")
-@click.argument("trajectory_path", type=PATH, metavar="TRAJECTORY.csv")
+@click.argument("log_path", type=PATH, metavar="LOG")
+@click.option(
+    "--frame",
+    type=click.Choice(["corner", "map"]),
+    help="Frame of the log: from the world's lower-left corner, or that of the map that the world was "
+    "imported from.  [default: corner]",
+)
+@click.option(
+    "--columns",
+    default="",
+    metavar="t=NAME,x=NAME,...",
+    help="Columns of the log, by name or number from 1, with their unit if it isn't s, m or rad: "
+    "t=stamp:ms,x=px,y=py,yaw=4:deg; also qx to qw. Others are recognised.",
+)
 @click.option(
     "--tolerance",
     type=float,
@@ -82,7 +97,9 @@ EXAMPLES = (
 @force_option
 def audit(
     world_path: Path,
-    trajectory_path: Path,
+    log_path: Path,
+    frame: str | None,
+    columns: str,
     tolerance: float,
     slack: float | None,
     interpolate: Interpolation | None,
@@ -96,17 +113,19 @@ def audit(
 ) -> None:
     """Check whether a trajectory from any simulator was possible, or a plan is.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up), heading (rad) if the
-    robot has a footprint and, for several robots, robot; - is stdin. Without t it is a plan. It
-    reports walls that the centre went through (tunnel) or that the body cut into (overlap), paths
-    outside the grid, jumps faster than the robot's speed, and contact with fire;
+    LOG is a table with columns t, x, y (s, m, m; x right, y up), heading (rad) if the robot has a
+    footprint and, for several robots, robot; or what ROS, ROS 2, TUM or F1TENTH write. - is stdin.
+    Without times it is a plan. It reports walls that the centre went through (tunnel) or that the
+    body cut into (overlap), paths outside the grid, jumps faster than the robot's speed, and
+    contact with fire;
     docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1 if not.
     """
     from sim.audit import audit as audit_trajectory
-    from sim.audit.file import read_trajectories
+    from sim.audit.frames import MapFrame, doubtful_frame, resampled_note
     from sim.audit.report import as_lines, as_object, draw, fleet_lines, fleet_object
     from worldgen.errors import InvalidParameter
     from worldgen.files.grid import read_world
+    from worldgen.logs.reading import read_log
 
     # Refuse bad output before the work.
     check_out("--picture", picture, ".png", force=force)
@@ -125,7 +144,11 @@ def audit(
         not own.is_disc or own.drive.is_car or any(goal.heading is not None for goal in own.goals)
         for own in world.robots
     )
-    trajectories = read_trajectories(trajectory_path, len(world.robots), robot, headings=headings)
+    log = read_log(log_path, len(world.robots), robot, with_headings=headings, columns=columns)
+    if log.read_as:
+        note(f"read as {log.read_as}")
+    place = MapFrame.of(world) if frame == "map" else MapFrame()
+    trajectories = {number: place.into_world(own) for number, own in log.trajectories.items()}
     driven = {number: world.alone(number) if world.is_fleet else world for number in trajectories}
     judge = partial(
         audit_trajectory,
@@ -135,8 +158,13 @@ def audit(
         from_start=from_start,
         interpolate=interpolate,
     )
-    with working(f"auditing {trajectory_path}"):
+    with working(f"auditing {log_path}"):
         audits = {number: judge(driven[number], own) for number, own in trajectories.items()}
+        doubt = None
+        if frame != "map":
+            doubt = doubtful_frame(world, audits, judge, trajectories)
+    if doubt is not None and frame is None:
+        raise InvalidParameter.of(doubt)
 
     # Report; a recording of one robot needs no numbers.
     if len(audits) > 1:
@@ -150,10 +178,14 @@ def audit(
         emit_json(found)
     else:
         say(stacked(lines))
+    if doubt is not None:
+        note(f"note: {doubt.problem}")
+    if not all(result.ok for result in audits.values()) and (remark := resampled_note(world)):
+        note(f"note: {remark}")
 
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:
         recorded = {number: (trajectories[number], audits[number]) for number in audits}
-        write_out(picture, draw(world, recorded, trajectory_path.name), force=force)
+        write_out(picture, draw(world, recorded, log_path.name), force=force)
     if not all(result.ok for result in audits.values()):
         raise SystemExit(1)

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from sim.audit import audit
-from sim.audit.file import read_trajectories
 from tests.clients.environments import client
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
+from worldgen.logs.reading import read_log
 
 FOLDER = Path(__file__).parents[2] / "examples" / "audits"
 ROUND = ("--via", "1.8,2.1", "2.3,2.1", "--speed", "1")
@@ -39,7 +39,7 @@ def test_the_simulator_says_nothing_and_the_audit_says_what_it_said_before(name,
     assert said["arrived"] and bool(said.get("collisions", said.get("contacts"))) == (name in HEARD)
     world = read_world(FOLDER / "wall.grid")
     anew, stored = (
-        audit(world, read_trajectories(path)[1])
+        audit(world, read_log(path).trajectories[1])
         for path in (out, FOLDER / "recorded" / f"{name}.csv")
     )
     assert [(one.kind, one.cell) for one in anew.findings] == [

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from sim.audit import audit
-from sim.audit.file import read_trajectories
 from worldgen import read_world
+from worldgen.logs.reading import read_log
 
 FOLDER = Path(__file__).parents[2] / "examples" / "audits"
 FAST = ["irsim-fast", "mujoco-fast", "mujoco-unseen"]
@@ -17,7 +17,8 @@ FAST = ["irsim-fast", "mujoco-fast", "mujoco-unseen"]
 
 def report(name):
     return audit(
-        read_world(FOLDER / "wall.grid"), read_trajectories(FOLDER / "recorded" / f"{name}.csv")[1]
+        read_world(FOLDER / "wall.grid"),
+        read_log(FOLDER / "recorded" / f"{name}.csv").trajectories[1],
     )
 
 

@@ -4,6 +4,7 @@ import io
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,29 +12,36 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sim.audit import KINDS, audit
-from sim.audit.file import parse_trajectories
+from sim.audit import KINDS, Trajectory, audit
+from sim.audit.frames import MapFrame
 from tests.helpers.audit_room import ROOM, path, room
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen import FormatError, InvalidParameter, Pose, Target, World, generate, write_world
+from worldgen import (
+    FormatError,
+    InvalidParameter,
+    Pose,
+    Target,
+    World,
+    generate,
+    read_world,
+    write_world,
+)
+from worldgen.logs.reading import parse_log
+from worldgen.world import Provenance
 
 
 @pytest.mark.parametrize(
     ("text", "line", "expected"),
     [
-        ("", 1, {"code": "columns-missing", "fault": "no column 't'"}),
-        (
-            "time,x,y\n0,1,1\n",
-            1,
-            {"code": "columns-missing", "shown": "time, x, y", "fault": "no column 't'"},
-        ),
-        ("t,x,y,x\n0,1,1,1\n", 1, {"code": "columns-missing", "fault": "two columns 'x'"}),
+        ("", None, {"code": "too-few-samples"}),
+        ("t,vx,y\n0,1,1\n", 1, {"code": "columns-missing", "shown": "t, vx, y", "axis": "x"}),
+        ("t,x,y,x\n0,1,1,1\n", 1, {"code": "ambiguous-columns", "needs": ["--columns=x=2,y=y"]}),
         ("t,x,y\n", None, {"code": "too-few-samples"}),
         ("t,x,y\n0,1,1\n", None, {"code": "too-few-samples", "count": 1}),
         ("t,x,y\n0,1,1\n\n1,1\n", 4, {"code": "line-too-short", "count": 2}),
         ("t,x,y\n0,1,1\n1,one,1\n", 3, {"code": "not-a-number", "name": "x", "value": "one"}),
-        ("t;x;y\n0;1;1\n1;1,5;1\n", 3, {"code": "not-a-number", "name": "x"}),
+        ("t;x;y\n0;1;1\n1;1.234,5;1\n", 3, {"code": "not-a-number", "name": "x"}),
         ("t,x,y\n0,1,1\n1,1_0,1\n", 3, {"code": "not-a-number", "name": "x", "value": "1_0"}),
         ('t,x,y\n0,1,1\n1,"1,1\n', 3, {"code": "invalid-csv"}),
         ("t,x,y\n\n0,1,1\n1,nan,1\n", 4, {"code": "out-of-range", "name": "x"}),
@@ -44,7 +52,7 @@ from worldgen import FormatError, InvalidParameter, Pose, Target, World, generat
 )
 def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expected):
     with raises(FormatError, **expected) as raised:
-        parse_trajectories(text, "bad.csv")[1]
+        parse_log(text, "bad.csv")
     assert raised.value.line == line
 
 
@@ -60,7 +68,7 @@ def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expe
     ],
 )
 def test_columns_go_by_name_whatever_stands_between(text):
-    read = parse_trajectories(text, "good.csv")[1]
+    read = parse_log(text, "good.csv").trajectories[1]
     assert [list(values) for values in (read.times, read.x, read.y)] == [
         [0.0, 0.5],
         [1.5, 3.0],
@@ -163,7 +171,7 @@ def test_the_picture_marks_the_tunnel(files):
         (["{}/w.grid", "{}"], ": this is a folder"),
         (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "use a name that ends in .png"),
         (["{}/w.grid", "{}/bad.csv", "--tolerance", "0"], "at least 1e-09"),
-        (["{}/w.grid", "{}/w.grid"], "no column 't'"),
+        (["{}/w.grid", "{}/w.grid"], "this is a world, not a log"),
     ],
 )
 def test_bad_input_is_one_line(files, arguments, message):
@@ -248,3 +256,50 @@ def test_a_fault_in_a_recording_of_several_robots_is_one_line(fleet, text, optio
 def test_in_a_world_of_one_robot_a_column_of_names_is_ignored(files):
     (files / "named.csv").write_text("robot,t,x,y\nburger,0,3.5,3.5\nburger,1,3.5,5.0\n")
     assert worldgen("audit", files / "w.grid", files / "named.csv").code == 0
+
+
+@pytest.fixture
+def imported(tmp_path):
+    """A world from a map whose lower-left corner is at (-20, -30) m, and a drive through a wall."""
+    made = Provenance("import", 4, 0, {"origin": [-20.0, -30.0]})
+    write_world(replace(room(walls=[(5, 3)]), provenance=made), tmp_path / "w.grid")
+    for name, (x, y) in {"corner": (0.0, 0.0), "map": (-20.0, -30.0), "lost": (500.0, 0.0)}.items():
+        rows = [
+            f"{t},{px + x},{py + y}" for t, px, py in ((0, 2.5, 2.5), (2, 2.5, 4.5), (9, 7.5, 4.5))
+        ]
+        (tmp_path / f"{name}.csv").write_text("\n".join(["t,x,y", *rows, ""]))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("log", "options", "code", "message"),
+    [
+        ("corner", [], 0, "possible"),
+        ("map", [], 2, "0 of 3 poses are free in the world's frame, and 3 in its map's"),
+        ("map", ["--frame", "map"], 0, "possible"),
+        ("map", ["--frame", "corner"], 1, "note: 0 of 3 poses are free"),
+        ("corner", ["--frame", "map"], 1, "1 way outside"),
+        ("lost", [], 2, "3 of 3 poses are outside the world, which is 9 x 7 m"),
+    ],
+)
+def test_a_log_in_another_frame_is_not_called_impossible(imported, log, options, code, message):
+    result = worldgen("audit", imported / "w.grid", imported / f"{log}.csv", *options)
+    assert result.code == code and message in result.out + result.err
+    if log == "map" and not options:
+        assert result.err.rstrip().endswith("map.csv --frame map")
+
+
+def test_a_run_that_leaves_the_world_from_its_start_is_judged(imported):
+    start = room().start
+    (imported / "out.csv").write_text(f"t,x,y\n0,{start.x},{start.y}\n9,-5,-5\n99,-25,-25\n")
+    assert worldgen("audit", imported / "w.grid", imported / "out.csv").code == 1
+
+
+def test_poses_of_a_map_are_turned_into_a_world_with_its_pictures_cells(imported):
+    made = Provenance("import", 5, 0, {"picture": [10.0, 20.0, math.pi / 2], "origin": [0.0, 0.0]})
+    write_world(replace(room(), provenance=made), imported / "picture.grid")
+    found = MapFrame.of(read_world(imported / "picture.grid")).into_world(
+        Trajectory([0.0, 1.0], [10.0, 9.0], [21.0, 21.0], [math.pi / 2, math.pi])
+    )
+    assert found.x == pytest.approx([1.0, 1.0]) and found.y == pytest.approx([0.0, 1.0])
+    assert found.headings == pytest.approx([0.0, math.pi / 2])

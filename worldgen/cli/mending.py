@@ -191,8 +191,14 @@ def _completed(error: WorldgenError, group: click.Group, words: Sequence[str]) -
     needs = error.facts.get("needs")
     if command is None or not isinstance(needs, list):
         return None
-    for option in map(command.written, needs):
-        if option is None or not (command.has(option) or _fill_in(command, option)):
+    for need in needs:
+        # --frame=map: this value, in place of another.
+        flag, has_value, value = need.partition("=")
+        option = command.written(flag)
+        if has_value and option is not None:
+            command.parts = [part for part in command.parts if part.option is not option]
+            command.add(option, value)
+        elif option is None or not (command.has(option) or _fill_in(command, option)):
             return None
     return command.words()
 

@@ -1,0 +1,170 @@
+"""Logs and plans as people have them: which columns are read, in which unit, and what is refused."""
+
+import math
+
+import pytest
+
+from tests.helpers.raising import raises
+from worldgen import FormatError, InvalidParameter
+from worldgen.logs.reading import parse_log
+
+ZEROS = ",".join(["0.0"] * 36)
+ODOMETRY = "header.stamp.sec,header.stamp.nanosec,pose.pose.position.x,pose.pose.position.y"
+QUATERNION = "field.pose.pose.orientation"
+
+
+def lines(template, header=""):
+    """Return a table of three samples: the robot drives from (2, 3) m to (4, 3) m in 2 s."""
+    return header + "".join(template.format(i=i, x=2 + i) + "\n" for i in range(3))
+
+
+# Each is the same drive, as another program writes it.
+TIMED = {
+    "TUM": lines("{i}.0 {x} 3 0 0 0 0 1", "# ground truth\n# timestamp tx ty tz qx qy qz qw\n"),
+    "TUM without header": lines("{i}.0 {x} 3 0 0 0 0 1"),
+    "dates": lines("160000000{i}.5 {x} 3 0 0 0 0 1"),
+    "rostopic": lines(
+        "160000000{i}000000000,160000000{i}100000000,odom,{x}.0,3.0,0.0,1.0,0.5",
+        "%time,field.header.stamp,field.header.frame_id,field.pose.pose.position.x,"
+        f"field.pose.pose.position.y,{QUATERNION}.z,{QUATERNION}.w,field.twist.twist.linear.x\n",
+    ),
+    "a stamp that nobody set": lines(
+        "160000000{i}000000000,0,{x},3",
+        "%time,field.header.stamp,field.pose.position.x,field.pose.position.y\n",
+    ),
+    "seconds and nanoseconds": lines("160000000{i},900000000,{x},3", f"{ODOMETRY}\n"),
+    "PoseStamped": lines("160000000{i},5,map,{x}.0,3.0,0.0,0.0,0.0,0.0,1.0"),
+    "PoseStamped without a frame": lines("{i},0,,{x},3,0,0,0,0,1"),
+    "PoseWithCovarianceStamped": lines("{i},0,map,{x},3,0,0,0,0,1," + ZEROS),
+    "Odometry": lines(
+        "{i},0,odom,base_link,{x},3,0,0,0,0,1," + ZEROS + ",1.0,0,0,0,0,0.2," + ZEROS
+    ),
+    "Odometry --no-arr": lines(
+        "{i},0,odom,base_link,{x},3,0,0,0,0,1,<array type: double[36]>,1.0,0,0,0,0,0.2,"
+        "<array type: double[36]>"
+    ),
+    "milliseconds by date": lines("160000000{i}000,{x},3", "timestamp,pose_posX,pose_posY\n"),
+    "milliseconds by speed": lines("{i}000,{x},3", "timestamp,x,y\n"),
+    "nanoseconds by speed": lines("{i}000000000,{x},3", "time,x,y\n"),
+    "microseconds by name": lines("{i}000000\t{x}\t3", "t_us\tx\ty\n"),
+    "capitals, semicolons, decimal commas": lines("{i},0;{x},0;3,0", "TIME;X;Y\n"),
+    "blanks": lines("  {i}.0   {x}   3.0", "  t    x    y\n"),
+    "blanks, decimal commas": lines("{i},0 {x},0 3,0", "t x y\n"),
+    "quoted decimal commas": lines('"{i},0","{x},0","3,0"', '"Time","X","Y"\n'),
+    "units in brackets": lines("{i},{x}000,300", "Time (s),X [mm],Y [cm]\n"),
+    "dates in words": lines("2024-05-01T12:00:0{i}.5Z,{x},3", "time,x,y\n"),
+    "an index, velocities, a goal": lines("7,{i},{x},3,9,9,8,8", ",t,x,y,vx,vy,goal_x,goal_y\n"),
+    "EuRoC": lines(
+        "160000000{i}000000000,{x},3,0,1", "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_z [m],q_w []\n"
+    ),
+    "comments among numbers": "t,x,y\n0,2,3\n# half way\n\n1,3,3\n2,4,3\n",
+}  # fmt: skip
+PLANS = {
+    "x,y": "x,y\n2,3\n3,3\n4,3\n",
+    "no header": "2 3\n3 3\n4 3\n",
+    "F1TENTH": "# 1f\n# s_m; x_m; y_m; psi_rad; vx_mps\n0; 2; 3; 0; 1\n1; 3; 3; 0; 1\n2; 4; 3; 0; 1\n",
+    "poses": "2 3 0 0 0 0 1\n3 3 0 0 0 0 1\n4 3 0 0 0 0 1\n",
+    "the last of two paths": "0,0,map,0,0,,9,9,0,0,0,0,1,0,0,,8,9,0,0,0,0,1\n"
+    "5,0,map," + ",".join(f"0,0,,{x},3,0,0,0,0,1" for x in (2, 3, 4)) + "\n",
+}
+
+
+@pytest.mark.parametrize("text", TIMED.values(), ids=TIMED)
+def test_logs_of_other_programs_are_read(text):
+    found = parse_log(text, "log").trajectories[1]
+    assert found.times == pytest.approx([found.times[0] + i for i in range(3)], abs=1e-6)
+    assert list(found.x) == [2.0, 3.0, 4.0] and list(found.y) == [3.0] * 3
+    assert not found.is_plan
+
+
+@pytest.mark.parametrize("text", PLANS.values(), ids=PLANS)
+def test_plans_are_read(text):
+    found = parse_log(text, "plan", with_headings=True).trajectories[1]
+    assert found.is_plan
+    assert list(found.x) == [2.0, 3.0, 4.0] and list(found.y) == [3.0] * 3
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (TIMED["TUM"], "TUM: 3 poses over 2 s"),
+        (TIMED["dates"], "TUM: 3 poses over 2 s, counted from 1600000000.5 s"),
+        (TIMED["rostopic"], "rostopic echo -p: 3 poses over 2 s, counted from 1600000000.1 s"),
+        (TIMED["Odometry"], "ros2 topic echo --csv of Odometry: 3 poses over 2 s"),
+        (PLANS["F1TENTH"], "F1TENTH's line: 3 poses without times, a plan"),
+        (TIMED["microseconds by name"], "a table (t from t_us in us, x from x, y from y): 3 poses over 2 s"),
+        (PLANS["x,y"], ""),
+    ],
+)  # fmt: skip
+def test_a_log_says_what_it_was_read_as(text, said):
+    assert parse_log(text, "log").read_as == said
+
+
+HALF = math.sqrt(0.5)
+NORTH = "\n0,2,2,{0}\n1,2,3,{0}\n2,2,4,{0}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "remark"),
+    [
+        ("t,x,y,yaw" + NORTH.format(math.pi / 2), ""),
+        ("t,x,y,yaw_deg" + NORTH.format(90), "yaw_deg in degrees"),
+        ("t,x,y,heading" + NORTH.format(90), "heading in degrees"),
+        ("t,x,y,psi" + NORTH.format(0), "psi counted from the y axis"),
+        ("t,x,y,qz,qw" + NORTH.format(f"{HALF},{HALF}"), ""),
+        ("t,x,y,q_x,q_y,q_z,q_w" + NORTH.format(f"0,0,{HALF},{HALF}"), ""),
+    ],
+)
+def test_headings_are_turned_into_radians_from_the_x_axis(text, remark):
+    log = parse_log(text, "log", with_headings=True)
+    assert list(log.trajectories[1].headings) == pytest.approx([math.pi / 2] * 3)
+    assert log.read_as.endswith(remark)
+
+
+def test_chosen_columns_take_the_place_of_recognised_ones():
+    text = "clock,gt_x,gt_y,est_x,est_y,turn\n0,9,9,2,3,90\n500,9,9,3,3,90\n"
+    log = parse_log(
+        text, "log", with_headings=True, columns="t=clock:ms, x=est_x, y=est_y, yaw=6:deg"
+    )
+    found = log.trajectories[1]
+    assert list(found.times) == [0.0, 0.5] and list(found.x) == [2.0, 3.0]
+    assert list(found.headings) == pytest.approx([math.pi / 2] * 2)
+    assert parse_log(text, "log", columns="t=none,x=est_x,y=est_y").trajectories[1].is_plan
+    bare = parse_log("0;2;3\n1;3;3\n", "log", columns="t=1,x=2,y=3").trajectories[1]
+    assert not bare.is_plan and list(bare.x) == [2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        ("t,gt_x,gt_y,est_x,est_y\n0,1,1,1,1\n", "x=gt_x,y=gt_y"),
+        ("0,2,3\n1,3,3\n", "t=1,x=2,y=3"),
+        ("wall_time,sim_time,x,y\n0,0,1,1\n3,1,1,1\n", "t=wall_time"),
+        ("time,x,y\n0,0,0\n20,0.6,0\n40,1.2,0\n", "t=time:ms"),
+        ("x,y,turn_angle\n2,2,100\n3,2,200\n", "yaw=turn_angle:deg"),
+    ],
+)
+def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first):
+    with raises(FormatError, "ambiguous-columns", needs=[f"--columns={first}"]):
+        parse_log(text, "log", with_headings=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "code"),
+    [
+        ("time,latitude,longitude\n0,48,11\n", "", "columns-missing"),
+        ("t,x,y\n0,1,1\n", "x=east,y=north", "columns-missing"),
+        ("%worldgen-grid 1\ncell_size = 0.1\n", "", "not-a-log"),
+        (lines("{i},0,odom,base,{x},3,0,0,0,0,1") + "3,0,map,base,4,3,0,0,0,0,1\n", "", "several-frames"),
+        ("0,0,map" + ",0,0,,1,1,0,0,0,0,1" * 128 + ",...\n", "", "line-too-short"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_read_rightly_is_refused(text, columns, code):
+    with raises(FormatError, code):
+        parse_log(text, "log", columns=columns)
+
+
+@pytest.mark.parametrize("columns", ["x", "x=1", "speed=3", "t=", "x=1;y=2"])
+def test_choices_in_another_form_are_refused(columns):
+    with pytest.raises(InvalidParameter):
+        parse_log("t,x,y\n0,1,1\n1,1,1\n", "log", columns=columns)

@@ -1,0 +1,1 @@
+"""Recorded trajectories and plans, in the files that people have."""

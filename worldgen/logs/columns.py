@@ -1,0 +1,391 @@
+"""Find out what the columns of a table hold, by their names.
+
+The tables of words below are all that is known about names: a name is split into words, and each
+word says what its column may hold, or rules something out.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.support.plain_text import quote
+
+TIME_UNITS: Mapping[str, float] = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "msec", "msecs", "millis", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "usec", "usecs", "micros", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(
+        ("ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecs", "nanosecond", "nanoseconds"), 1e-9
+    ),
+}
+LENGTH_UNITS: Mapping[str, float] = {
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
+    **dict.fromkeys(("cm", "centimeter", "centimeters"), 1e-2),
+    **dict.fromkeys(("mm", "millimeter", "millimeters"), 1e-3),
+}
+ANGLE_UNITS: Mapping[str, float] = {
+    **dict.fromkeys(("rad", "rads", "radian", "radians"), 1.0),
+    **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), 0.017453292519943295),
+}
+
+QUANTITIES = ("t", "nanosec", "x", "y", "yaw", "qx", "qy", "qz", "qw", "robot")
+"""What a column may hold: ``t`` in s or another unit, ``nanosec`` to add to it, a quaternion."""
+Choice: TypeAlias = Mapping[str, tuple[str, str]]
+"""For each quantity that the user chose, the column's name or number, and its unit or nothing."""
+_NO_COLUMN = "none"
+_UNITS: Mapping[str, Mapping[str, float]] = {
+    "t": TIME_UNITS, "nanosec": TIME_UNITS, "x": LENGTH_UNITS, "y": LENGTH_UNITS,
+    "yaw": ANGLE_UNITS,
+}  # fmt: skip
+
+_TIMES = frozenset((
+    "t", "ts", "time", "timestamp", "stamp", "clock", "elapsed", "epoch", "zeit", "temps", "tiempo",
+))  # fmt: skip
+_NO_TIMES = frozenset((
+    "dt", "delta", "diff", "delay", "timeout", "duration", "cpu", "compute", "computation",
+    "planning", "lap", "lag", "remaining", "zone", "frame", "count", "runtime", "lifetime", "last",
+    "next", "step", "timestep", "uncertainty",
+))  # fmt: skip
+_POSITIONS = frozenset((
+    "position", "pos", "pose", "translation", "trans", "p", "t", "loc", "location", "coord",
+    "coords", "coordinate", "coordinates", "point",
+))  # fmt: skip
+# A column with one of these words holds something else than the robot's position or heading.
+_NO_PLACES = frozenset((
+    "vel", "velocity", "speed", "twist", "linear", "angular", "acc", "accel", "acceleration",
+    "gyro", "omega", "rate", "dot", "force", "torque", "wrench", "imu", "mag", "cov", "covariance",
+    "std", "stddev", "sigma", "var", "variance", "err", "error", "delta", "diff", "gradient",
+    "normal", "size", "scale", "bias", "pixel", "px", "image", "scan", "steer", "steering",
+    "min", "max",
+))  # fmt: skip
+# These are positions, but hardly the robot's: they count if there are no others.
+_OTHERS = frozenset((
+    "goal", "target", "ref", "reference", "desired", "des", "cmd", "command", "setpoint",
+    "waypoint", "next", "lookahead", "start", "initial", "init", "obstacle", "obs", "human",
+    "person", "ped", "pedestrian", "other", "camera", "cam", "lidar", "laser", "landmark",
+))  # fmt: skip
+_ROTATIONS = frozenset(("q", "quat", "quaternion", "orientation", "ori", "rotation", "rot"))
+# The likeliest first.
+_HEADINGS = ("heading", "yaw", "theta", "psi", "hdg", "th", "orientation", "angle", "phi")
+_AXES: Mapping[str, str] = {"easting": "x", "northing": "y", **{axis: axis for axis in "xyzw"}}
+
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
+_CONTEXT = (
+    "t|p|pos|pose|position|trans|translation|loc|coord|point|robot|base|odom|map|world|utm|"
+    "q|quat|ori|rot|orientation|quaternion"
+)
+_FUSED = re.compile(rf"({_CONTEXT})([xyzw])|([xyzw])({_CONTEXT})")
+_SPELLED = str.maketrans({"θ": "theta", "ψ": "psi", "µ": "u", "μ": "u"})
+
+
+class Column(NamedTuple):
+    """A column of a table: its place from 0, its name, and the unit that is known of it."""
+
+    place: int
+    name: str
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Name:
+    """A column's name as words, in lower case, and its unit if it names one."""
+
+    column: Column
+    words: tuple[str, ...]
+
+    @classmethod
+    def of(cls, place: int, text: str) -> Name:
+        """Split a name into words: ``pose_posX [m]`` into pose, pos and x, and its unit, m."""
+        plain = text.translate(_SPELLED)
+        inside = _IN_BRACKETS.search(plain)
+        unit = inside[1].lower() if inside else ""
+        words = [word.lower() for word in _WORDS.findall(_IN_BRACKETS.sub(" ", plain))]
+        if not unit and words:
+            # A single s, m or t is a name.
+            is_unit = any(words[-1] in units for units in (TIME_UNITS, LENGTH_UNITS, ANGLE_UNITS))
+            if is_unit and (len(words) > 1 or len(words[0]) > 1):
+                unit = words.pop()
+        split: list[str] = []
+        for word in words:
+            fused = _FUSED.fullmatch(word)
+            split += [part for part in fused.groups() if part] if fused else [word]
+        return cls(Column(place, text, unit), tuple(split))
+
+    @property
+    def axis(self) -> str:
+        """Which of x, y, z and w the column belongs to; empty unless it is one."""
+        axes = [_AXES[word] for word in self.words if word in _AXES]
+        return axes[0] if len(axes) == 1 else ""
+
+    @property
+    def stem(self) -> tuple[str, ...]:
+        """The words with ``*`` for the axis: columns with equal stems belong together."""
+        return tuple("*" if word in _AXES else word for word in self.words)
+
+    def has(self, words: Collection[str]) -> bool:
+        """Return True if one of the words is in the name."""
+        return any(word in words for word in self.words)
+
+    @property
+    def is_time(self) -> bool:
+        """True if the column may hold times."""
+        if self.axis or self.has(_NO_TIMES):
+            return False
+        if not self.words:
+            return self.column.unit in TIME_UNITS
+        ends = ("time", "times", "stamp", "stamps")
+        return self.has(_TIMES) or any(word.endswith(ends) for word in self.words)
+
+    @property
+    def is_place(self) -> bool:
+        """True if the column may hold an x or a y."""
+        return (
+            self.axis in ("x", "y")
+            and not self.has(_NO_PLACES | _ROTATIONS)
+            and self.column.unit in ("", *LENGTH_UNITS)
+        )
+
+    @property
+    def is_rotation(self) -> bool:
+        """True if the column may hold a part of a quaternion."""
+        return bool(self.axis) and self.has(_ROTATIONS) and not self.has(_NO_PLACES)
+
+    @property
+    def is_heading(self) -> bool:
+        """True if the column may hold a heading."""
+        unit_fits = self.column.unit in ("", *ANGLE_UNITS)
+        return unit_fits and not self.axis and self.has(_HEADINGS) and not self.has(_NO_PLACES)
+
+
+def parse_columns(text: str) -> Choice:
+    """Parse ``t=stamp:ms,x=px,y=py``: quantities, each with a name or a number and its unit.
+
+    Raises:
+        InvalidParameter: If a part has another form.
+    """
+    found: dict[str, tuple[str, str]] = {}
+    for part in text.split(","):
+        key, equals, value = part.partition("=")
+        key = key.strip().lower()
+        name, _, unit = value.strip().rpartition(":")
+        if not name or unit.lower() not in _UNITS.get(key, {}):
+            name, unit = value.strip(), ""
+        if not equals or not name or key not in QUANTITIES:
+            raise InvalidParameter(
+                "wrong-form",
+                "columns: {part!q} is not QUANTITY=COLUMN",
+                "name columns, or count them from 1, as in t=stamp:ms,x=px,y=py,yaw=4:deg; "
+                "quantities are {known!l}",
+                part=part.strip(),
+                known=list(QUANTITIES),
+            )
+        found[key] = (name, unit.lower())
+    missing = [axis for axis in "xy" if ("x" in found or "y" in found) and axis not in found]
+    if missing:
+        raise InvalidParameter(
+            "missing-key", "columns: {missing!l} missing", "name both x and y", missing=missing
+        )
+    return found
+
+
+def chosen_columns(chosen: Choice, names: Sequence[str], count: int) -> dict[str, Column]:
+    """Return the columns that the user chose.
+
+    Args:
+        chosen: As from :func:`parse_columns`.
+        names: Names of the columns; empty in a table without a header.
+        count: Number of columns.
+
+    Raises:
+        FormatError: If there is no such column.
+    """
+    shown = quote(", ".join(names), 200)
+    lower = [name.lower() for name in names]
+    found = {}
+    for quantity, (name, unit) in chosen.items():
+        if name.lower() == _NO_COLUMN and name.lower() not in lower:
+            continue
+        if lower.count(name.lower()) == 1:
+            place = lower.index(name.lower())
+            own = Name.of(place, names[place]).column.unit
+            known = own if own in _UNITS.get(quantity, {}) else ""
+            found[quantity] = Column(place, names[place], unit or known)
+        elif name.isdecimal() and 1 <= int(name) <= count:
+            found[quantity] = Column(int(name) - 1, name, unit)
+        else:
+            raise FormatError(
+                "columns-missing",
+                "no column {name!q} for {quantity}",
+                "the columns are {shown}" if names else "count them from 1; the last is {count}",
+                name=name,
+                quantity=quantity,
+                count=count,
+                shown=shown,
+            )
+    return found
+
+
+def find_columns(names: Sequence[str], chosen: Choice, count: int) -> list[dict[str, Column]]:
+    """Find the columns by their names.
+
+    Args:
+        names: The names in a header.
+        chosen: What the user said about columns, as from :func:`parse_columns`.
+        count: Number of columns.
+
+    Returns:
+        Ways to read the table, which differ in their times only, the likeliest first: columns by
+        quantity. Without a column ``t`` it is a plan.
+
+    Raises:
+        FormatError: If there are no positions, or several that may be meant.
+    """
+    known = [Name.of(place, text.strip()) for place, text in enumerate(names)]
+    own = chosen_columns(chosen, names, count)
+    if "x" in own:
+        x = Name.of(own["x"].place, own["x"].name)
+        places = {}
+    else:
+        x, y = _position(known)
+        places = {"x": x.column, "y": y.column}
+    if not chosen.keys() & {"yaw", "qz", "qw"}:
+        places |= _heading(known, x)
+    robots = [name.column for name in known if name.words == ("robot",)]
+    places |= {"robot": robots[0]} if len(robots) == 1 else {}
+    times = [{}] if "t" in chosen else _times(known) or [{}]
+    return [places | time | own for time in times]
+
+
+def _position(known: Sequence[Name]) -> tuple[Name, Name]:
+    """Return the two names of the robot's position."""
+    by_stem: dict[tuple[str, ...], dict[str, list[Name]]] = {}
+    for name in known:
+        if name.is_place:
+            by_stem.setdefault(name.stem, {}).setdefault(name.axis, []).append(name)
+    pairs = [(found["x"], found["y"]) for found in by_stem.values() if len(found) == 2]
+    if not pairs:
+        missing = [axis for axis in "xy" if not any(axis in found for found in by_stem.values())]
+        names = [name.column.name for name in known]
+        raise no_column(missing[0] if missing else "y", names)
+    best = min(_rank(xs[0]) for xs, _ in pairs)
+    likely = [(xs, ys) for xs, ys in pairs if _rank(xs[0]) == best]
+    every = [(x, y) for xs, ys in likely for x in xs for y in ys]
+    if len(every) > 1:
+        # Of two columns with the same name, only the number tells which.
+        names = [name.column.name for name in known]
+        labels = {
+            name: name.column.name
+            if names.count(name.column.name) == 1
+            else str(name.column.place + 1)
+            for name in known
+        }
+        shown = [f"columns {labels[x]} and {labels[y]}" for x, y in every[:3]]
+        first, second = (f"x={labels[x]},y={labels[y]}" for x, y in every[:2])
+        raise ambiguous(f"the positions may be in {' or in '.join(shown)}", (first, second))
+    return every[0]
+
+
+def _rank(name: Name) -> int:
+    """Return how likely it is that a column holds the robot's position; 0 is the likeliest."""
+    if name.stem == ("*",):
+        return 0
+    if name.has(_OTHERS):
+        return 3
+    return 1 if name.has(_POSITIONS) else 2
+
+
+def _times(known: Sequence[Name]) -> list[dict[str, Column]]:
+    """Return the columns that may be the times, the likeliest first, seconds with nanoseconds."""
+    found: list[dict[str, Column]] = []
+    taken: set[int] = set()
+    times = [name for name in known if name.is_time]
+    for name in times:
+        if name.column.place in taken:
+            continue
+        own = {"t": name.column}
+        rest = [
+            other.column
+            for other in times
+            if other.words == name.words and TIME_UNITS.get(other.column.unit) == 1e-9
+        ]
+        # A stamp's seconds and nanoseconds have the same name but for the unit.
+        if TIME_UNITS.get(name.column.unit) == 1.0 and rest:
+            own["nanosec"] = rest[0]
+            taken.add(rest[0].place)
+        found.append(own)
+    kept = [own for own in found if "nanosec" in own or own["t"].place not in taken]
+    return sorted(kept, key=lambda own: not is_sure(own["t"]))
+
+
+def _heading(known: Sequence[Name], x: Name) -> dict[str, Column]:
+    """Return the columns of the heading that belongs to a position: an angle or a quaternion."""
+
+    def shared(words: Iterable[str]) -> int:
+        return len(set(words) & set(x.words))
+
+    angles = [name for name in known if name.is_heading and not name.has(_OTHERS)]
+    if angles:
+
+        def order(name: Name) -> tuple[int, int]:
+            first = min(_HEADINGS.index(word) for word in name.words if word in _HEADINGS)
+            return -shared(name.words), first
+
+        return {"yaw": min(angles, key=order).column}
+    rotations: dict[tuple[str, ...], dict[str, Column]] = {}
+    for name in known:
+        if name.is_rotation:
+            rotations.setdefault(name.stem, {})[f"q{name.axis}"] = name.column
+    complete = {stem: own for stem, own in rotations.items() if own.keys() >= {"qz", "qw"}}
+    if not complete:
+        return {}
+    return complete[max(complete, key=lambda stem: (not set(stem) & _OTHERS, shared(stem)))]
+
+
+def no_column(axis: str, names: Sequence[str]) -> FormatError:
+    """Return the error for a header without positions."""
+    return FormatError(
+        "columns-missing",
+        "the header ({shown}) has no column {axis!r}",
+        "name columns t, x and y, or only x and y for a plan without times, or say which they are, as "
+        "in --columns t=stamp,x=east,y=north",
+        at_terminal=True,
+        shown=", ".join(names)[:80],
+        axis=axis,
+    )
+
+
+def ambiguous(problem: str, ways: tuple[str, str]) -> FormatError:
+    """Return the error for columns that can be understood in several ways.
+
+    Args:
+        problem: The ways in words.
+        ways: Two values of ``--columns`` that choose among them.
+    """
+    return FormatError(
+        "ambiguous-columns",
+        "{problem}",
+        "choose with {needs!l} or --columns={other}",
+        at_terminal=True,
+        problem=problem,
+        needs=[f"--columns={ways[0]}"],
+        other=ways[1],
+    )
+
+
+def is_frame(name: str) -> bool:
+    """Return True if a column holds the names of frames, such as ``field.header.frame_id``."""
+    return Name.of(0, name).words[-2:] == ("frame", "id")
+
+
+def is_sure(column: Column) -> bool:
+    """Return True if no other column of times can be meant: our own t, or a message's stamp.
+
+    A stamp says when the pose was measured; another column, when the message was received.
+    """
+    words = Name.of(column.place, column.name).words
+    return words == ("t",) or {"header", "stamp"} <= set(words)

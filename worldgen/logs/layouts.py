@@ -1,0 +1,136 @@
+"""Tables without a header: those whose columns follow from their number and their kinds.
+
+Source: the trajectory format of the RGB-D benchmark of the Technical University of Munich, and the
+definitions of ROS 2's messages, whose fields ``ros2 topic echo --csv`` prints in order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from worldgen.errors import FormatError
+from worldgen.logs.columns import Column, ambiguous
+from worldgen.logs.table import number_of
+
+_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
+_STAMP = ("sec", "nanosec", "frame")
+_NAMES = {"sec": "t"}
+_TEXTS = ("frame", "child", "array")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the columns of a table without a header are.
+
+    Args:
+        name: As users call such files.
+        fields: A quantity of :data:`~worldgen.logs.columns.QUANTITIES` for each column, ``frame``
+            and ``child`` for names of frames, ``array`` for an array that was left out, and any
+            other word for a number that doesn't count.
+        is_path: True if each line is a message with all poses of a path.
+    """
+
+    name: str
+    fields: tuple[str, ...]
+    is_path: bool = False
+
+    def fits(self, fields: Sequence[str]) -> bool:
+        """Return True if a line can be one of this table."""
+        if len(fields) != len(self.fields):
+            return False
+        numbers = list(map(number_of, fields))
+        is_text = [kind in _TEXTS for kind in self.fields]
+        if [number is None for number in numbers] != is_text:
+            return False
+        turns = [
+            math.hypot(*(numbers[at + part] or 0.0 for part in range(4)))
+            for at, kind in enumerate(self.fields)
+            if kind == "qx"
+        ]
+        # Messages without a heading have a quaternion of zeros.
+        allowed = (1.0, 0.0) if any(is_text) else (1.0,)
+        return all(any(abs(turn - length) < 0.01 for length in allowed) for turn in turns)
+
+    @property
+    def frames(self) -> list[int]:
+        """The places of the names of frames, of which a log has only one each."""
+        return [at for at, kind in enumerate(self.fields) if kind in ("frame", "child")]
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The columns by quantity."""
+        units = {"sec": "s", "nanosec": "ns", "t": ""}
+        return {
+            _NAMES.get(kind, kind): Column(place, str(place + 1), units.get(kind, "m"))
+            for place, kind in enumerate(self.fields)
+            if kind in ("t", "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw")
+        }
+
+
+def _csv(message: str, fields: Sequence[str]) -> Layout:
+    return Layout(f"ros2 topic echo --csv of {message}", tuple(fields))
+
+
+def _layouts() -> tuple[Layout, ...]:
+    covariance = ("",) * 36
+    twist = ("",) * 6
+    found = [
+        Layout("TUM", ("t", *_POSE)),
+        Layout("poses", _POSE),
+        Layout("x y", ("x", "y")),
+        _csv("PoseStamped", (*_STAMP, *_POSE)),
+        _csv("TransformStamped", (*_STAMP, "child", *_POSE)),
+        _csv("PointStamped", (*_STAMP, "x", "y", "z")),
+    ]
+    # `--no-arr` prints a word instead of each array.
+    for array in (covariance, ("array",)):
+        found += [
+            _csv("PoseWithCovarianceStamped", (*_STAMP, *_POSE, *array)),
+            _csv("Odometry", (*_STAMP, "child", *_POSE, *array, *twist, *array)),
+            _csv("PoseWithCovariance", (*_POSE, *array)),
+        ]
+    return tuple(found)
+
+
+LAYOUTS = _layouts()
+
+
+def layout_of(fields: Sequence[str]) -> Layout | None:
+    """Return the layout of a table without a header by its first line, or None.
+
+    Raises:
+        FormatError: If it is a path that was cut short.
+    """
+    known = [layout for layout in LAYOUTS if layout.fits(fields)]
+    if known:
+        return known[0]
+    # A path has any number of poses, each with a stamp of its own.
+    poses, rest = divmod(len(fields) - len(_STAMP), len(_STAMP) + len(_POSE))
+    if list(fields[-1:]) == ["..."] and rest == 1:
+        raise FormatError(
+            "line-too-short",
+            "ros2 topic echo cut the path after {poses} poses",
+            "print it again with --full-length",
+            at_terminal=True,
+            poses=poses,
+        )
+    if poses >= 1 and not rest:
+        path = Layout(
+            "ros2 topic echo --csv of Path", _STAMP + (_STAMP + _POSE) * poses, is_path=True
+        )
+        return path if path.fits(fields) else None
+    return None
+
+
+def unknown_layout(count: int, line: int) -> FormatError:
+    """Return the error for a table without a header whose columns may be several things."""
+    usual = ("t=1,x=2,y=3", "x=1,y=2")
+    error = ambiguous(f"there is no header, and {count} columns may be anything", {
+        3: ("t=1,x=2,y=3", "x=1,y=2,yaw=3"),
+        4: ("t=1,x=2,y=3,yaw=4", "x=1,y=2,yaw=3"),
+        12: ("x=4,y=8", "x=4,y=12"),  # rows of matrices, the second with y down
+    }.get(count, usual))  # fmt: skip
+    error.line = line
+    return error

@@ -1,0 +1,375 @@
+"""Read recorded trajectories and plans from tables of numbers, as many programs write them."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from worldgen.errors import FormatError
+from worldgen.files.whole import decoded, read_stream, read_text
+from worldgen.logs.columns import (
+    Choice,
+    Column,
+    ambiguous,
+    chosen_columns,
+    find_columns,
+    is_frame,
+    is_sure,
+    no_column,
+    parse_columns,
+)
+from worldgen.logs.layouts import Layout, layout_of, unknown_layout
+from worldgen.logs.table import Table, number_of, split
+from worldgen.logs.trajectory import Trajectory
+from worldgen.logs.units import headings, metres, seconds
+from worldgen.support.arrays import Floats, Ints
+from worldgen.support.plain_text import counted
+
+# A larger file is refused before it fills the memory.
+_MOST_BYTES = 1 << 30
+# What users call tables, by names that all of them have in their headers.
+_KINDS: tuple[tuple[str, frozenset[str]], ...] = (
+    ("TUM", frozenset(("tx", "ty", "qw"))),
+    ("F1TENTH's line", frozenset(("x_m", "y_m"))),
+    ("rostopic echo -p", frozenset(("time", "field.header.stamp"))),
+)
+_CHOSEN = "a table without a header"
+_TURNS = ("yaw", "qx", "qy", "qz", "qw")
+# Durations in two columns of times that are the same one, as a ratio.
+_SAME = 0.01
+_OURS = "%worldgen-grid"
+
+
+@dataclass(frozen=True)
+class Log:
+    """What a file of poses holds.
+
+    Args:
+        trajectories: By the robots' numbers, from 1. A file without a column ``robot`` has one, of
+            the first robot or of the chosen one.
+        read_as: What the file was taken for, in words; empty for our own columns t, x and y.
+    """
+
+    trajectories: Mapping[int, Trajectory]
+    read_as: str = ""
+
+
+class _Recognised(NamedTuple):
+    """How to read a table.
+
+    Args:
+        kind: What users call it; empty if only its names tell.
+        ways: Columns by quantity, the likeliest first; they differ in their times only.
+        layout: Its layout, if it has no header.
+    """
+
+    kind: str
+    ways: Sequence[Mapping[str, Column]]
+    layout: Layout | None = None
+
+
+def read_log(
+    path: Path,
+    robots: int = 1,
+    only: int | None = None,
+    *,
+    with_headings: bool = False,
+    columns: str = "",
+) -> Log:
+    """Read trajectories from a file, or from stdin if the path is ``-``.
+
+    Args:
+        path: The file.
+        robots: Number of robots in the world; in a world with one, a column ``robot`` is ignored.
+        only: The robot whose trajectory to read; all if omitted.
+        with_headings: True to read headings, if the file has any.
+        columns: Columns that the user chose, as in ``t=stamp:ms,x=px,y=py,yaw=4:deg``; the others
+            are recognised.
+
+    Raises:
+        FormatError: If it cannot be read, is not a trajectory, or may be several things.
+        InvalidParameter: If ``columns`` has another form.
+    """
+    if str(path) == "-":
+        source = "stdin"
+        text = decoded(read_stream(sys.stdin.buffer, source, _MOST_BYTES), source)
+    else:
+        source = str(path)
+        text = read_text(path, _MOST_BYTES)
+    return parse_log(text, source, robots, only, with_headings=with_headings, columns=columns)
+
+
+def parse_log(
+    text: str,
+    source: str,
+    robots: int = 1,
+    only: int | None = None,
+    *,
+    with_headings: bool = False,
+    columns: str = "",
+) -> Log:
+    """Read trajectories from text, as :func:`read_log` does from a file.
+
+    Args:
+        text: A table of numbers, with or without a header. Without times, it is a plan. Empty lines
+            and comments are ignored.
+        source: The file's name, for messages.
+        robots: As for :func:`read_log`, and so are the rest.
+        only: The same.
+        with_headings: The same.
+        columns: The same.
+
+    Raises:
+        FormatError: If it is not a trajectory; the error names the faulty line.
+        InvalidParameter: If ``columns`` has another form.
+    """
+    chosen = parse_columns(columns) if columns else {}
+    try:
+        return _parsed(text, chosen, robots, only, with_headings=with_headings)
+    except FormatError as error:
+        error.source = error.source or source
+        # The corrected command adds to the columns that were chosen.
+        if error.code == "ambiguous-columns" and columns:
+            way = error.facts["needs"][0].removeprefix("--columns=")
+            error.facts["needs"] = [f"--columns={columns},{way}"]
+            error.facts["other"] = f"{columns},{error.facts['other']}"
+        raise
+
+
+def _parsed(
+    text: str, chosen: Choice, robots: int, only: int | None, *, with_headings: bool
+) -> Log:
+    if text.startswith(_OURS):
+        raise FormatError(
+            "not-a-log",
+            "this is a world, not a log",
+            "name the world first and then the log, as in worldgen audit w.grid log.csv",
+            at_terminal=True,
+        )
+    table = Table.of(text)
+    kind, ways, layout = _recognised(table, chosen)
+    if layout is not None and layout.is_path:
+        found = {only or 1: _last_path(table)}
+        return Log(found, describe_log(kind, found))
+    ignored = (*(() if with_headings else _TURNS), *(() if robots > 1 else ("robot",)))
+    values, places = _values(table, ways, ignored)
+
+    # Divide the samples among the robots, and bring their numbers to s, m and rad.
+    owners = values.pop("robot", None)
+    samples = (
+        {only or 1: np.arange(len(values["x"]))}
+        if owners is None
+        else _samples(owners, robots, only, table)
+    )
+    x = metres(values["x"], places["x"])
+    y = metres(values["y"], places["y"])
+    times, unit, date = None, "", 0.0
+    if "t" in values:
+        rows = next(iter(samples.values()))
+        times, unit, date = seconds(values["t"], values.get("nanosec"), places["t"], x, y, rows)
+    turned, remark = None, ""
+    if "yaw" in values or {"qz", "qw"} <= values.keys():
+        turned, remark = headings(values, places, x, y)
+
+    # A fault in the numbers has the line of its sample.
+    found = {}
+    for robot, rows in samples.items():
+        own = (
+            np.arange(len(rows), dtype=np.float64) if times is None else times[rows],
+            x[rows],
+            y[rows],
+            None if turned is None else turned[rows],
+        )
+        fault = Trajectory.fault(*own)
+        if fault is not None:
+            sample, message = fault
+            line = table.line_of(int(rows[sample])) if sample >= 0 else None
+            if owners is not None:
+                message = message.behind("robot {robot}: ", robot=robot)
+            raise FormatError.of(message, line=line)
+        found[robot] = Trajectory(*own, is_plan=times is None)
+    is_ours = all(places[name].name.lower() == name for name in ("t", "x", "y") if name in places)
+    if not kind and is_ours and unit in ("", "s") and not date and not remark:
+        return Log(found)
+    return Log(found, describe_log(kind or _described(places, unit), found, date, remark))
+
+
+def _described(places: Mapping[str, Column], unit: str) -> str:
+    """Return what is read from which column."""
+    said = [f"{name} from {places[name].name}" for name in ("x", "y", "yaw") if name in places]
+    if "nanosec" in places:
+        said.insert(0, f"t from {places['t'].name} and {places['nanosec'].name}")
+    elif "t" in places:
+        said.insert(0, f"t from {places['t'].name} in {unit}")
+    return f"a table ({', '.join(said)})"
+
+
+def describe_log(
+    kind: str, found: Mapping[int, Trajectory], date: float = 0.0, remark: str = ""
+) -> str:
+    """Return what was read, such as ``TUM: 3 poses over 10 s``.
+
+    Args:
+        kind: What the file is.
+        found: The trajectories by robot.
+        date: s since 1970 from which the times count, or 0.
+        remark: What else has to be known; empty if nothing.
+    """
+    count = counted(sum(len(own.x) for own in found.values()), "pose")
+    ends = [(own.times[0], own.times[-1]) for own in found.values() if not own.is_plan]
+    span = "without times, a plan"
+    if ends:
+        span = f"over {max(end for _, end in ends) - min(begin for begin, _ in ends):.6g} s"
+    begun = f", counted from {date:.15g} s" if date else ""
+    return f"{kind}: {count} {span}{begun}" + (f"; {remark}" if remark else "")
+
+
+def _recognised(table: Table, chosen: Choice) -> _Recognised:
+    """Recognise a table by its header, or by the number and the kinds of its columns.
+
+    Raises:
+        FormatError: If it may be several things, or nothing that is known.
+    """
+    # Names come first; a comment need not be a header.
+    error: FormatError | None = None
+    for line, names in table.names():
+        try:
+            ways = find_columns(names, chosen, max(len(names), len(table.first)))
+        except FormatError as fault:
+            fault.line = line
+            if fault.code == "ambiguous-columns":
+                raise
+            error = error or fault
+            continue
+        _check_frames(table, [place for place, name in enumerate(names) if is_frame(name)])
+        return _Recognised(_kind_of(names) if not chosen else "", ways)
+    if not table.first and not table.headers:
+        raise FormatError("too-few-samples", "the file is empty", "record a run first")
+    if table.named or not table.first:
+        raise error or no_column("x", [text for _, text in table.headers])
+
+    own = chosen_columns(chosen, (), len(table.first))
+    if "x" in own:
+        return _Recognised(_CHOSEN, [own])
+    layout = layout_of(table.first)
+    if layout is None:
+        raise unknown_layout(len(table.first), table.line + 1)
+    _check_frames(table, layout.frames)
+    known = {name: column for name, column in layout.columns.items() if name not in chosen}
+    return _Recognised(layout.name, [known | own], layout)
+
+
+def _kind_of(names: Sequence[str]) -> str:
+    known = {name.lower() for name in names}
+    return next((kind for kind, needed in _KINDS if needed <= known), "")
+
+
+def _check_frames(table: Table, places: Sequence[int]) -> None:
+    """Refuse poses of several frames in one table, such as all of ROS's /tf."""
+    for place in places:
+        frames = sorted(table.texts(place))
+        if len(frames) > 1:
+            raise FormatError(
+                "several-frames",
+                "the poses are of several frames: {frames!l}",
+                "write those of one to a file of its own",
+                frames=frames[:8],
+            )
+
+
+def _values(
+    table: Table, ways: Sequence[Mapping[str, Column]], ignored: Collection[str]
+) -> tuple[dict[str, Floats], Mapping[str, Column]]:
+    """Return the numbers of the table's columns, (n,) each, and the columns, by quantity."""
+    way = ways[0] if len(ways) == 1 else _timed(table, ways)
+    places = {name: column for name, column in way.items() if name not in ignored}
+    return table.numbers({name: column.place for name, column in places.items()}), places
+
+
+def _timed(table: Table, ways: Sequence[Mapping[str, Column]]) -> Mapping[str, Column]:
+    """Return the way with the times of the poses, of several that have times.
+
+    Raises:
+        FormatError: If two columns of times differ in more than their units.
+    """
+    spans = []
+    for way in ways:
+        try:
+            times = table.numbers({"t": way["t"].place})["t"]
+        except FormatError:
+            continue
+        # A stamp that nobody set stays at 0.
+        if len(times) < 2 or times.min() < times.max():
+            spans.append((way, float(np.ptp(times)) if len(times) else 0.0))
+    if not spans:
+        return ways[0]
+    first, span = spans[0]
+    for way, other in spans[1:]:
+        if not is_sure(first["t"]) and not _differ_by_unit(span, other):
+            names = first["t"].name, way["t"].name
+            raise ambiguous(
+                f"the times may be in {names[0]} or in {names[1]}",
+                (f"t={names[0]}", f"t={names[1]}"),
+            )
+    return first
+
+
+def _differ_by_unit(span: float, other: float) -> bool:
+    if not span or not other:
+        return span == other
+    thousands = math.log(span / other, 1000.0)
+    return abs(thousands - round(thousands)) < _SAME
+
+
+def _last_path(table: Table) -> Trajectory:
+    """Return the last plan of a table in which each line is one, with all its poses."""
+    *_, (line, text) = table.lines()
+    written = split(text, table.delimiter)
+    layout = layout_of(written)
+    if layout is None or not layout.is_path:
+        raise FormatError(
+            "line-too-short",
+            "the line is not a path as the first one is, or was cut after 128 poses",
+            "print it again with ros2 topic echo --csv --full-length",
+            at_terminal=True,
+            line=line,
+        )
+    numbers = np.array([number_of(field) or 0.0 for field in written])
+    fields = np.array(layout.fields)
+    x, y = (numbers[fields == name] for name in ("x", "y"))
+    turns = {name: numbers[fields == name] for name in _TURNS if name != "yaw"}
+    fault = Trajectory.fault(np.arange(len(x), dtype=np.float64), x, y)
+    if fault is not None:
+        raise FormatError.of(fault[1], line=line)
+    turned, _ = headings(turns, {}, x, y)
+    return Trajectory.plan(x, y, None if np.isnan(turned).any() else turned)
+
+
+def _samples(owners: Floats, robots: int, only: int | None, table: Table) -> dict[int, Ints]:
+    """Return the rows of each robot's samples."""
+    wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))
+    if len(wrong):
+        raise FormatError(
+            "out-of-range",
+            "robot {robot:g} is not in the world, which has {robots}",
+            "number the robots from 1, or use the world in which it was recorded",
+            robot=float(owners[wrong[0]]),
+            robots=robots,
+            line=table.line_of(int(wrong[0])),
+        )
+    known = np.unique(owners).astype(int).tolist()
+    if (only is not None and only not in known) or not known:
+        raise FormatError(
+            "too-few-samples",
+            "the file has no samples of robot {robot}",
+            "choose a robot that was recorded" if known else "record a run first",
+            robot=only or 1,
+        )
+    wanted = known if only is None else [only]
+    return {robot: np.flatnonzero(owners == robot) for robot in wanted}
