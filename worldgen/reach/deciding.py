@@ -94,7 +94,7 @@ def _decide_body(world: World, *, margin: float, certificate: bool, cut: bool) -
         return body
     from worldgen.reach.car.decide import decide_car
 
-    return decide_car(world, body, margin=margin, certificate=certificate)
+    return decide_car(world, body, margin=margin, certificate=certificate, cut=cut)
 
 
 class _Legs:

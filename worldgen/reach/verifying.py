@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from worldgen.reach.body.prove import also_for_smaller
+from worldgen.reach.check.car_confinement import check_car_confinement
 from worldgen.reach.check.certificate import CheckReport, check_certificate
 from worldgen.reach.check.confinement import check_confinement
 from worldgen.reach.check.margin import witness_margin
@@ -16,6 +17,7 @@ from worldgen.reach.decision import (
     BLOCKED,
     REACHABLE,
     UNDECIDED,
+    CarConfinement,
     Decision,
     check_deadline,
     check_radius,
@@ -68,6 +70,9 @@ def verify_world(
         proof, claim = ("cut", BLOCKED) if isinstance(certificate, Cut) else ("witness", REACHABLE)
         about = world if certificate is world.certificate else ahead
         report = check_certificate(about, certificate, radius=radius)
+    elif isinstance(decision.confinement, CarConfinement):
+        proof = "confinement"
+        report = check_car_confinement(ahead, decision.confinement)
     elif decision.confinement is not None:
         proof = "confinement"
         report = check_confinement(ahead, decision.confinement, radius=asked)

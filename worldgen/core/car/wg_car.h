@@ -77,4 +77,30 @@ WgStatus wg_car_follow(const WgWalls *walls, WgCarQuery *asked, const int64_t *p
 // Releases the path.
 void wg_car_free(WgCarQuery *asked);
 
+// confine.c
+
+// Boxes of poses of a car, and where it gets from them in a step. Rectangles are (left, right, low, high),
+// in columns and rows relative to a box's own, included.
+typedef struct WgCarFlood {
+    int64_t columns;
+    int64_t rows;
+    int64_t headings;
+    int64_t most_turn;       // headings by which a step turns at most
+    int64_t parts;           // rectangles of a step, the last one at its end
+    const int32_t *steps;    // (headings, 2 most_turn + 1, parts, 4) by heading and turn
+    const uint8_t *places;   // (rows, columns) one of these:
+} WgCarFlood;
+
+enum {
+    WG_CAR_IN_WALL = 0,  // everywhere in the box, the car overlaps a wall
+    WG_CAR_ELSEWHERE = 1,
+    WG_CAR_AT_TARGET = 2,  // it may arrive from there in less than a step
+};
+
+// Adds to some boxes all that the car can reach from them, until one is near the target.
+//
+// reached: (headings, rows, columns), 1 for boxes that it may be in.
+// escapes: 1 if one is near the target, else 0.
+WgStatus wg_car_flood(const WgCarFlood *asked, uint8_t *reached, int64_t *escapes);
+
 #endif

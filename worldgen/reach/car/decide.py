@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from worldgen.reach.car.confine import confine_car
 from worldgen.reach.car.search import find_path, witness_of
-from worldgen.reach.decision import REACHABLE, UNDECIDED, Decision
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.timeline import Timeline
 from worldgen.world import World
 
 
 def decide_car(
-    world: World, body: Decision, *, margin: float = 0.0, certificate: bool = True
+    world: World, body: Decision, *, margin: float = 0.0, certificate: bool = True, cut: bool = True
 ) -> Decision:
-    """Return a witness for the world's car, or ``UNDECIDED``: nothing here proves ``BLOCKED``.
+    """Return a witness for the world's car, a proof that it cannot arrive, or ``UNDECIDED``.
 
     In a world that changes, the path avoids everything that is ever blocked, so it holds whenever
     the car begins.
@@ -23,6 +24,8 @@ def decide_car(
         body: The decision about its body alone, as if that turned on the spot; not ``BLOCKED``.
         margin: s; see :func:`worldgen.reach.decide`.
         certificate: True to return the witness.
+        cut: True to look for a proof that it cannot arrive, which only a car that never reverses
+            may have.
     """
     drive = world.robots[0].drive
     still = world
@@ -40,6 +43,15 @@ def decide_car(
                 room = f"leaves the footprint {witness.clearance:.4g} m to spare"
             reason = f"a car's path of {witness.length:.4g} m {room}"
             return Decision(REACHABLE, witness if certificate else None, reason)
+    if cut and not drive.reverse:
+        always = replace(world.bare, walls=world.still_walls, timeline=Timeline())
+        confinement = confine_car(always)
+        if confinement is not None:
+            reason = (
+                f"a car that turns on circles of {drive.turning_radius:g} m and never reverses "
+                f"cannot leave {int(confinement.boxes.sum()):,} boxes of poses"
+            )
+            return Decision(BLOCKED, None, reason, confinement)
     alone = "its body alone can pass"
     if body.result != REACHABLE:
         alone = f"of its body alone: {body.reason}"

@@ -1,7 +1,7 @@
 """What the prover answers, with the proofs that a file cannot store.
 
 Contents:
-    REACHABLE, BLOCKED, UNDECIDED, Decision, Swap, Confinement: The answer and its proofs.
+    REACHABLE, BLOCKED, UNDECIDED, Decision, Swap, Confinement, CarConfinement: The answer and its proofs.
     check_radius, check_margin, check_deadline: Reject invalid questions.
     unread_reason: Why nothing is decided on a map of which something was not read.
 """
@@ -17,12 +17,13 @@ from worldgen.reach.decision.answer import (
     check_radius,
     unread_reason,
 )
-from worldgen.reach.decision.confinement import Confinement
+from worldgen.reach.decision.confinement import CarConfinement, Confinement
 
 __all__ = [
     "BLOCKED",
     "REACHABLE",
     "UNDECIDED",
+    "CarConfinement",
     "Confinement",
     "Decision",
     "Swap",

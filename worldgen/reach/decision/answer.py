@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
 from worldgen.parameters.bounds import check_between
-from worldgen.reach.decision.confinement import Confinement
+from worldgen.reach.decision.confinement import CarConfinement, Confinement
 from worldgen.world import Certificate
 
 REACHABLE = "reachable"
@@ -40,7 +40,8 @@ class Decision:
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
         confinement: The proof of ``BLOCKED`` if no cut proves it, for
-            :func:`worldgen.reach.check_confinement`. It cannot be stored in a file.
+            :func:`worldgen.reach.check_confinement`, or that of a car, which has a checker of its
+            own. It cannot be stored in a file.
         swap: The proof of ``BLOCKED`` if two robots would have to pass each other, for
             :func:`worldgen.reach.check_swap`. It cannot be stored in a file.
     """
@@ -48,7 +49,7 @@ class Decision:
     result: str
     certificate: Certificate | None
     reason: str
-    confinement: Confinement | None = None
+    confinement: Confinement | CarConfinement | None = None
     swap: Swap | None = None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from worldgen.support.arrays import Ints
+from worldgen.support.arrays import Bools, Ints
 
 NEVER_ENDS = 2**60
 """Last slab of a stay that does not end."""
@@ -33,3 +33,22 @@ class Confinement:
     slab: Fraction
     deadline: float | None
     stays: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class CarConfinement:
+    """Boxes of poses that a car which never reverses cannot leave, none of them near the target.
+
+    From any pose in them, the car is in one of them again, or in a wall, when it has driven a step.
+    Box (k, row, column) has places (column to column + 1, row to row + 1) times ``side``, and
+    headings from k - 1/2 to k + 1/2 of a turn's equal parts.
+
+    Args:
+        side: Side of a box, m.
+        step: Length of a step, m.
+        boxes: (headings, rows, columns) bool, True for the boxes.
+    """
+
+    side: float
+    step: float
+    boxes: Bools

@@ -1,0 +1,173 @@
+"""Simulated cars stay where a proof confines them, whatever their controllers do."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from sim import Command, simulate
+from tests.worldgen.test_car_confinement import dead_end
+from worldgen import Drive, generate
+from worldgen.reach import BLOCKED, decide
+from worldgen.reach.car.confine import confine_car
+from worldgen.robot import Pose
+
+TURN = math.tau / 65_536
+BOX = ((0.3, 0.22), (-0.25, 0.22), (-0.25, -0.2), (0.3, -0.2))
+
+
+@dataclass(frozen=True)
+class Wilful:
+    """Drives forwards with speeds and locks that it draws, or with full lock towards its target.
+
+    Args:
+        speeds: (n,) m/s, one after another.
+        locks: (n,) from -1 to 1; above 1, it steers towards the target as far as it can.
+        hold: Steps for which it keeps one of them.
+        target: Its target, m.
+        flips: True to turn the other way in the step after a bump.
+    """
+
+    speeds: tuple[float, ...]
+    locks: tuple[float, ...]
+    hold: int
+    target: tuple[float, float]
+    flips: bool
+    senses = ("bump", "x", "y", "heading")
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, seen, memory):
+        number = int(memory[0]) // self.hold % len(self.speeds)
+        lock = self.locks[number]
+        if lock > 1.0:
+            bearing = math.atan2(self.target[1] - seen.y, self.target[0] - seen.x)
+            lock = math.copysign(1.0, math.remainder(bearing - seen.heading, math.tau))
+        if self.flips and seen.bump:
+            lock = -lock
+        return Command(self.speeds[number], 20.0 * lock), (memory[0] + 1.0,)
+
+
+def wilful(rng, world, time_step):
+    """Draw a controller, and sometimes one that moves by a few lattice units a step only."""
+    unit = world.cell_size / 1024 / time_step
+    paces = ((1.0,), (1.0, 0.1), (60 * unit,), (7.3 * unit, 1.2 * unit), (1.0, 3 * unit))
+    pace = paces[rng.integers(len(paces))]
+    locks = rng.choice([-1.0, 1.0, 2.0, 0.0, *rng.uniform(-1.0, 1.0, 2)], 60)
+    return Wilful(
+        tuple(rng.choice(pace, 60).tolist()),
+        tuple(locks.tolist()),
+        int(rng.choice([1, 3, 20, 200])),
+        (world.target.x, world.target.y),
+        bool(rng.integers(2)),
+    )
+
+
+def poses_after(trace, step, side):
+    """Return the exact poses (n, 3) of a car each time that it has driven `step` m: m, m, rad."""
+    words = trace.states.astype(np.int64)
+    places = (words[:, :2] + words[:, -2:] / 256) / 1024 * side
+    turns = ((np.diff(words[:, 2]) + 32768) % 65536 - 32768) * TURN
+    chords = np.hypot(*np.diff(places, axis=0).T)
+    lengths = chords / np.sinc(turns / 2.0 / math.pi)
+    ends = np.cumsum(lengths)
+    found = []
+    for k in range(1, int(ends[-1] / step) + 1):
+        at = int(np.searchsorted(ends, k * step))
+        share = 1.0 - (ends[at] - k * step) / lengths[at]
+        # The part of the arc up to there.
+        turn = share * turns[at]
+        chord = share * lengths[at] * np.sinc(turn / 2.0 / math.pi)
+        heading = words[at, 2] * TURN
+        way = heading + turn / 2.0
+        x, y = places[at] + chord * np.array([math.cos(way), math.sin(way)])
+        found.append((x, y, heading + turn))
+    return np.array(found).reshape(-1, 3)
+
+
+def boxes_of(proof, poses):
+    """Return whether poses are in boxes of a proof."""
+    row = np.floor(poses[:, 1] / proof.side).astype(int)
+    column = np.floor(poses[:, 0] / proof.side).astype(int)
+    count = len(proof.boxes)
+    return proof.boxes[np.rint(poses[:, 2] / (math.tau / count)).astype(int) % count, row, column]
+
+
+def of_family(name, seed, turning_radius):
+    world = generate(name, seed)
+    robot = replace(world.robots[0], drive=Drive(turning_radius))
+    return replace(world, robots=[robot], certificate=None, provenance=None)
+
+
+def askew(width, heading, **robot):
+    """A dead end in which the car starts at an angle."""
+    world = dead_end(width, 0.5, **robot)
+    start = world.start
+    return replace(world, start=Pose(start.x, start.y - 0.07, heading))
+
+
+WORLDS = {
+    "narrow": lambda: dead_end(0.8, 0.5),
+    "wide": lambda: dead_end(1.2, 0.5, heading=0.4),
+    "askew": lambda: askew(1.1, -0.5),
+    "footprint": lambda: dead_end(1.2, 0.5, footprint=BOX),
+    "maze": lambda: of_family("maze", 1, 0.3),
+    "rooms": lambda: of_family("rooms", 0, 0.3),
+    "cave": lambda: of_family("cave", 1, 0.6),
+    "forest": lambda: of_family("forest", 2, 0.6),
+}
+
+
+def assert_confined(world, seeds):
+    """Drive many cars, and return by how many m they move and how often they touch a wall."""
+    decision = decide(world)
+    assert decision.result == BLOCKED
+    proof = decision.confinement
+    moved = touched = 0.0
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        time_step = float(rng.choice([0.1, 0.02, 0.5]))
+        run = simulate(
+            world, wilful(rng, world, time_step), steps=600, time_step=time_step, record=True
+        )
+        assert run.verdict != "reached"
+        assert boxes_of(proof, poses_after(run.trace, proof.step, world.cell_size)).all()
+        moved += run.path_length
+        touched += run.collisions
+    return moved, touched
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("name", WORLDS)
+def test_no_car_leaves_the_boxes_that_confine_it(name):
+    moved, touched = assert_confined(WORLDS[name](), range(60))
+    assert moved > 5.0 and touched > 40
+
+
+def test_a_few_cars_stay_in_the_boxes_that_confine_them():
+    assert_confined(dead_end(1.2), range(3))
+
+
+@pytest.mark.gate
+def test_the_same_cars_arrive_where_they_are_not_confined():
+    world = dead_end(2.2, 0.5, heading=-1.2)
+    assert confine_car(world) is None
+    runs = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        runs.append(simulate(world, wilful(rng, world, 0.1), steps=3000, time_step=0.1))
+    assert any(run.verdict == "reached" for run in runs)
+
+
+@pytest.mark.gate
+def test_cars_that_turn_on_smaller_circles_leave_the_boxes():
+    proof = decide(dead_end(1.2, 0.9)).confinement
+    world = dead_end(1.2, 0.3)
+    left = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        run = simulate(world, wilful(rng, world, 0.1), steps=600, time_step=0.1, record=True)
+        left += not boxes_of(proof, poses_after(run.trace, proof.step, world.cell_size)).all()
+    assert left > 3

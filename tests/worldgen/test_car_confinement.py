@@ -1,0 +1,113 @@
+"""Cars that never reverse are confined, and a checker that refuses proofs that do not hold."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from worldgen import Drive, Pose, Robot, Target, World, generate
+from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, decide
+from worldgen.reach.car.confine import confine_car
+from worldgen.reach.check.car_confinement import check_car_confinement
+from worldgen.reach.verifying import verify_world
+
+
+def dead_end(width, turning_radius=1.0, heading=0.0, **robot):
+    """An aisle that is closed at both ends; the target is behind the car."""
+    cells = round(width / 0.1)
+    walls = np.ones((cells + 2, 32), bool)
+    walls[1:-1, 1:-1] = False
+    y = (1 + cells / 2) * 0.1
+    drive = Drive(turning_radius, reverse=robot.pop("reverse", False))
+    parts = {"radius": 0.2, "drive": drive, **robot}
+    return World(walls, robots=[Robot(Pose(1.7, y, heading), Target(0.5, y, 0.1), **parts)])
+
+
+@pytest.fixture(scope="module")
+def proof():
+    return decide(dead_end(0.8)).confinement
+
+
+@pytest.mark.parametrize(
+    ("width", "result"),
+    [
+        pytest.param(0.5, BLOCKED, marks=pytest.mark.gate),
+        (0.8, BLOCKED),
+        pytest.param(1.1, BLOCKED, marks=pytest.mark.gate),
+        (1.9, REACHABLE),
+    ],
+)
+def test_a_car_turns_around_only_where_its_turning_circle_fits(width, result):
+    # The axle needs twice the turning radius beside the disc's own width: 1.4 m.
+    answer = verify_world(dead_end(width, 0.5))
+    assert answer["result"] == result
+    assert answer["certificate_valid"]
+    assert answer["certificate"] == ("witness" if result == REACHABLE else "confinement")
+
+
+@pytest.mark.gate
+def test_a_footprint_is_confined_by_the_disc_in_it():
+    box = ((0.25, 0.2), (-0.25, 0.2), (-0.25, -0.2), (0.25, -0.2))
+    assert verify_world(dead_end(0.8, footprint=box))["result"] == BLOCKED
+
+
+@pytest.mark.gate
+def test_a_car_is_confined_from_a_waypoint():
+    world = dead_end(0.8)
+    behind = world.robots[0]
+    ahead = replace(behind.target, x=2.5)
+    assert decide(replace(world, robots=[replace(behind, target=ahead)])).result == REACHABLE
+    both = replace(world, robots=[replace(behind, target=ahead, waypoints=[behind.target])])
+    answer = verify_world(both)
+    assert answer["result"] == BLOCKED and answer["certificate_valid"]
+    # Not from one that can be passed before the car could turn around.
+    there = replace(world, robots=[replace(behind, target=ahead, waypoints=[ahead])])
+    assert verify_world(there)["result"] == REACHABLE
+
+
+def test_a_car_that_may_reverse_is_not_confined():
+    world = dead_end(0.8, reverse=True)
+    assert decide(world).result == REACHABLE
+    confinement = decide(dead_end(0.8)).confinement
+    assert not check_car_confinement(world, confinement).valid
+
+
+def test_a_car_that_faces_its_target_is_not_confined():
+    assert decide(dead_end(0.8, heading=3.14159)).result == REACHABLE
+    assert confine_car(dead_end(0.8, heading=3.14159)) is None
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("seed", range(6))
+def test_no_car_is_confined_that_has_a_path(seed):
+    world = generate("maze", seed, size=14, drive="car", turning_radius=0.15)
+    assert decide(world).result == REACHABLE
+    assert confine_car(world) is None
+
+
+def test_a_confinement_that_lacks_boxes_is_refused(proof):
+    world = dead_end(0.8)
+    assert check_car_confinement(world, proof).valid
+    for axis in range(3):
+        boxes = proof.boxes.copy()
+        layers = np.moveaxis(boxes, axis, 0)
+        layers[layers.sum(axis=(1, 2)).argmax()] = False
+        report = check_car_confinement(world, replace(proof, boxes=boxes))
+        assert not report.valid and "does not hold" in report.reason
+
+
+def test_a_confinement_holds_for_its_own_car_only(proof):
+    others = {
+        "a smaller turning circle": dead_end(0.8, 0.6),
+        "a smaller disc": dead_end(0.8, radius=0.1),
+        "another heading": dead_end(0.8, heading=3.14159),
+    }
+    for other in others.values():
+        assert not check_car_confinement(other, proof).valid
+    wrong = (replace(proof, step=2.0), replace(proof, side=0.001), replace(proof, step=0.0))
+    for changed in wrong:
+        assert not check_car_confinement(dead_end(0.8), changed).valid
+
+
+def test_without_a_wish_for_proofs_of_blocked_none_is_looked_for():
+    assert decide(dead_end(0.8), cut=False).result == UNDECIDED
