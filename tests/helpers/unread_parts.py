@@ -74,7 +74,7 @@ _SAVED = _CLASSIC % b"".join(
 )
 
 _GAZEBO = {
-    "unknown geometry": _in_world(_MODEL % b"<capsule><radius>1</radius></capsule>"),
+    "unknown geometry": _in_world(_MODEL % b"<ellipsoid><radii>1 1 1</radii></ellipsoid>"),
     "mesh": _in_world(_MODEL % b"<mesh><uri>model://x.dae</uri></mesh>"),
     "attribute of a shape": _in_world(_MODEL % b"<box scale='5 5 5'><size>0.1 0.1 1</size></box>"),
     "element of a shape": _in_world(
@@ -107,14 +107,15 @@ _GAZEBO = {
         )
     ),
     "placement frame": _in_world(
-        (_MODEL % b"<box><size>0.1 0.1 1</size></box>").replace(
-            b"name='new'", b"name='new' placement_frame='l'"
-        )
+        (_MODEL % b"<box><size>0.1 0.1 1</size></box>")
+        .replace(b"name='new'", b"name='new' placement_frame='l'")
+        .replace(b"<static>", b"<pose>0.15 0.15 0.5 0 0 0</pose><static>")
+        .replace(b"<link name='l'>", b"<link name='l'><pose>5 5 0 0 0 0</pose>")
     ),
     "joint": _in_world(
-        (_MODEL % b"<box><size>0.1 0.1 1</size></box>").replace(
-            b"</model>", b"<joint name='j' type='prismatic'/></model>"
-        )
+        (_MODEL % b"<box><size>0.1 0.1 1</size></box>")
+        .replace(b"<static>1</static>", b"")
+        .replace(b"</model>", b"<joint name='j' type='prismatic'/></model>")
     ),
     "plugin": _in_world(b"<plugin filename='libspawn_walls.so' name='spawn'/>"),
     "second world": _replaced(b"</world>", b"</world><world name='b'/>"),
@@ -390,7 +391,7 @@ _ROS_PNG = {
 
 # The index of the sample that is changed, and the changes by what they add.
 INJECTIONS = {
-    "barn": (0, _GAZEBO),
+    "sdf": (0, _GAZEBO),
     "tiled": (0, _TILED),
     "glb": (
         0,

@@ -26,6 +26,10 @@ USES = {
     "until test -s build/scheduler.json; do sleep 0.2; done; "
     "worldgen fuzz --controller turn-right --units 1 --examples 5 --seed 1 --out build/found "
     '--scheduler $(grep -o "tcp://[^\\"]*" build/scheduler.json) || test $? = 1',
+    "collada": "cd build && python -c 'import trimesh; trimesh.creation.box().export(\"a.dae\")' && "
+    'echo "<sdf><model><link><collision><geometry><mesh><uri>a.dae</uri></mesh></geometry>'
+    '</collision></link></model></sdf>" > m.sdf && python -c "from pathlib import Path; '
+    "from worldgen.interop import read_map; assert not read_map(Path('m.sdf')).unread\"",
     "numba": "cd build && worldgen new-controller mine --kind compiled && "
     "worldgen maze --size 12 --seed 1 --out w.grid && "
     "worldgen run w.grid --controller ./mine.py:mine || test $? = 1",

@@ -45,7 +45,7 @@ def found(tmp_path):
             f"<?xml version='1.0'?>\n<!-- a world -->\n<sdf version='1.6'>\n<world "
             f"name='w'>{models}</world></sdf>"
         )
-        assert find_format(path).name == "barn"
+        assert find_format(path).name == "sdf"
         return read_map(path, options=options)
 
     return read
@@ -95,7 +95,10 @@ def test_a_state_moves_a_model_and_slanted_boxes_are_taken_whole(found):
 def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
     flat, high = body(BOX.format("9 9 0.01")), body(BOX.format("9 9 1"), "0 0 5 0 0 0")
     tilted, mesh = (
-        body(BOX.format("9 9 1"), "0 0 0 0.3 0 0"),
+        body(
+            "<geometry><capsule><radius>1</radius><length>1</length></capsule></geometry>",
+            "0 0 0 0.3 0 0",
+        ),
         body("<geometry><mesh><uri>x</uri></mesh></geometry>"),
     )
     include = "<include><uri>model://sun</uri></include><include><uri>model://table</uri></include>"
@@ -104,11 +107,7 @@ def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
         back.walls.all()
         and "2 shapes that lie flat on the floor, or above 2 m, are ignored" in back.notes
     )
-    assert back.unread == (
-        "1 model from other files",
-        "1 shape of <mesh>",
-        "1 tilted shape of <box>",
-    )
+    assert back.unread == ("1 mesh not found", "1 model not found", "1 shape of <capsule>, tilted")
 
 
 @pytest.mark.parametrize(
@@ -134,7 +133,7 @@ def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
         ),
         (
             body(BOX.format("1 1 1")).replace("frame=''", "relative_to='x'"),
-            {"code": "unsupported", "line": 4},
+            {"code": "no-such-frame", "line": 4, "name": "x"},
         ),
         (
             body(BOX.format("1 1 1")) + body(BOX.format("1 1 1"), "1e7 0.01 0 0 0 0"),

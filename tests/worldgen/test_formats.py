@@ -198,8 +198,8 @@ def test_the_tables_command_works_on_the_world_of_the_page(
         Path(words[1]).write_bytes(building_file("gltf"))
     done = worldgen(*words)
     assert done.code == 0, done.err
-    # barn's reader reads every Gazebo file, including sdf's.
-    is_read_back = FORMATS.get(name).read is not None or name == "sdf"
+    # sdf's reader reads every Gazebo file, including barn's.
+    is_read_back = FORMATS.get(name).read is not None or name == "barn"
     if words[0] == "export" and is_read_back:
         imported = worldgen("import", words[-1], "--out", "back.grid")
         assert imported.code == 0, imported.err

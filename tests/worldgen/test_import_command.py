@@ -508,9 +508,9 @@ def unread(tmp_path, capsys):
 def test_a_world_with_a_mesh_is_undecided_and_written_without_a_proof(unread):
     out, code, answer = unread
     assert (code, answer["result"], answer["file"]) == (2, "undecided", str(out))
-    assert answer["unread"] == ["1 shape of <mesh>"]
+    assert answer["unread"] == ["1 mesh not found"]
     world = read_world(out)
-    assert world.certificate is None and world.unread == ("1 shape of <mesh>",)
+    assert world.certificate is None and world.unread == ("1 mesh not found",)
 
 
 def test_a_world_read_in_part_stays_undecided(unread):
@@ -519,7 +519,7 @@ def test_a_world_read_in_part_stays_undecided(unread):
         answer = worldgen(*words, "--json")
         said = json.loads(answer.out)
         assert (answer.code, said["result"], said["certificate_valid"]) == (2, "undecided", False)
-        assert said["unread"] == ["1 shape of <mesh>"]
+        assert said["unread"] == ["1 mesh not found"]
     assert decide(read_world(out)).result == "undecided"
     again = worldgen("import", out, "--out", out.with_name("again.grid"))
     assert again.code == 2 and read_world(out.with_name("again.grid")).unread
@@ -528,7 +528,7 @@ def test_a_world_read_in_part_stays_undecided(unread):
 def test_a_run_in_a_world_read_in_part_does_not_say_that_its_target_is_reachable(unread):
     done = worldgen("run", unread[0], "--controller", "bug2", "--json")
     assert json.loads(done.out)["reachable"] is None
-    assert "1 shape of <mesh> was not read" in done.err
+    assert "1 mesh not found was not read" in done.err
 
 
 @pytest.mark.parametrize(
@@ -551,7 +551,7 @@ def test_nothing_is_searched_or_copied_in_a_world_read_in_part(unread, words, mo
 def test_a_certificate_in_a_world_read_in_part_is_refused(unread):
     world = read_world(unread[0])
     proof = decide(replace(world, provenance=None)).certificate
-    with raises(InvalidWorld, "part-not-read", unread=["1 shape of <mesh>"]):
+    with raises(InvalidWorld, "part-not-read", unread=["1 mesh not found"]):
         replace(world, certificate=proof)
 
 
@@ -565,7 +565,7 @@ def test_a_world_of_an_earlier_version_keeps_its_proof(unread):
 def test_what_was_not_read_can_be_ignored_and_the_file_says_so(tmp_path, run, option):
     answer, world, err = run(gazebo(tmp_path, MESH), option)
     assert answer["result"] == "reachable" and check_certificate(world).valid
-    assert world.provenance.params["unread"] == ["1 shape of <mesh>"] and "1 shape of <mesh>" in err
+    assert world.provenance.params["unread"] == ["1 mesh not found"] and "1 mesh not found" in err
     assert worldgen("verify", tmp_path / "w.grid").code == 0
 
 
@@ -581,19 +581,20 @@ def test_a_map_that_looks_blocked_is_undecided_too_because_unread_elements_may_m
 @pytest.mark.parametrize(
     ("part", "unread"),
     [
-        ("<include><uri>model://shelf</uri></include>", "1 model from other files"),
+        ("<include><uri>model://shelf</uri></include>", "1 model not found"),
         (
             "<model name='m'><include><uri>model://shelf</uri></include></model>",
-            "1 model from other files",
+            "1 model not found",
         ),
         ("<population name='p'/>", "1 population of models"),
         (MESH.replace("mesh>", "heightmap>"), "1 shape of <heightmap>"),
-        (MESH.replace("mesh>", "polyline>"), "1 shape of <polyline>"),
+        (MESH.replace("mesh>", "image>"), "1 shape of <image>"),
+        (MESH.replace("<uri>", "<submesh/><uri>"), "1 mesh not found"),
         (
             MESH.replace(
                 "<mesh><uri>model://shelf.dae</uri></mesh>", "<plane><normal>1 0 0</normal></plane>"
             ),
-            "1 tilted shape of <plane>",
+            "1 shape of <plane>, tilted",
         ),
     ],
 )

@@ -73,7 +73,8 @@ def find_format(path: Path, name: str | None = None) -> Format:
             raise InvalidParameter(
                 "only-written",
                 "{format} can be written but not read",
-                "use a file of another format",
+                "omit --from, or use a file of another format",
+                at_terminal=True,
                 format=known.name,
             )
         return known

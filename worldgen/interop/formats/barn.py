@@ -6,7 +6,6 @@ Source: Daffan/the-barn-challenge, ``jackal_helper/worlds/BARN`` and ``run.py``;
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -20,9 +19,8 @@ from worldgen.interop.format import (
     decimal,
     decimal_text,
 )
-from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.boxes import closing_boxes
-from worldgen.interop.readers.gazebo_world import MAX_BYTES, OURS, grid_line, read_gazebo_world
+from worldgen.interop.readers.gazebo_world import OURS, grid_line
 from worldgen.lattice import exact
 from worldgen.world import World
 
@@ -157,34 +155,11 @@ def _model(
     yield "    </model>"
 
 
-# What has no collision does not stop a robot; a frame matters only to poses that name it, which
-# are refused.
-_HARMLESS = frozenset({
-    "sdf/version", "name", "collision/surface", "collision/laser_retro", "collision/max_contacts",
-    "collision/density", "link/audio_sink", "link/audio_source", "link/battery", "link/enable_wind", "link/gravity",
-    "link/inertial", "link/kinematic", "link/light", "link/must_be_base_link", "link/particle_emitter",
-    "link/projector", "link/self_collide", "link/sensor", "link/velocity_decay", "link/visual",
-    "model/allow_auto_disable", "model/canonical_link", "model/enable_wind", "model/frame", "model/self_collide",
-    "model/static", "model/velocity_decay", "model/gripper", "state/iterations", "state/light", "state/real_time",
-    "state/sim_time", "state/wall_time", "state/world_name", "state/model/link", "state/model/static",
-    "world/atmosphere", "world/audio", "world/frame", "world/gravity", "world/gui", "world/light",
-    "world/magnetic_field", "world/physics", "world/scene", "world/spherical_coordinates", "world/wind",
-    f"world/{OURS}robot_radius",
-})  # fmt: skip
-
 barn = Format(
     "barn",
-    "BARN world of posts, and other Gazebo worlds, .world",
-    (".world", ".sdf"),
-    re.compile(
-        rb"(?s)(?:\xef\xbb\xbf)?\s*+(?:<\?(?:(?!\?>).)*+\?>\s*+|<!--(?:(?!-->).)*+-->\s*+)*+"
-        rb"(?:<!DOCTYPE.*?>\s*)?<(?:sdf|gazebo)\b"
-    ),
-    read_gazebo_world,
-    write_barn,
+    "BARN world of posts, .world",
+    (".world",),
+    write=write_barn,
     holds=PLAIN_FACTS,
     client="Gazebo",
-    most_bytes=MAX_BYTES,
-    harmless=_HARMLESS,
-    usual_robot=FLOOR_ROBOT,
 )

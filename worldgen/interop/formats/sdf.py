@@ -1,6 +1,6 @@
-"""Export a world as SDFormat 1.9, for Gazebo and other programs that read it.
+"""Read Gazebo's files, and export a world as SDFormat 1.9, for Gazebo and other programs.
 
-The world is a static model of boxes, with a floor, marks and a robot. A world file has no clock, so
+An exported world is a static model of boxes, with a floor, marks and a robot. A world file has no clock, so
 cells that change with time become models that a script moves.
 
 Source: the SDFormat 1.9 specification.
@@ -8,6 +8,7 @@ Source: the SDFormat 1.9 specification.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import Literal
@@ -15,6 +16,7 @@ from typing import Literal
 from worldgen.errors import InvalidWorld
 from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.body_shape import BodyBox, body_box
 from worldgen.interop.geometry.placed_boxes import PlacedBox
 from worldgen.interop.geometry.solid_scene import (
@@ -25,7 +27,8 @@ from worldgen.interop.geometry.solid_scene import (
     player_files,
     scene,
 )
-from worldgen.interop.readers.gazebo_world import grid_line
+from worldgen.interop.readers.gazebo_models import GAZEBO_HARMLESS
+from worldgen.interop.readers.gazebo_world import MAX_BYTES, grid_line, read_gazebo_world
 from worldgen.interop.readers.places_text import kind_words
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
@@ -386,11 +389,19 @@ def _drive(file: str, system: str, radius: Fraction, speed: float) -> Iterator[s
 
 sdf = Format(
     "sdf",
-    "world of Gazebo, SDFormat 1.9, .sdf",
+    "world or model of Gazebo, .sdf, .world",
     (".sdf",),
-    write=write_sdf,
+    re.compile(
+        rb"(?s)(?:\xef\xbb\xbf)?\s*+(?:<\?(?:(?!\?>).)*+\?>\s*+|<!--(?:(?!-->).)*+-->\s*+)*+"
+        rb"(?:<!DOCTYPE.*?>\s*)?<(?:sdf|gazebo)\b"
+    ),
+    read_gazebo_world,
+    write_sdf,
     holds=PLAIN_FACTS | {"footprint"},
     changes=True,
     robots=True,
     client="Gazebo, PyBullet",
+    most_bytes=MAX_BYTES,
+    harmless=GAZEBO_HARMLESS,
+    usual_robot=FLOOR_ROBOT,
 )

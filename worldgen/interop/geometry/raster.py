@@ -17,6 +17,7 @@ from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidWorld
 from worldgen.interop.format.foreign_map import MAX_CELLS
 from worldgen.interop.geometry.boxes import merged_boxes
+from worldgen.interop.geometry.section import Section, fill, slack
 from worldgen.support.arrays import Bools, Floats, Ints
 
 # Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
@@ -134,6 +135,22 @@ class Raster:
         for row, first, end in outside.tolist():
             full[row, first:end] = False
         self.full[window] |= full
+
+    def section(self, section: Section) -> None:
+        """Paint a section of bodies, m."""
+        cells = Section(*(segments / float(self._cell_size) for segments in section))
+        ends = np.concatenate([segments.reshape(-1, 2) for segments in cells])
+        if not np.abs(ends).max() < _FAR:
+            return
+        # A sheet on a line blocks the cells on both sides of it.
+        rows, columns = self._around(*(ends.min(axis=0) - _LINE), *(ends.max(axis=0) + _LINE))
+        corner = np.array([columns.start, rows.start], np.float64)
+        moved = Section(*(segments - corner for segments in cells))
+        solid, full = fill(
+            moved, columns.stop - columns.start, rows.stop - rows.start, slack(np.abs(ends).max())
+        )
+        self.solid[rows, columns] |= solid
+        self.full[rows, columns] |= full
 
     def _around(self, left: float, low: float, right: float, high: float) -> tuple[slice, slice]:
         return self._window(math.floor(left), math.floor(low), math.ceil(right), math.ceil(high))

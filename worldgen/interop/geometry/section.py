@@ -11,8 +11,9 @@ here.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,10 @@ from worldgen.support.arrays import Bools, Floats, Ints
 
 # Half the thickness, cells, given to a wall that has none; on a line it blocks both sides.
 _SHEET = 1e-3
+# Depth in cells up to which an outline only touches a cell, because coordinates are rounded.
+_TOUCH = 1e-6
+# The same as a fraction of the largest coordinate: meshes are mostly stored as float32.
+_ROUNDED = 2.0**-22
 # Rows of cells that all segments together may pass.
 _MOST_VISITS = 400_000_000
 # Rows examined together.
@@ -205,6 +210,36 @@ def _crossings(vertices: Floats, one: Ints, other: Ints, height: float) -> Float
     return points
 
 
+def outlines(rings: list[Floats]) -> Section:
+    """Return the section of a body with these outlines, of which those within others are holes.
+
+    Args:
+        rings: Corners of each, (n, 2), m, in any direction.
+
+    Raises:
+        InvalidWorld: If one crosses itself.
+    """
+    import shapely
+    from shapely.geometry.polygon import orient
+
+    shapes: list[Any] = [shapely.Polygon(ring) for ring in rings]
+    if not all(shape.is_valid for shape in shapes):
+        raise InvalidWorld("crosses-itself", "an outline crosses itself", "draw it as several")
+    shape = functools.reduce(shapely.symmetric_difference, shapes)
+    segments = [np.zeros((0, 2, 2))]
+    # The inside is on the left of an outline, and of the outline of a hole.
+    for part in map(orient, shapely.get_parts(shape)):
+        for ring in (part.exterior, *part.interiors):
+            corners = np.asarray(ring.coords)
+            segments.append(np.stack([corners[:-1], corners[1:]], axis=1))
+    return Section(np.concatenate(segments), segments[0])
+
+
+def slack(furthest: float) -> float:
+    """Return the largest rounding error, cells, of coordinates this far from the file's origin."""
+    return min(_TOUCH + _ROUNDED * furthest, 0.01)
+
+
 def paint(section: Section, width: int, height: int, touch: float) -> Bools:
     """Return the cells that a section fills.
 
@@ -221,10 +256,18 @@ def paint(section: Section, width: int, height: int, touch: float) -> Bools:
     Raises:
         InvalidWorld: If it would take minutes.
     """
-    solid = _insides(section.closed, width, height)
-    solid |= _passed(section.closed, width, height, touch)
-    solid |= _passed(section.sheets, width, height, -_SHEET)
-    return solid
+    return fill(section, width, height, touch)[0]
+
+
+def fill(section: Section, width: int, height: int, touch: float) -> tuple[Bools, Bools]:
+    """Return the cells that a section fills, and those of them that no outline passes through.
+
+    Args, Raises: As :func:`paint`.
+    """
+    inside = _insides(section.closed, width, height)
+    passed = _passed(section.closed, width, height, touch)
+    passed |= _passed(section.sheets, width, height, -_SHEET)
+    return inside | passed, inside & ~passed
 
 
 def _insides(segments: Floats, width: int, height: int) -> Bools:

@@ -82,3 +82,12 @@ def turned(points: Floats, at: Point, heading: float) -> Floats:
     sin = math.sin(heading)
     moved: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(at, np.float64)
     return moved
+
+
+def hull(points: Floats) -> Floats:
+    """Return the corners of the smallest convex polygon around points, (n, 2), m."""
+    import shapely
+
+    around = shapely.convex_hull(shapely.multipoints(points))
+    corners: Floats = shapely.get_coordinates(around)
+    return corners[:-1] if len(corners) > 3 else corners

@@ -24,6 +24,7 @@ import trimesh
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.interop.account import damage, report_unread
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
+from worldgen.interop.readers.collada_tree import check_collada
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import quote
@@ -50,7 +51,7 @@ class RawMesh(NamedTuple):
 
     Args:
         up: The axis that points up by the format's convention, ``y`` or ``z``.
-        vertices: (n, 3) float64, in the file's unit and axes.
+        vertices: (n, 3) float64, in the file's unit and axes; COLLADA's in m.
         faces: (m, 3) int64.
         held: Facts about the world in a file from worldgen, by the names of
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
@@ -67,7 +68,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
 
     Args:
         path: The file.
-        kind: Its format: ``glb``, ``gltf``, ``stl`` or ``obj``.
+        kind: Its format: ``glb``, ``gltf``, ``stl``, ``obj`` or ``dae``, which needs ``collada``.
 
     Raises:
         FormatError: If the file breaks its format's rules, is too large, or has no triangles.
@@ -79,12 +80,22 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
         document = gltf_json(data)
         check_gltf(document)
         held = root_extras(document)
+    elif kind == "dae":
+        # Gazebo does not turn a file whose axis up is y, so neither do we.
+        up = "z"
+        unit, surfaces = check_collada(data)
+        held = {}
     else:
         up = "z"
         if (kind == "obj" and b"\0" in data[:4]) or not data.strip():
             raise FormatError("empty", "holds no mesh", "use a file with triangles")
         held = _held(data, kind)
-    vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
+    scene = _loaded(data, kind, path)
+    if kind == "dae":
+        report_unread("surfaces of COLLADA", max(surfaces - len(scene.graph.nodes_geometry), 0))
+    vertices, faces, left_out = _in_one_frame(scene)
+    if kind == "dae":
+        vertices = vertices * unit
     _report_other_words(data, kind, len(faces))
     report_unread("parts other than surfaces, such as points and lines", left_out)
     _check_arrays(vertices, faces)
@@ -178,7 +189,8 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
             return trimesh.load_scene(
                 io.BytesIO(data),
                 file_type=kind,
-                resolver=_Beside(path),
+                # The only other files that COLLADA names are pictures.
+                resolver=None if kind == "dae" else _Beside(path),
                 process=False,
                 skip_materials=True,
             )

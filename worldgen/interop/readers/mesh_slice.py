@@ -23,7 +23,15 @@ from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.account import report_unread
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot, check_sides
-from worldgen.interop.geometry.section import Bodies, Section, cut, open_count, paint, sort_bodies
+from worldgen.interop.geometry.section import (
+    Bodies,
+    Section,
+    cut,
+    open_count,
+    paint,
+    slack,
+    sort_bodies,
+)
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Bools, Floats, Ints
@@ -42,10 +50,6 @@ _FLAT = 0.99
 _SAME_FLOOR = 0.5
 # Fraction of the largest floor's area; a smaller level is a landing or furniture.
 _SMALL = 0.25
-# Fraction of the largest coordinate: meshes are mostly stored as float32.
-_ROUNDED = 2.0**-22
-# Depth in cells, as in `worldgen.interop.geometry.raster`.
-_TOUCH = 1e-6
 # Largest number in a file from worldgen.
 _FURTHEST = 1e15
 # Sizes in m; a smaller or larger building is probably in another unit.
@@ -285,17 +289,12 @@ def _frame(
         return (origin[0], origin[1]), size[0], size[1]
     cell = exact(cell_size)
     ends = np.stack([vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)]) / cell_size
-    slack = _slack(np.abs(ends).max())
-    low = [math.floor(value + slack) for value in ends[0].tolist()]
-    high = [math.ceil(value - slack) for value in ends[1].tolist()]
+    off = slack(np.abs(ends).max())
+    low = [math.floor(value + off) for value in ends[0].tolist()]
+    high = [math.ceil(value - off) for value in ends[1].tolist()]
     width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
     check_sides(width, height, remedy="use larger cells, or the file's unit if it is not the metre")
     return (float(low[0] * cell), float(low[1] * cell)), width, height
-
-
-def _slack(furthest: float) -> float:
-    """Return the largest rounding error, cells, of coordinates this far from the file's origin."""
-    return min(_TOUCH + _ROUNDED * furthest, 0.01)
 
 
 def _cells(
@@ -307,7 +306,7 @@ def _cells(
         max((float(np.abs(segments).max()) for segments in section if len(segments)), default=0.0)
         / cell_size
     )
-    return paint(in_cells, width, height, _slack(furthest))
+    return paint(in_cells, width, height, slack(furthest))
 
 
 def _notes(plane: Plane, floors: list[float], bodies: Bodies) -> tuple[str, ...]:

@@ -72,7 +72,7 @@ class XmlElement:
             # Namespaces and languages belong to XML itself.
             if not (name.startswith(("xmlns", "xml:")) or is_harmless((*path, name))):
                 yield f"attributes {name} of <{path[-1]}>"
-        if not self._has_text_taken and self.words.strip():
+        if not (self._has_text_taken or is_harmless((*path, "text"))) and self.words.strip():
             yield f"texts in <{path[-1]}>"
         for child in self.inside:
             inner = (*path, child.name)
@@ -94,7 +94,16 @@ class XmlElement:
 
 
 def read_xml(data: bytes) -> XmlElement:
-    """Return the root of a file.
+    """Return the root of a file, whose elements are accounted for.
+
+    Raises:
+        FormatError: As :func:`parse_xml` does.
+    """
+    return account_for(parse_xml(data))
+
+
+def parse_xml(data: bytes) -> XmlElement:
+    """Return the root of a file of which the caller itself reports what it does not read.
 
     Raises:
         FormatError: If it isn't well-formed XML, declares a document type, or is nested too deeply.
@@ -121,7 +130,7 @@ def read_xml(data: bytes) -> XmlElement:
         raise FormatError(
             "not-xml", "is not XML: {reason}", "save it as UTF-8", reason=str(error), line=1
         ) from error
-    return account_for(reader.open[0].children[0])
+    return reader.open[0].children[0]
 
 
 class _TreeBuilder:
