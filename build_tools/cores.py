@@ -168,6 +168,13 @@ CORES = (
             "wg_poses_describe",
             "wg_poses_next",
             "wg_poses_free",
+            "wg_body_cosines",
+            "wg_body_is_clear",
+            "wg_body_may_move",
+            "wg_body_may_turn",
+            "wg_body_decide",
+            "wg_body_clearance",
+            "wg_body_free",
         ),
     ),
     Core(

@@ -27,8 +27,10 @@ from sim.options.disturbances import pushes_of
 from sim.options.run import BUDGET_FACTOR, COVER, FEWEST_STEPS, MAX_STEPS, RunOptions
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import event_step
+from worldgen.reach.body.core_calls import Body
+from worldgen.reach.body.prove import goal_headings
 from worldgen.support.rows import flip_rows
-from worldgen.world import World
+from worldgen.world import Robot, Target, World
 
 # JavaScript's numbers hold every integer below this.
 _WHOLE = 2**53
@@ -133,11 +135,11 @@ def live_world(world: World) -> dict[str, Any]:
         "speed": world.robot_speed,
     }
     if not robot.is_disc:
-        found["footprint"] = [list(corner) for corner in robot.footprint]
+        found |= {"body": _live_body(world), "headings": goal_headings(robot.target)}
     if robot.drive.is_car:
         found["car"] = True
     if robot.waypoints:
-        found["waypoints"] = len(robot.waypoints)
+        found["waypoints"] = [_live_goal(goal, robot) for goal in robot.waypoints]
     if world.is_dynamic:
         found["changes"] = True
     if world.is_fleet:
@@ -145,11 +147,24 @@ def live_world(world: World) -> dict[str, Any]:
     return found
 
 
+def _live_body(world: World) -> dict[str, Any]:
+    """Return a footprint on the lattice, and the discs that decide most worlds for it, m."""
+    body = Body(world.walls, world.robots[0].footprint, world.cell_size)
+    return {
+        "corners": body.corners.tolist(),
+        "inside": body.disc(outer=False),
+        "around": body.disc(outer=True),
+    }
+
+
+def _live_goal(goal: Target, robot: Robot) -> dict[str, Any]:
+    headings = {} if robot.is_disc else {"headings": goal_headings(goal)}
+    return {"target": [goal.x, goal.y, goal.radius], **headings}
+
+
 def has_live_proof(world: World) -> bool:
     """Return True if a page can decide whether the target of an edited world can be reached."""
-    robot = world.robots[0]
-    is_simple = robot.is_round and not robot.waypoints
-    return is_simple and not (world.is_fleet or world.is_dynamic)
+    return not (world.is_fleet or world.is_dynamic)
 
 
 def why_not_live(world: World, controller: Controller, options: RunOptions) -> str:

@@ -15,7 +15,7 @@ from tests.helpers.accessibility import complaints
 from tests.helpers.browser import page_in
 from worldgen.files.grid import read_world
 from worldgen.reach import check_certificate, decide
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Robot, Target, World
 
 pytestmark = [
     pytest.mark.gate,
@@ -68,8 +68,8 @@ def room():
     return replace(world, certificate=decide(world).certificate)
 
 
-def write_failure(folder, controller):
-    failure = failure_of(room(), Scenario.parse(controller))
+def write_failure(folder, controller, world=None):
+    failure = failure_of(world or room(), Scenario.parse(controller))
     failure.write(folder / "loop.grid")
     write_report([folder], folder / "report.html")
     return (folder / "report.html").as_uri(), failure
@@ -110,21 +110,22 @@ def begin(page, verdict="loop"):
     page.locator("#board").wait_for()
 
 
-def place(page, x, y):
+def place(page, x, y, size=(14, 11)):
     """Return where a point of the world, in cells, is in the window."""
     box = page.locator("#board").bounding_box()
     edge, bar = 16, 18
-    scale = min((box["width"] - 2 * edge) / 14, (box["height"] - 2 * edge - bar) / 11)
+    width, height = size
+    scale = min((box["width"] - 2 * edge) / width, (box["height"] - 2 * edge - bar) / height)
     return (
-        box["x"] + box["width"] / 2 + (x - 7) * scale,
-        box["y"] + box["height"] / 2 - (y - (5.5 - bar / 2 / scale)) * scale,
+        box["x"] + box["width"] / 2 + (x - width / 2) * scale,
+        box["y"] + box["height"] / 2 - (y - (height / 2 - bar / 2 / scale)) * scale,
     )
 
 
-def drag(page, first, last):
-    page.mouse.move(*place(page, first[0] + 0.5, first[1] + 0.5))
+def drag(page, first, last, size=(14, 11)):
+    page.mouse.move(*place(page, first[0] + 0.5, first[1] + 0.5, size))
     page.mouse.down()
-    page.mouse.move(*place(page, last[0] + 0.5, last[1] + 0.5), steps=12)
+    page.mouse.move(*place(page, last[0] + 0.5, last[1] + 0.5, size), steps=12)
     page.mouse.up()
 
 
@@ -309,13 +310,45 @@ def test_the_editor_of_a_body_has_no_radius(browser, tmp_path):
     with failure_in(browser, (tmp_path / "report.html").as_uri(), failure) as page:
         begin(page, failure.verdict)
         assert not page.get_by_label("Robot radius, m").is_visible()
-        # The page cannot prove anything about a body, so the file's proof holds until a change.
-        assert "by the path in the file" in page.locator("#change-proof").inner_text()
+        page.locator("#change-proof.good", has_text="reachable").wait_for()
         assert Failure.of(saved(page, tmp_path)) == failure
         assert copied(page) == page.locator("pre.test").text_content()
+        assert page.complaints == []
+
+
+def test_a_passage_in_which_a_body_cannot_turn_is_closed_by_a_cut_of_poses(browser, tmp_path):
+    walls = np.ones((12, 12), bool)
+    walls[1:4, 1:4] = walls[4:7, 6:9] = walls[8:11, 1:11] = walls[4:8, 8] = False
+    walls[4, 1:9] = False
+    long = ((0.13, 0.04), (-0.06, 0.04), (-0.06, -0.04), (0.13, -0.04))
+    robot = Robot(Pose(0.25, 0.25, 1.5), Target(0.6, 1.0, 0.05), footprint=long)
+    world = World(walls, cell_size=0.1, robots=[robot])
+    world = replace(world, certificate=decide(world).certificate)
+    address, failure = write_failure(tmp_path, "turn-right", world)
+    with failure_in(browser, address, failure) as page:
+        begin(page, failure.verdict)
+        page.locator("#change-proof.good").wait_for()
         page.locator("#board").focus()
         page.keyboard.press("b")
-        drag(page, (11, 9), (12, 9))
-        page.locator("#change-proof", has_text="made by worldgen verify").wait_for(timeout=30_000)
-        assert page.locator(".change").get_by_role("button", name="Copied").is_disabled()
-        assert page.complaints == []
+        drag(page, (7, 5), (7, 6), size=(12, 12))
+        drag(page, (6, 5), (6, 6), size=(12, 12))
+        page.locator("#change-proof.bad", has_text="runs of poses").wait_for()
+        page.locator(".legend li", has_text="no heading fits").wait_for()
+        changed = saved(page, tmp_path)
+        assert changed.certificate.boxes is not None and check_certificate(changed).valid
+        assert outcome(copied(page)) == ""
+
+
+def test_waypoints_are_proved_one_after_the_other(browser, tmp_path):
+    world = room()
+    goals = (Target(0.45, 0.85, 0.05), Target(0.95, 0.85, 0.02))
+    world = replace(world, robots=[replace(world.robots[0], waypoints=goals)])
+    world = replace(world, certificate=decide(world).certificate)
+    address, failure = write_failure(tmp_path, "turn-left", world)
+    with failure_in(browser, address, failure) as page:
+        begin(page, failure.verdict)
+        page.locator("#change-proof.good").wait_for()
+        page.locator(".legend li", has_text="waypoint").wait_for()
+        drag(page, (4, 4), (4, 4))
+        page.locator("#change-proof.good").wait_for()
+        assert check_certificate(saved(page, tmp_path)).valid

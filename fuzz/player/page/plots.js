@@ -79,7 +79,7 @@ function valuesAt(curves, run, step, isPointed) {
   const time = `${isPointed ? "pointer at" : "at"} ${(step * run.dt).toFixed(2)} s: `;
   const rows = [...curves].sort((a, b) => a.number - b.number).map(({ run: own, number, named, series }) => {
     const row = rowAt(own, Math.min((step * run.dt) / own.dt, own.steps));
-    const words = series.map(({ name, unit, values, capped, most }) => `${name.toLowerCase()} ${capped && values[row] >= most - 1e-9 ? "at least " : ""}${values[row].toFixed(2)} ${unit}`);
+    const words = series.map(({ name, unit, values, capped, most }) => `${name.toLowerCase()} ${capped && values[row] >= most - 1e-9 ? "at least " : ""}${(Math.round(values[row] * 100) / 100 + 0).toFixed(2)} ${unit}`);
     return el("span", {}, named ? el("b", {}, `robot ${number} `) : "", words.join(" · "));
   });
   return [el("span", {}, time), ...rows];

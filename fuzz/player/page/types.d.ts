@@ -30,6 +30,13 @@ interface View {
 
 // Data that the server packs for drawing: fuzz/player/worlds.py, runs.py, memory.py, sensors.py.
 
+/** Packed by the server, or not by the page. */
+interface CutPoses {
+  all: Bits | Uint8Array;
+  some: Bits | Uint8Array;
+  fineness: number;
+}
+
 interface DrawnWorld {
   width: number;
   height: number;
@@ -46,7 +53,7 @@ interface DrawnWorld {
   witness?: PackedWitness | null;
   cut?: CellPlace[] | null;
   /** Places where a body fits in no heading, and in some only; `fineness` of them along a cell. */
-  cut_poses?: { all: Bits; some: Bits; fineness: number };
+  cut_poses?: CutPoses | null;
   /** Corners of the robot's body in cells, x ahead and y to the left; a disc has none. */
   footprint?: [number, number][];
   /** Heading that the robot must have at the target, rad. */
@@ -733,6 +740,8 @@ interface Proof {
   clearance: number;
   witness?: PackedWitness | null;
   cut?: CellPlace[] | null;
+  /** Of a cut of poses: where it stops the body. */
+  cut_poses?: CutPoses | null;
   /** Number of cells of the cut, if they form a ring. */
   ring?: number | null;
   /** Ends and witness of each robot after the first. */
@@ -832,16 +841,28 @@ interface LiveWorld {
   radius: number;
   /** m/s. */
   speed: number;
-  /** Corners of a body, m. */
-  footprint?: [number, number][];
+  /** A body instead of the disc. */
+  body?: LiveBody;
+  /** Headings of the lattice that a body may have at the target: the first, and how many follow; null if there is none. */
+  headings?: [number, number] | null;
   /** Set if the robot turns by steering. */
   car?: boolean;
-  /** Number of goals before the target, if there are any. */
-  waypoints?: number;
+  /** Goals before the target, in order, if there are any. */
+  waypoints?: { target: Triple; headings?: [number, number] | null }[];
   /** Set if cells change over time. */
   changes?: boolean;
   /** Their number, if there are several. */
   robots?: number;
+}
+
+/** A convex polygon that turns about its axle. */
+interface LiveBody {
+  /** Lattice units, in its frame. */
+  corners: [number, number][];
+  /** Radius of a disc that it holds, m; 0 if it holds none. */
+  inside: number;
+  /** Radius of a disc that holds it, m. */
+  around: number;
 }
 
 /** A number that JSON cannot hold or JavaScript would round is a string. */
@@ -907,9 +928,12 @@ interface LiveProof {
   reachable: boolean | null;
   reason: string;
   /** Corners of the path, in s and m; the radius of the largest disc that it lets through, m. */
-  witness: { t: number[]; x: number[]; y: number[]; clearance: number } | null;
-  /** A chain of cells, row 0 the lowest; the radius above which it stops every disc, m. */
-  cut: { cells: CellPlace[]; clearance: number } | null;
+  witness: { t: number[]; x: number[]; y: number[]; heading?: number[]; clearance: number } | null;
+  /**
+   * A chain of cells, row 0 the lowest, or boxes of poses as in worldgen.world.Cut; the radius above
+   * which it stops every disc, m; and the waypoint that it stops, from 1, unless that is the target.
+   */
+  cut: { cells: CellPlace[]; clearance: number; boxes?: number[][]; waypoint?: number } | null;
 }
 
 interface LiveRun {

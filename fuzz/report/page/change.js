@@ -260,7 +260,7 @@ function showAnswer(change) {
   const verdict = run?.verdict ?? (answer && !session.question.run ? failure.verdict : "");
   const words = run ? runWords(run) : answer ? answer.live.run || "in the recording" : "…";
   parts.verdict.replaceChildren(...(verdict ? [verdictDot(verdict), " ", el("b", {}, verdict), " "] : []), words);
-  const proof = answer ? proofOf(answer.proof, answer.live.proof, session.model.world.cell_size) : DECIDING;
+  const proof = answer ? proofOf(answer.proof, answer.live.proof, session.model.world) : DECIDING;
   const known = pathInFile(change, answer);
   if (known) proof.opened = known;
   const told = known ? { kind: "good", head: "✓ reachable:", words: " by the path in the file" } : proofWords(proof);
@@ -303,7 +303,7 @@ function rebuild(change) {
     world = drawnOf(session.model.world);
   const { proof } = draw.board;
   if (proof && world.open) Object.assign(world.open, { witness: proof.opened });
-  const drawn = { ...failure.now, named: [], world: { ...world, cut: proof?.cut }, run, paint: (player) => paint(change, player) };
+  const drawn = { ...failure.now, named: [], world: { ...world, cut: proof?.cut, cut_poses: proof?.cut_poses }, run, paint: (player) => paint(change, player) };
   former?.play(false);
   if (former && !former.drawn.paint) former.show.witness = true;
   // the page below keeps its place when there are fewer buttons

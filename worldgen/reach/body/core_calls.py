@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from worldgen._core import ffi, lib
-from worldgen.lattice import TURN, UNIT, footprint_on_lattice
+from worldgen.lattice import TURN, UNIT, exact, footprint_on_lattice
 from worldgen.reach.still.disc import Disc
 from worldgen.reach.still.walls import described_walls
 from worldgen.robot import Corner
@@ -20,6 +20,8 @@ from worldgen.support.ccall import check, kept, pointer, writable
 
 # lu by which a measured clearance may be below the real one.
 _SLACK = 0.5
+# lu by which a disc is widened or narrowed when its radius becomes a float.
+_GRAIN = Fraction(1, 1000)
 
 
 class BodyPose(NamedTuple):
@@ -69,6 +71,7 @@ class Body:
 
     def __init__(self, solid: Bools, footprint: tuple[Corner, ...], cell_size: float) -> None:
         self.solid = solid
+        self.cell_size = cell_size
         self.corners = footprint_on_lattice(footprint, cell_size)
         self._walls = described_walls(solid)
         self._body = _described(footprint, cell_size)
@@ -95,6 +98,14 @@ class Body:
             # Rounded down, to a billionth.
             nearest = min(nearest, _root_down(across, length_sq))
         return nearest
+
+    def disc(self, *, outer: bool) -> float:
+        """Return the radius, m, of the disc that holds the body, or of one in it: 0 if it has none."""
+        if outer:
+            units = Fraction(math.isqrt(self.outer_sq * 10**12) + 1, 10**6) + _GRAIN
+        else:
+            units = max(self.inner - _GRAIN, Fraction(0))
+        return float(units * exact(self.cell_size) / UNIT)
 
     def is_clear(self, pose: BodyPose) -> bool:
         """Return True if the body is clear at a pose."""

@@ -11,7 +11,6 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from worldgen._core import lib
 from worldgen.lattice import (
     TURN,
     UNIT,
-    exact,
     heading_from_lattice,
     heading_to_lattice,
     lattice_to_metres,
@@ -42,8 +40,6 @@ MOST_BOXES = 200_000
 _SMALLER_TRIED = 8
 _MOST_BOXES_SMALLER = 20_000
 
-# lu by which a disc is widened or narrowed when its radius becomes a float.
-_GRAIN = Fraction(1, 1000)
 _NOT_ASKED = "a path was found; its witness was not requested"
 _CUT_NOT_ASKED = "the target is cut off; the cut was not requested"
 
@@ -144,11 +140,7 @@ def _shrunk(corners: Floats, inward: float) -> list[tuple[float, float]] | None:
 def _disc_of(world: World, *, outer: bool) -> float:
     """Return the radius, m, of the disc that holds the body, or of one in it: 0 if it has none."""
     body = Body(world.walls, world.robots[0].footprint, world.cell_size)
-    if outer:
-        units = Fraction(math.isqrt(body.outer_sq * 10**12) + 1, 10**6) + _GRAIN
-    else:
-        units = max(body.inner - _GRAIN, Fraction(0))
-    return float(units * exact(world.cell_size) / UNIT)
+    return body.disc(outer=outer)
 
 
 def _with_heading(world: World, decision: Decision, path: Witness) -> Decision:

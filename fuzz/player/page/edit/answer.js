@@ -37,10 +37,10 @@ export function proofWords(proof) {
  * Returns the proof of an edited world as the board draws it.
  * @param {LiveProof} proof - The core's
  * @param {string} missing - Why the core does not decide it; empty if it does
- * @param {number} side - Of a cell, m
+ * @param {EditedWorld} world
  * @returns {Proof}
  */
-export function proofOf(proof, missing, side) {
+export function proofOf(proof, missing, world) {
   const { reachable, reason, witness, cut } = proof;
   const lengthOf = ({ x, y }) => x.reduce((sum, at, k) => (k > 0 ? sum + Math.hypot(at - x[k - 1], y[k] - y[k - 1]) : 0), 0);
   return {
@@ -49,11 +49,57 @@ export function proofOf(proof, missing, side) {
     length: witness ? lengthOf(witness) : 0,
     duration: witness?.t.at(-1) ?? 0,
     clearance: (witness ?? cut)?.clearance ?? 0,
-    cut: cut?.cells ?? null,
-    ring: cut && cut.cells.length > 1 ? cut.cells.length : null,
-    opened: drawnWitness(proof, side),
+    cut: cut && !cut.boxes ? cut.cells : null,
+    cut_poses: cut?.boxes ? stoppedPlaces(world, cut.boxes) : null,
+    ring: cut && !cut.waypoint && cut.cells.length > 1 ? cut.cells.length : null,
+    opened: drawnWitness(proof, world.cell_size),
     openedOthers: [],
   };
+}
+
+const FINENESS = 4; // places per cell and axis at which a cut of poses is sampled
+const MOST_PLACES = 2_000_000; // of a world; larger ones have fewer per cell
+const ALL = 0.995; // share of the headings that are all: boxes end a step before the next
+const TURN = 65536; // headings
+const UNIT = 1024; // parts of a cell in which boxes are given
+
+/**
+ * Returns where a cut of poses stops a body in all headings, and where in some, as bits:
+ * worldgen/render/certificate_parts.py.
+ * @param {EditedWorld} world
+ * @param {number[][]} boxes - Rows of heading, following headings, side, y, and x from and to
+ * @returns {CutPoses}
+ */
+function stoppedPlaces(world, boxes) {
+  let fineness = FINENESS;
+  while (fineness > 1 && world.cells.length * fineness ** 2 > MOST_PLACES) fineness -= 1;
+  const width = world.width * fineness,
+    height = world.height * fineness,
+    part = UNIT / fineness;
+  // The places whose middles are between two bounds.
+  const bounds = (low, high, most) => [Math.ceil(low / part - 0.5), Math.floor(high / part - 0.5) + 1].map((at) => Math.min(Math.max(at, 0), most));
+  // Corners of each rectangle in a table whose sums along both axes are the headings in all.
+  const table = new Float64Array((width + 1) * (height + 1));
+  for (const [, span, side, y, begin, end] of boxes) {
+    const [left, right] = bounds(begin, end, width),
+      [low, high] = bounds(y, y + side, height);
+    if (left >= right || low >= high) continue;
+    for (const [row, column, sign] of [[low, left, 1], [low, right, -1], [high, left, -1], [high, right, 1]]) table[row * (width + 1) + column] += sign * span;
+  }
+  const all = new Uint8Array(Math.ceil((width * height) / 8)),
+    some = all.slice();
+  for (let row = 0; row < height; row += 1)
+    for (let column = 0; column < width; column += 1) {
+      const at = row * (width + 1) + column;
+      if (column > 0) table[at] += table[at - 1];
+      if (row > 0) table[at] += table[at - width - 1] - (column > 0 ? table[at - width - 2] : 0);
+      // where a wall is, nothing need be shown
+      if (world.cells[Math.floor(row / fineness) * world.width + Math.floor(column / fineness)]) continue;
+      const place = row * width + column;
+      if (table[at] >= ALL * TURN) all[place >> 3] |= 1 << (place & 7);
+      else if (table[at] > 0) some[place >> 3] |= 1 << (place & 7);
+    }
+  return { all, some, fineness };
 }
 
 const ONCE = { tunnel: "goes into a wall", overlap: "cuts into a wall", contact: "touches a wall", burned: "is caught" };

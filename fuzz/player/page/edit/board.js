@@ -135,6 +135,7 @@ function sceneWorld(model, proof) {
     others: othersOf(world),
     witness: proof && proof.witness,
     cut: proof && proof.cut,
+    cut_poses: proof && proof.cut_poses,
     open: world.events
       ? Object.assign(openChanging(model), { witness, others })
       : { cells: world.cells, events: null, done: version, boxSince: (then) => model.boxSince(then), witness, others },

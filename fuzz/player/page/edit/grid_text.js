@@ -83,12 +83,13 @@ export function gridText(world, proof, run) {
   }
   const { witness, cut } = proof ?? { witness: null, cut: null };
   const shown = witness ?? cut;
-  if (shown) lines.push("", "[certificate]", `kind = "${witness ? "witness" : "cut"}"`, `clearance = ${numberText(shown.clearance)}`);
+  const separates = cut?.waypoint ? [`waypoint = ${cut.waypoint}`] : [];
+  if (shown) lines.push("", "[certificate]", `kind = "${witness ? "witness" : "cut"}"`, ...separates, `clearance = ${numberText(shown.clearance)}`);
   if (run) lines.push("", "[failure]", ...failureLines(tables.failure, run));
   lines.push("%cells", ...rowsOf(world));
   if (world.events) lines.push("%timeline", ...eventLines(world.events));
   if (witness) lines.push("%witness", ...pointLines(witness, several ? "1 " : ""));
-  else if (cut) lines.push("%cut", ...cut.cells.map((cell) => cell.join(" ")));
+  else if (cut) lines.push("%cut", ...(cut.boxes ?? cut.cells).map((row) => row.join(" ")));
   return [...lines, "%end", ""].join("\n");
 }
 
@@ -129,7 +130,8 @@ function eventLines({ times, ix, iy, state }) {
   return times.map((time, k) => `${numberText(time)} ${ix[k]} ${iy[k]} ${STATES[state[k]]}`);
 }
 
-function pointLines({ t, x, y, heading = null }, prefix) {
+/** @param {NonNullable<LiveProof["witness"]>} path @param {string} prefix */
+function pointLines({ t, x, y, heading }, prefix) {
   const columns = [t, x, y, ...(heading ? [heading] : [])];
   return t.map((_, k) => prefix + columns.map((column) => numberText(column[k])).join(" "));
 }

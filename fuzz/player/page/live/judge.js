@@ -1,7 +1,8 @@
 // Answers a page's question about a world: does a path exist, and what does the robot do?
 
 import { add, ceil, div, exact, fraction, least, mul, sub } from "#player/live/exact.js";
-import { prove } from "#player/live/prove.js";
+import { proveGoals } from "#player/live/goals.js";
+import { undecided } from "#player/live/prove.js";
 import { runOnLattice } from "#player/live/run.js";
 import { runStepped } from "#player/live/stepped.js";
 
@@ -23,7 +24,7 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
   try {
     const began = performance.now();
     const elsewhere = whyNotProved(world);
-    const proof = elsewhere ? notProved(elsewhere) : await prove(prover, world, pause);
+    const proof = elsewhere ? undecided(elsewhere) : await proveGoals(prover, world, pause);
     await pause();
     const proved = performance.now();
     /** @type {LiveRun | null} */
@@ -49,16 +50,9 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
  * @param {LiveWorld} world
  */
 function whyNotProved(world) {
-  const kind = (world.robots ?? 1) > 1 ? "several robots" : world.footprint ? "a body" : world.car ? "a car" : world.waypoints ? "a robot with waypoints" : "";
-  if (kind) return `The proof for ${kind} is made by worldgen verify.`;
+  if ((world.robots ?? 1) > 1) return "The proof for several robots is made by worldgen verify.";
   return world.changes ? "The proof for a world that changes is made by worldgen verify." : "";
 }
-
-/**
- * @param {string} reason
- * @returns {LiveProof}
- */
-const notProved = (reason) => ({ reachable: null, reason, witness: null, cut: null });
 
 /**
  * Returns the steps that an edited world's run gets: sim.options.run.step_budget.

@@ -15,24 +15,33 @@ import { pathOf, reached, witnessOf } from "#player/live/witness.js";
 /** Larger worlds take too long while a reader waits. */
 const MOST_CELLS = 1 << 18;
 
-/** @param {string} reason */
-const undecided = (reason) => ({ reachable: null, reason, witness: null, cut: null });
+/**
+ * @param {string} reason
+ * @returns {LiveProof}
+ */
+export const undecided = (reason) => ({ reachable: null, reason, witness: null, cut: null });
+
+/** Of a target that is out of reach, if no cut was asked for. */
+const NOT_ASKED = { reachable: false, reason: "", witness: null, cut: null };
 
 /**
  * Decides a static world for its disc.
  * @param {Core} core the prover
  * @param {LiveWorld} world
  * @param {() => Promise<void>} pause throws if a newer question has come
+ * @param {{ wantsCut: boolean }} [wanted] whether the proof of a target out of reach is wanted
  * @returns {Promise<LiveProof>}
  */
-export async function prove(core, world, pause) {
+export async function prove(core, world, pause, { wantsCut } = { wantsCut: true }) {
   const query = queryOf(core, world);
   if (query.width * query.height > MOST_CELLS) return undecided("A world this large is decided by `worldgen verify`.");
   const asked = askOf(core, world, query);
   if (!asked) return undecided("Numbers with this many digits are decided by `worldgen verify`.");
+  core.set(asked, "WgStill", { wants_cut: Number(wantsCut) });
   core.check("wg_still_decide", query.walls, asked);
   const { outcome, goal_clear, goal_x, goal_y } = core.all(asked, "WgStill");
-  const { WG_REACHED, WG_START_COVERED, WG_NO_PATH } = core.constants;
+  const { WG_REACHED, WG_START_COVERED, WG_NO_PATH, WG_PARTED } = core.constants;
+  if (outcome === WG_PARTED) return NOT_ASKED;
   if (outcome === WG_REACHED) {
     const { points, witness } = pathOf(core, world, asked);
     core.call("wg_still_free", asked);

@@ -48,10 +48,24 @@ const clearanceOf = (world, squared) => rootDown(mul(squared, square(div(exact(w
  */
 export function witnessOf(world, query, points) {
   const metre = div(exact(world.cell_size), UNITS);
+  return {
+    t: timesOf(world, points),
+    x: points.map(({ x }) => float(mul(x, metre))),
+    y: points.map(({ y }) => float(mul(y, metre))),
+    clearance: clearanceOf(world, clearanceSq(query, points)),
+  };
+}
+
+/**
+ * Returns the time of each point of a path, s.
+ * @param {LiveWorld} world
+ * @param {Point[]} points
+ */
+export function timesOf(world, points) {
   const perUnitSq = ticksPerUnitSq(world);
   const ticks = ticksPerSecond(world);
   let time = 0n;
-  const t = points.map((q, k) => {
+  return points.map((q, k) => {
     if (k) {
       const p = points[k - 1];
       const { over, under } = mul(add(square(sub(q.x, p.x)), square(sub(q.y, p.y))), perUnitSq);
@@ -60,34 +74,36 @@ export function witnessOf(world, query, points) {
     }
     return Number(time) / ticks;
   });
-  return {
-    t,
-    x: points.map(({ x }) => float(mul(x, metre))),
-    y: points.map(({ y }) => float(mul(y, metre))),
-    clearance: clearanceOf(world, clearanceSq(query, points)),
-  };
 }
+
+/** @param {Witness} witness */
+export const reached = (witness) =>
+  proofOfPath(witness, (length, room) => `a path of ${short(length)} m lets discs of up to ${short(room)} m through`);
 
 /**
  * @param {Witness} witness
+ * @param {(length: number, clearance: number) => string} words
  * @returns {LiveProof}
  */
-export function reached(witness) {
-  const { x, y } = witness;
-  const length = x.slice(1).reduce((sum, at, k) => sum + Math.hypot(at - x[k], y[k + 1] - y[k]), 0);
-  const reason = `a path of ${short(length)} m lets discs of up to ${short(witness.clearance)} m through`;
-  return { reachable: true, reason, witness, cut: null };
-}
+export const proofOfPath = (witness, words) => ({
+  reachable: true,
+  reason: words(lengthOf(witness), witness.clearance),
+  witness,
+  cut: null,
+});
+
+/** @param {Witness} path */
+export const lengthOf = ({ x, y }) => x.slice(1).reduce((sum, at, k) => sum + Math.hypot(at - x[k], y[k + 1] - y[k]), 0);
 
 /**
- * Returns a number with four digits, as Python's ``.4g`` does.
+ * Returns a number with some digits, as Python's ``.4g`` does.
  * @param {number} value
  */
-function short(value) {
-  const [digits, power] = value.toExponential(3).split("e");
+export function short(value, count = 4) {
+  const [digits, power] = value.toExponential(count - 1).split("e");
   const exponent = Number(power);
-  const isPlain = exponent >= -4 && exponent < 4;
-  const text = isPlain ? value.toFixed(3 - exponent) : digits;
+  const isPlain = exponent >= -4 && exponent < count;
+  const text = isPlain ? value.toFixed(count - 1 - exponent) : digits;
   const trimmed = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
   return isPlain ? trimmed : `${trimmed}e${power[0]}${power.slice(1).padStart(2, "0")}`;
 }

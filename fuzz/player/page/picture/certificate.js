@@ -65,7 +65,7 @@ export function drawCutPoses(pen, world) {
     { size, width, fill, opacity, colour } = MARKS["cut-poses"];
   context.save();
   context.fillStyle = context.strokeStyle = colours[colour];
-  const path = (bits) => placesPath(pen, bytesOf(bits), world.width * poses.fineness, world.height * poses.fineness, poses.fineness);
+  const path = (bits) => placesPath(pen, typeof bits === "string" ? bytesOf(bits) : bits, world.width * poses.fineness, world.height * poses.fineness, poses.fineness);
   path(poses.some);
   context.globalAlpha = 0.35 * fill;
   context.fill();

@@ -16,7 +16,7 @@ export const MARKS = {
   "opens": {"colour": "start", "width": 1.5, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.6, "size": 7.0, "fade": [], "on_cards": true, "label": "opens later"},
   "touched": {"colour": "touched", "width": 4.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": true, "label": "wall touched"},
   "cut": {"colour": "breach", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 16.0, "fade": [], "on_cards": true, "label": "cut: every gap too narrow"},
-  "cut-poses": {"colour": "breach", "width": 1.4, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.4, "size": 7.0, "fade": [], "on_cards": true, "label": "cut: no heading fits here"},
+  "cut-poses": {"colour": "breach", "width": 1.4, "dash": [], "opacity": 0.85, "casing": 0.0, "fill": 0.4, "size": 7.0, "fade": [], "on_cards": true, "label": "cut: no heading fits; lighter: some do not"},
   "band": {"colour": "loop", "width": 0.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.2, "size": 0.0, "fade": [], "on_cards": true, "label": ""},
   "start": {"colour": "start", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 4.0, "fade": [], "on_cards": true, "label": "start; the tick is its heading"},
   "end": {"colour": "robot", "width": 1.6, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.08, "size": 4.0, "fade": [], "on_cards": true, "label": "end"},

@@ -56,14 +56,15 @@ export function makeJudge(studio, judged, failed) {
     if (!live || robotsIn(world) > 1 || world.cells.length > LARGEST) return false;
     askRecipe();
     const recipe = state.recipe ?? NOT_HERE,
-      isPlain = !hasMoreInFile(world) && !world.events;
+      // The recipe knows what only the file has: a body, waypoints, a drive.
+      isPlain = !world.events && (state.recipe !== null || !hasMoreInFile(world));
     if (!state.recipe && !isPlain) return false;
     const { cell_size, start, target, robot_radius: radius, robot_speed: speed } = world;
     const now = { ...recipe.world, cells: rowsOf(world), cell_size, start, target, radius, speed };
     live.judge({ world: now, run: recipe.run, edited: !recipe.isGiven }).then(
       (answer) => {
         if (!answer || version !== model.version) return;
-        const proof = isPlain ? proofOf(answer.proof, answer.live.proof, cell_size) : null;
+        const proof = isPlain ? proofOf(answer.proof, answer.live.proof, world) : null;
         judged(proof, answer.run, recipe.robot ?? "", answer.live.run || recipe.why);
       },
       () => {
