@@ -26,9 +26,11 @@ from worldgen.parameters.bounds import (
 )
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
+from worldgen.reach import BLOCKED as SHUT
 from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.reach.joint.few_robots import FEW_ROBOTS, MOST_TOGETHER
 from worldgen.robot_overrides import RobotOverrides, option_flag
+from worldgen.shutting import is_shut, shut
 from worldgen.support.progress import Work, working
 from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
@@ -73,6 +75,15 @@ ROBOTS_PARAMETER = Parameter(
     (),
     "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
+)
+BLOCKED = "blocked"  # the parameter of static families of one robot: the share of blocked worlds
+BLOCKED_PARAMETER = Parameter(
+    BLOCKED,
+    0.0,
+    (),
+    "Share of the worlds whose target the robot cannot reach, with a proof: gaps in their walls are "
+    "closed. 1 for all of them.",
+    Bounds(0.0, 1.0),
 )
 # Provenance of worlds with several robots also names the version of the code that places them and
 # plans their witness: the modules in ``reach/joint``. Raise it whenever some
@@ -126,6 +137,8 @@ class Family:
     def __call__(self, seed: Seed = 0, **params: Value | None) -> World:
         """Return a world with a witness that its target can be reached.
 
+        With ``blocked`` it may have a cut instead, which proves that the target cannot be reached.
+
         Args:
             seed: An integer, of which the low 64 bits count, or a NumPy generator. Equal seeds and
                 parameters give equal worlds.
@@ -143,9 +156,9 @@ class Family:
         own = {name: value for name, value in complete.items() if name not in overrides.given()}
         fitted = self._fitted(overrides, own)
         own = fitted.laid_out_for(own)
+        wanted = SHUT if is_shut(number, cast("float", own.pop(BLOCKED, 0.0))) else REACHABLE
         robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
         fleet = int(cast("int", complete.get(ROBOTS, 1)))
-        is_fleet = fleet != 1
         # Try layouts until one is proved to be solvable.
         crowded: InvalidParameter | None = None
         first = 0
@@ -184,29 +197,14 @@ class Family:
                         is_narrow = attempt < MAX_NARROW_ATTEMPTS and not self.places_robots
                         first = MAX_NARROW_ATTEMPTS if is_narrow else MAX_CROWD_ATTEMPTS
                     continue
-            if decision.result == REACHABLE:
+            if wanted == SHUT:
+                world, decision = shut(world, decision, rng.child(BLOCKED))
+            if decision.result == wanted:
                 provenance = self.provenance(number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
         if crowded is not None:
             raise crowded
-        # Say which parameters leave no room.
-        shown = [parameter.name for parameter in self.parameters] + list(overrides.given())
-        settings = ", ".join(f"{name}={complete[name]}" for name in shown)
-        raise GenerationFailed(
-            "no-layout-found",
-            "{family}: none of {layouts} layouts lets "
-            + (f"{complete[ROBOTS]} robots" if is_fleet else "the robot")
-            + " through (seed {seed}; {settings})",
-            "give it more room: a larger size"
-            + (" or cell_size, a smaller footprint" if overrides.changes_body else "")
-            + ("" if overrides.changes_body else ", a smaller robot_radius")
-            + ", or fewer obstacles"
-            + (" or robots" if is_fleet else ""),
-            family=self.name,
-            layouts=attempt + 1,
-            seed=number,
-            settings=settings,
-        )
+        raise self._no_layout(complete, attempt + 1, number)
 
     @property
     def robot_parameters(self) -> tuple[Parameter, ...]:
@@ -234,6 +232,31 @@ class Family:
         version = CROWD_PLANNER_VERSION if robots > FEW_ROBOTS else PLANNER_VERSION
         planner = {PLANNER: version} if robots != 1 else {}
         return Provenance(self.name, self.version, seed, {**complete, **planner})
+
+    def _no_layout(self, complete: Mapping[str, Value], layouts: int, seed: int) -> Exception:
+        """Return the error for parameters with which this many layouts are not solvable."""
+        overrides = self.overrides(complete)
+        is_fleet = complete.get(ROBOTS, 1) != 1
+        # Say which parameters leave no room.
+        shown = [parameter.name for parameter in self.parameters] + list(overrides.given())
+        settings = ", ".join(f"{name}={complete[name]}" for name in shown)
+        return GenerationFailed(
+            "no-layout-found",
+            "{family}: none of {layouts} layouts lets "
+            + (f"{complete[ROBOTS]} robots" if is_fleet else "the robot")
+            + " through"
+            + (" and has room for a cut" if BLOCKED in complete else "")
+            + " (seed {seed}; {settings})",
+            "give it more room: a larger size"
+            + (" or cell_size, a smaller footprint" if overrides.changes_body else "")
+            + ("" if overrides.changes_body else ", a smaller robot_radius")
+            + ", or fewer obstacles"
+            + (" or robots" if is_fleet else ""),
+            family=self.name,
+            layouts=layouts,
+            seed=seed,
+            settings=settings,
+        )
 
     def _with_robots(
         self, world: World, rng: RandomStream, robots: int, margin: float, work: Work
@@ -333,8 +356,10 @@ class Family:
 
     @property
     def all_parameters(self) -> tuple[Parameter, ...]:
-        """Its own parameters and ``robots``, which every family has."""
-        return self.parameters if self.places_robots else (*self.parameters, ROBOTS_PARAMETER)
+        """Its own parameters, and those of its kind: ``robots``, and ``blocked`` if nothing changes."""
+        if self.places_robots:
+            return self.parameters
+        return (*self.parameters, ROBOTS_PARAMETER, *([] if self.changes else [BLOCKED_PARAMETER]))
 
     @property
     def description(self) -> str:
@@ -388,9 +413,22 @@ class Family:
         known = {parameter.name: parameter for parameter in self.parameters}
         if ROBOTS in params and not self.places_robots:
             robots = ROBOTS_PARAMETER.accept(params[ROBOTS], self.name)
+            if robots != 1 and params.get(BLOCKED) not in (None, 0, 0.0):
+                raise InvalidParameter(
+                    "not-for-fleets",
+                    "{option} is for worlds of one robot, and robots={robots}",
+                    "omit one of the two",
+                    option=option_flag(BLOCKED),
+                    robots=robots,
+                )
             rest = {name: value for name, value in params.items() if name != ROBOTS}
             # The provenance of a world of one robot stays as it always was.
             return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
+        if BLOCKED in params and BLOCKED_PARAMETER in self.all_parameters:
+            share = BLOCKED_PARAMETER.accept(params[BLOCKED], self.name)
+            rest = {name: value for name, value in params.items() if name != BLOCKED}
+            # The provenance of a world that can be solved stays as it always was.
+            return self.complete(rest) | ({BLOCKED: share} if share != 0.0 else {})
         others = {known.name for known in self.robot_parameters}
         for name in params:
             if name not in others:

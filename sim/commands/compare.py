@@ -221,8 +221,9 @@ def _note_unreachable(comparison: Comparison) -> None:
     found: dict[str, list[str]] = {"blocked": [], "undecided": []}
     # Deciding a world can take as long as its runs, so skip worlds in which one arrives.
     with working("deciding whether the runs could have arrived"):
-        for named, cells in zip(comparison.worlds, comparison.cells, strict=True):
-            if any(cell.reached for cell in cells):
+        for row, named in enumerate(comparison.worlds):
+            is_counted = row not in comparison.blocked
+            if not is_counted or any(cell.reached for cell in comparison.cells[row]):
                 continue
             result = verify_world(named.world)["result"]
             if result in found:

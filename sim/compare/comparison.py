@@ -28,7 +28,7 @@ from sim.verdict import ARRIVALS, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.parameters.bounds import check_between
 from worldgen.support.intervals import interval_95
-from worldgen.world import World
+from worldgen.world import Cut, World
 
 MAX_SEEDS = 1_000_000
 PERCENTILES = (5, 25, 50, 75, 95)
@@ -186,7 +186,7 @@ class ComparisonCell:
 
 @dataclass(frozen=True)
 class Total:
-    """A controller's totals over all worlds.
+    """A controller's totals over the worlds that are not proved to be blocked.
 
     Args:
         label: Name of the controller in the table.
@@ -231,10 +231,19 @@ class Comparison:
     cells: tuple[tuple[ComparisonCell, ...], ...]
 
     @property
+    def blocked(self) -> tuple[int, ...]:
+        """Rows whose world has a cut: a robot that does not arrive there has not failed."""
+        return tuple(
+            row for row, named in enumerate(self.worlds) if isinstance(named.world.certificate, Cut)
+        )
+
+    @property
     def common(self) -> tuple[int, ...]:
         """Rows in which every controller arrives; only there can times be compared fairly."""
         return tuple(
-            row for row, cells in enumerate(self.cells) if all(cell.arrives for cell in cells)
+            row
+            for row, cells in enumerate(self.cells)
+            if row not in self.blocked and all(cell.arrives for cell in cells)
         )
 
     def totals(self) -> tuple[Total, ...]:
@@ -243,28 +252,29 @@ class Comparison:
         return tuple(self._total(index, best) for index in range(len(self.labels)))
 
     def _total(self, index: int, best: Sequence[tuple[int, ...]]) -> Total:
-        cells = [row[index] for row in self.cells]
+        blocked = self.blocked
+        cells = [row[index] for k, row in enumerate(self.cells) if k not in blocked]
         runs = sum(len(cell.runs) for cell in cells)
         reached = sum(cell.reached for cell in cells)
         failures = Counter(
             run.verdict for cell in cells for run in cell.runs if run.verdict not in ARRIVALS
         )
-        times = [cells[row].rank_time for row in self.common]
-        chance = cells[0].random
+        times = [self.cells[row][index].rank_time for row in self.common]
+        ranked = [winners for row, winners in enumerate(best) if row not in blocked]
+        areas = [run.area_covered for cell in cells for run in cell.runs]
+        chance = self.cells[0][index].random
         return Total(
             label=self.labels[index],
             random=chance,
             runs=runs,
             reached=reached,
-            interval=interval_95(reached, runs) if chance else None,
+            interval=interval_95(reached, runs) if chance and runs else None,
             failures={verdict: failures[verdict] for verdict in Verdict if verdict in failures},
-            wins=sum(winners == (index,) for winners in best),
-            shared_wins=sum(index in winners and len(winners) > 1 for winners in best),
+            wins=sum(winners == (index,) for winners in ranked),
+            shared_wins=sum(index in winners and len(winners) > 1 for winners in ranked),
             mean_time=round(statistics.fmean(times), 9) if times else None,
             median_time=round(statistics.median(times), 9) if times else None,
-            mean_area=round(
-                statistics.fmean(run.area_covered for cell in cells for run in cell.runs), 9
-            ),
+            mean_area=round(statistics.fmean(areas), 9) if areas else 0.0,
         )
 
 

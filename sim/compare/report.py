@@ -36,6 +36,8 @@ CSV_COLUMNS = (
     "area_covered",
 )
 
+# Blocked worlds to name.
+_MOST_NAMED = 5
 # Width of sentences below a table, in characters.
 _WIDTH = 116
 
@@ -129,18 +131,26 @@ def _totals_table(comparison: Comparison) -> str:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
 
-    # Explain which worlds the times cover, and how the intervals are computed.
+    # Explain which worlds count, which the times cover, and how the intervals are computed.
     text = aligned(rows)
+    if comparison.blocked:
+        names = [comparison.worlds[row].name for row in comparison.blocked]
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        text = joined(
+            text,
+            "\nNot counted, because a cut proves that the target cannot be reached: "
+            f"{', '.join(names[:_MOST_NAMED])}{more}.",
+        )
     if len(totals) > 1:
         count = len(comparison.common)
-        of = len(comparison.worlds)
+        of = len(comparison.worlds) - len(comparison.blocked)
         if count:
             text = joined(
                 text,
                 f"\nMean and median times are over the {count} of {of} worlds in which every "
                 "controller arrives.",
             )
-        else:
+        elif of:
             text = joined(
                 text,
                 "\nNo mean or median times are given: in every world, some controller does not "
@@ -219,6 +229,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             {
                 "world": comparison.worlds[index].name,
                 **_json_robots(comparison.worlds[index].world),
+                **({"blocked": True} if index in comparison.blocked else {}),
                 "cells": list(map(_json_cell, cells)),
                 "best": [comparison.labels[place] for place in best],
                 "worst": [comparison.labels[place] for place in worst],

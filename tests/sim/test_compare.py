@@ -26,7 +26,7 @@ from tests.helpers.fleets import hall as empty_hall
 from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
-from worldgen import InvalidParameter, InvalidWorld, Pose, read_world, write_world
+from worldgen import InvalidParameter, InvalidWorld, Pose, generate, read_world, write_world
 from worldgen.render.marks import rgb
 from worldgen.render.sheet import series_colour
 from worldgen.support.intervals import interval_95
@@ -134,6 +134,19 @@ def test_totals_add_up_and_compare_times_only_where_everybody_arrives(table):
             sum(column[row].time for row in table.common) / len(table.common)
         )
     assert 2 not in table.common
+
+
+def test_a_world_with_a_cut_does_not_count_in_the_totals():
+    worlds = [
+        NamedWorld(str(share), generate("corridor", 1, blocked=share)) for share in (0.0, 1.0)
+    ]
+    result = compare(worlds, scenarios("bug2", motion="swept"))
+    (total,) = result.totals()
+    assert result.cells[1][0].reached == 0 and result.blocked == (1,)
+    assert (total.runs, total.reached, total.failures) == (1, 1, {})
+    assert "cannot be reached: 1.0." in str(as_text(result))
+    (none,) = compare(worlds[1:], scenarios("bug2", motion="swept")).totals()
+    assert (none.runs, none.reached, none.interval) == (0, 0, None)
 
 
 def waverer(folder):

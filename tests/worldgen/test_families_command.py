@@ -121,6 +121,7 @@ def test_json_is_one_object_about_the_file(tmp_path):
         "params": dict(world.provenance.params),
         "file": str(path),
         "digest": world_digest(world),
+        "result": "reachable",
         "witness_length": world.certificate.length,
         "witness_time": world.certificate.duration,
     }

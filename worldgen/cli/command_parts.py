@@ -176,7 +176,7 @@ class CommandParts:
                     value = word[2:]
             if equals:
                 yield CommandPart(option, flag, value)
-            elif option is not None and not option.is_flag and not option.count and rest:
+            elif option is not None and _takes_value(option, rest):
                 yield CommandPart(option, flag, rest.pop(0))
             else:
                 yield CommandPart(option, flag)
@@ -202,6 +202,15 @@ class CommandParts:
                     if part.option is not None
                 },
             }
+
+
+def _takes_value(option: click.Option, rest: Sequence[str]) -> bool:
+    """Return True if the next word, as click sees it, is an option's value."""
+    if option.is_flag or option.count or not rest:
+        return False
+    # Such as `--blocked`, which may have a value.
+    may_stand_alone = isinstance(option.flag_value, float)
+    return not (may_stand_alone and rest[0].startswith("-"))
 
 
 def parsed(group: click.Group, words: Sequence[str]) -> click.Context:

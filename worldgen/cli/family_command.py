@@ -36,7 +36,7 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
     from worldgen.support.progress import Work
-    from worldgen.world import JointWitness, Value, Witness, World
+    from worldgen.world import Cut, JointWitness, Value, Witness, World
 
 _EXAMPLES = (
     "\b\n  worldgen {name} --seed 7 --out w.grid\n  worldgen {name} --count 20 --out worlds/\n"
@@ -156,6 +156,8 @@ _MEASURED = 4_000_000
 
 
 def _option(parameter: Parameter, made_by: Family) -> Any:
+    from worldgen.family import BLOCKED
+
     words = flag_of(parameter.name, made_by)
     flags = f"--{words}/--no-{words}" if isinstance(parameter.default, bool) else f"--{words}"
     earlier = parameter.name.replace("_", "-")
@@ -164,6 +166,9 @@ def _option(parameter: Parameter, made_by: Family) -> Any:
     )
     kind = click.Choice(parameter.choices) if parameter.choices else type(parameter.default)
     default = parameter.python_default
+    if parameter.name == BLOCKED:
+        # Alone, it means all worlds.
+        option = functools.partial(option, is_flag=False, flag_value=1.0, metavar="[SHARE]")
     return option(
         flags, parameter.name, type=kind, default=default, show_default=True, help=parameter.note
     )
@@ -185,10 +190,21 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells{_for_robot(world)}, "
         + (f"{len(world.robots)} robots, joint " if world.is_fleet else "")
-        + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
+        + _proof(world, result)
+        + f", seed {seed}"
     )
     if to.as_json:
         emit_json({**_identity(made_by, seed, params), **result})
+
+
+def _proof(world: World, result: Mapping[str, Any]) -> str:
+    """Return the proof in words."""
+    from worldgen.world import Cut
+
+    cut = world.certificate
+    if isinstance(cut, Cut):
+        return "blocked: a cut proves that the target cannot be reached"
+    return f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s"
 
 
 def _for_robot(world: World) -> str:
@@ -233,12 +249,15 @@ def _made(
 
 def _result(world: World, file: Path | None) -> dict[str, Any]:
     from worldgen.files.grid import world_digest
+    from worldgen.world import Cut
 
-    # generate() never returns a world without one.
-    witness = cast("Witness | JointWitness", world.certificate)
+    # generate() never returns a world without a proof.
+    proof = cast("Witness | JointWitness | Cut", world.certificate)
+    witness = None if isinstance(proof, Cut) else proof
     return {
         "file": None if file is None else str(file),
         "digest": world_digest(world),
-        "witness_length": witness.length,
-        "witness_time": witness.duration,
+        "result": "blocked" if witness is None else "reachable",
+        "witness_length": None if witness is None else witness.length,
+        "witness_time": None if witness is None else witness.duration,
     }
