@@ -319,6 +319,14 @@ def _check_goal(goal: Target, prefix: str) -> None:
         )
     for name in ("heading_tolerance", "arrival_speed", "arrival_turn_rate"):
         _check_not_negative(f"{prefix}{name}", getattr(goal, name))
+    if goal.heading is not None and goal.heading_tolerance >= math.pi:
+        raise InvalidWorld(
+            "above-maximum",
+            "{name}={tolerance:g}: any heading is within that of another one",
+            "leave out target_heading, or use a tolerance below 3.1416",
+            name=f"{prefix}heading_tolerance",
+            tolerance=goal.heading_tolerance,
+        )
 
 
 def check_body(robot: Robot, cell_size: float, prefix: str) -> None:

@@ -166,9 +166,9 @@ class RobotOverrides:
             raise InvalidParameter(
                 "no-places",
                 "waypoints={name!q} is a number of places to choose, and this world's are not chosen",
-                f"write the places, such as {_PLACES_EXAMPLE}",
+                "write the places, such as {near}",
                 name=self.waypoints,
-                near="1.2,3.4",
+                near=f"{world.target.x:.6g},{world.target.y:.6g}",
             )
         if world.is_fleet:
             option = next(iter(self.given()))
@@ -317,10 +317,11 @@ def parse_waypoints(text: str) -> int | list[tuple[float, float, float]]:
         if not 2 <= len(numbers) <= 3 or not all(map(DECIMAL.fullmatch, numbers)):
             raise InvalidParameter(
                 "wrong-form",
-                "waypoint {name!q} is not a place, x and y in m, with or without a radius",
+                "waypoint {word!q} is not a place, x and y in m, with or without a radius",
                 f"write one such as 1.2,3.4 or 1.2,3.4,0.1, and several as {_PLACES_EXAMPLE}",
-                name=word,
-                near="1.2,3.4",
+                word=word,
+                name=text,
+                **_near_places(text),
             )
         x, y, *radius = map(float, numbers)
         if radius and not radius[0] > 0.0:
@@ -342,6 +343,13 @@ def parse_waypoints(text: str) -> int | list[tuple[float, float, float]]:
             most=MOST_WAYPOINTS,
         )
     return places if count is None else count
+
+
+def _near_places(text: str) -> dict[str, str]:
+    """Return the places that were written in another form, such as ``1.2;3.4``, as a fact ``near``."""
+    numbers = re.findall(_NUMBER, text)
+    pairs = [",".join(pair) for pair in zip(numbers[::2], numbers[1::2], strict=False)]
+    return {"near": " ".join(pairs)} if pairs and len(numbers) % 2 == 0 else {}
 
 
 def _corners(text: str) -> list[Corner]:

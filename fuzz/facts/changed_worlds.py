@@ -31,7 +31,7 @@ from worldgen.lattice import UNIT
 from worldgen.plugins.user_modules import sources_read
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.walls import Walls
-from worldgen.render.body_parts import tight_poses
+from worldgen.render.body_parts import room_at, tight_poses
 from worldgen.render.polyline import along, arc_length
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Robot, Target, Witness, World
@@ -49,7 +49,7 @@ _SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
 
 # The same of bodies that are not discs. Half of a rectangle may still be longer than a gap is wide,
 # and a controller may take it for the disc around it.
-_SMALLER_BODIES = (0.3, 0.4, *_SMALLER)
+SMALLER_BODIES = (0.3, 0.4, *_SMALLER)
 
 # Number of smaller robots that must arrive. In a world that is hard for another reason, one or two
 # robots may arrive by chance.
@@ -208,7 +208,7 @@ def fails_by_timing(world: World, arrives: Callable[[World], bool]) -> bool:
 
 
 def gap_that_stops(
-    world: World, place: tuple[float, float], arrives: Callable[[World], bool]
+    world: World, place: tuple[float, float], arrives: Callable[[World], bool], reached: int = 0
 ) -> float:
     """Return the width of a gap that the robot avoids although it fits through; 0 without one.
 
@@ -219,37 +219,56 @@ def gap_that_stops(
         world: The world.
         place: x and y, cells.
         arrives: Returns True if the same robot arrives in another world.
+        reached: Number of waypoints that it has arrived at; the path to the next goal counts.
 
     Returns:
         The width in radii of the robot.
     """
     robot = world.robots[0]
-    gap = _narrow_way(world, place) if robot.is_disc else _narrow_path(world, place)
+    ahead = world.for_goal(reached)
+    leg = _leg_of(world, reached)
+    gap = _narrow_way(ahead, place) if robot.is_disc else _narrow_path(ahead, place, leg)
     if not gap:
         return 0.0
     changed = replace(world, certificate=None, failure=None)
     # The first robot that does not arrive decides, so no larger one is tried.
     arrived = itertools.takewhile(
-        lambda share: arrives(replace(changed, robots=(_smaller(robot, share),))),
-        _SMALLER if robot.is_disc else _SMALLER_BODIES,
+        lambda share: arrives(replace(changed, robots=(smaller(robot, share),))),
+        _SMALLER if robot.is_disc else SMALLER_BODIES,
     )
     return gap if len(list(arrived)) >= _FEWEST else 0.0
 
 
-def _smaller(robot: Robot, share: float) -> Robot:
+def smaller(robot: Robot, share: float) -> Robot:
+    """Return the robot with this share of its size."""
     footprint = tuple((share * x, share * y) for x, y in robot.footprint)
     return replace(robot, radius=share * robot.radius, footprint=footprint)
 
 
-def _narrow_path(world: World, place: tuple[float, float]) -> float:
+def _leg_of(world: World, reached: int) -> Witness | None:
+    """Return the part of a witness from one goal, or the start, to the next; None without a witness."""
+    proof = world.certificate
+    if not isinstance(proof, Witness):
+        return None
+    first = last = 0
+    # The witness has a point in each goal.
+    for goal in world.robots[0].goals[: reached + 1]:
+        first = last
+        away = np.hypot(proof.x[first:] - goal.x, proof.y[first:] - goal.y)
+        last = first + int(np.argmax(away <= goal.radius * (1.0 + 1e-9)))
+    part = slice(first, last + 1)
+    headings = None if proof.headings is None else proof.headings[part]
+    return Witness(proof.times[part], proof.x[part], proof.y[part], proof.clearance, headings)
+
+
+def _narrow_path(world: World, place: tuple[float, float], proof: Witness | None) -> float:
     """Return how wide a body's witness is at its tightest place, after a place; 0 if it is wide.
 
     Returns:
         The shorter side of the body and the room on both of its sides, in radii of the robot.
     """
-    proof = world.certificate
-    tight = tight_poses(world, proof) if isinstance(proof, Witness) else []
-    if not tight or not isinstance(proof, Witness):
+    tight = tight_poses(world, proof) if proof is not None else []
+    if not tight or proof is None or len(proof.x) < 2:
         return 0.0
     # A robot that has the tightest place behind it is held by another one, which this doesn't show.
     points = np.column_stack((proof.x, proof.y))
@@ -260,7 +279,7 @@ def _narrow_path(world: World, place: tuple[float, float]) -> float:
     )
     robot = world.robots[0]
     side = float(np.ptp(robot.footprint, axis=0).min())
-    width = side + 2.0 * proof.clearance
+    width = side + 2.0 * room_at(world, tight[0])
     return width / robot.radius if reached <= passed and width < _GAP * side else 0.0
 
 

@@ -28,6 +28,7 @@ from fuzz.boundary import (
     run_subject,
     subject_of,
 )
+from fuzz.facts.changed_worlds import SMALLER_BODIES, smaller
 from fuzz.failure import Failure
 from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
@@ -107,7 +108,8 @@ class Change:
         what: ``cell`` (a solid cell is free), ``memory`` (it starts without memory in its loop),
             ``event`` (a cell does not change), ``option`` (an option of the run, or the
             controller's own, is at its default), ``field`` (a field of the controller's class has
-            another value), or the name of one of :data:`fuzz.boundary.AXES`.
+            another value), ``footprint`` (it has a share of its size), or the name of one of
+            :data:`fuzz.boundary.AXES`.
         value: The value with which the robot arrives: the cell ``[ix, iy]``, the pose
             ``[x, y, heading]``, the option's name, the field's name and value, or a number.
         was: The value in the failure: the time of the event in s, the option's value, or the
@@ -141,6 +143,8 @@ class Change:
                 return f"if cell {_cell(self.value)} does not change at {self.was:g} s"
             case "option":
                 return f"without +{self.value}{'' if self.was is True else f'={self.was}'}"
+            case "footprint":
+                return f"with a footprint of {self.value:g} times its size"
             case "field":
                 field, value = self.value
                 return f"with {field} {_short(value)} instead of {_short(self.was)}"
@@ -441,12 +445,12 @@ def _changes_in_haste(search: _ChangedRuns, tries: Sequence[_Try]) -> Iterator[C
 
 def _helpful(search: _ChangedRuns, tries: Iterable[_Try]) -> Iterator[Change]:
     """Yield those changes after which the robot arrives."""
-    cleared = False
+    helped = set()
     for one in tries:
-        # Of the places where the memory is cleared, the first is enough.
-        is_needless = one.change.what == "memory" and cleared
+        # Of the places where the memory is cleared, and of the sizes, the first is enough.
+        is_needless = one.change.what in ("memory", "footprint") and one.change.what in helped
         if not is_needless and search.arrives(one.subject):
-            cleared |= one.change.what == "memory"
+            helped.add(one.change.what)
             yield one.change
 
 
@@ -466,6 +470,11 @@ def _tries(subject: Subject, episode: Episode) -> Iterator[_Try]:
     yield from _restarts(subject, episode)
     yield from _events(subject)
     yield from _options(subject)
+    # Discs have an axis of their radius.
+    robot = subject.world.robots[0]
+    for share in () if robot.is_disc else reversed(SMALLER_BODIES):
+        robots = (smaller(robot, share),)
+        yield _Try(Change("footprint", share, 1.0), _with_world(subject, robots=robots))
 
 
 def _restarts(subject: Subject, episode: Episode) -> Iterator[_Try]:

@@ -183,7 +183,9 @@ def diagnosis_of_run(
     cause, seen = _of_robot(world, episode)
     if isinstance(episode.evidence, WallEvidence):
         return Diagnosis(cause, _how_through(episode.evidence))
-    return Diagnosis(cause) if seen is None else _with_circumstance(world, cause, seen, others)
+    if seen is None:
+        return Diagnosis(cause)
+    return _with_circumstance(world, cause, seen, others, episode.goals_reached or 0)
 
 
 def _of_fleet(world: World, episode: FleetEpisode, others: OtherWorlds | None) -> Diagnosis:
@@ -332,9 +334,9 @@ def _at_goal(world: World, trace: Trace, seen: RepeatedPart) -> Cause | None:
 
 
 def _with_circumstance(
-    world: World, cause: Cause, seen: RepeatedPart, others: OtherWorlds | None
+    world: World, cause: Cause, seen: RepeatedPart, others: OtherWorlds | None, reached: int
 ) -> Diagnosis:
-    """Return a motion with the circumstance in which the robot repeats it."""
+    """Return a motion with the circumstance in which the robot repeats it, on the way to a goal."""
     hardly_touches = seen.touching < _RARELY
     # Runs in other worlds show most. Without time for them, the robot's own run is the best
     # evidence.
@@ -345,7 +347,9 @@ def _with_circumstance(
             # The walls that a disc touches reveal more about it than gaps that it keeps away from.
             # A body touches walls because it has the wrong heading for a gap.
             may_be_held = hardly_touches or not world.robots[0].is_disc
-            gap = gap_that_stops(world, seen.closest, others.arrives) if may_be_held else 0.0
+            gap = 0.0
+            if may_be_held:
+                gap = gap_that_stops(world, seen.closest, others.arrives, reached)
             if gap:
                 # A robot can reach a target in a gap that is too narrow to drive through.
                 return Diagnosis(cause, Circumstance.AT_A_GAP, gap if gap >= 2.0 else 0.0)

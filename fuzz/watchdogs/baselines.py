@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from sim.controllers.base import Observation
+from worldgen.parameters.bounds import check_at_least
 
 
 @dataclass
@@ -24,6 +25,11 @@ class SimpleProgressChecker:
 
     required_movement_radius: float = 0.5
     movement_time_allowance: float = 10.0
+
+    def __post_init__(self) -> None:
+        """Reject a number below 0."""
+        for name, value in vars(self).items():
+            check_at_least(name, value, 0.0)
 
     def reset(self) -> None:
         """Forget where the robot was."""
@@ -72,6 +78,11 @@ class OscillationCritic:
     oscillation_reset_dist: float = 0.05
     oscillation_reset_angle: float = 0.2
     x_only_threshold: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Reject a number below 0."""
+        for name, value in vars(self).items():
+            check_at_least(name, value, 0.0)
 
     def reset(self) -> None:
         """Forget what the robot did."""

@@ -191,6 +191,7 @@ def test_a_failure_by_chance_is_refused():
             [Change("radius", 0.06, 0.07, "m"), Change("time-step", 0.01, 0.015, "s")],
             "arrives with radius 0.06 m instead of 0.07 m, or with time step 0.01 s instead of 0.015 s",
         ),
+        ([Change("footprint", 0.7, 1.0)], "arrives with a footprint of 0.7 times its size"),
         ([], "fails with each of 9 single changes of its walls, robot and options"),
     ],
 )

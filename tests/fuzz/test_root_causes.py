@@ -76,6 +76,22 @@ def test_a_robot_that_takes_its_body_for_a_disc_is_held_by_a_gap_that_fits_its_b
     assert gap_that_stops(world, (25.0, 22.0), lambda _: True) == pytest.approx(1.15, abs=0.01)
 
 
+def test_a_gap_on_the_way_to_a_waypoint_holds_a_robot_back_and_one_behind_it_does_not():
+    # Between start and target there is none; the waypoint is behind the gap.
+    world = wide_gap()
+    there = world.target
+    robot = replace(world.robots[0], target=Target(1.0, 1.0, 0.1), waypoints=(there,))
+    tour = certified(replace(world, robots=[robot]))
+    disc = replace(robot, footprint=(), radius=0.3)
+    round_tour = certified(replace(world, robots=[disc]))
+    for one, width in ((tour, 1.15), (round_tour, 0.8 / 0.3)):
+        assert gap_that_stops(one, (25.0, 22.0), lambda _: True) == pytest.approx(width, abs=0.02)
+    # Both have to come back through it.
+    for one in (tour, round_tour):
+        assert gap_that_stops(one, (45.0, 22.0), lambda _: True) == 0.0
+        assert gap_that_stops(one, (45.0, 22.0), lambda _: True, reached=1) > 0.0
+
+
 def test_a_gap_that_the_robot_has_passed_does_not_hold_it_back():
     failure = found_by("StopsBehind", gap())
     assert diagnosis_of(failure) == Diagnosis(Cause.STANDS_STILL)

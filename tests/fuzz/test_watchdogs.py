@@ -189,6 +189,10 @@ def test_a_wrong_watchdog_is_refused(tmp_path, loop, body, code):
 
 def test_a_name_sets_fields_and_a_wrong_one_is_refused():
     assert watchdog_named("simple-progress+movement_time_allowance=3").movement_time_allowance == 3
+    for name in ("pose-progress+required_movement_angle", "oscillation+x_only_threshold"):
+        with raises(InvalidParameter, "code-failed") as caught:
+            watchdog_named(f"{name}=-1")
+        assert "is below 0" in str(caught.value)
     with raises(InvalidParameter, "unknown-name"):
         watchdog_named("simple-progress+allowance=3")
     with raises(InvalidParameter, "unknown-name"):

@@ -147,6 +147,7 @@ FILE_FAULTS = {
     "reverse as a word": ("arrival", 'reverse = "yes"\narrival', "wrong-type"),
     "an unknown arrival": ('"stop"', '"soon"', "unknown-name"),
     "a negative tolerance": ("heading_tolerance = 0.1", "heading_tolerance = -0.1", "below-minimum"),
+    "any heading": ("heading_tolerance = 0.1", "heading_tolerance = 3.2", "above-maximum"),
 }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.files.grid import write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.reach import decide
 from worldgen.render.caption import facts as caption_facts
 from worldgen.robot import Drive
@@ -75,6 +75,8 @@ def test_a_footprint_is_read_in_every_form(text, corners):
         (("--footprint", "100x100"), "out-of-range", ""),
         (("--target-heading", "1:-0.1"), "below-minimum", ""),
         (("--target-heading", "north"), "wrong-form", ""),
+        (("--waypoints", "1.2;0.4"), "wrong-form", "--waypoints 1.2,0.4"),
+        (("--waypoints", "there"), "wrong-form", ""),
         (("--arrival", "stopp"), "unknown-name", "--arrival stop"),
         (("--arrival", "stop:-1"), "below-minimum", ""),
         (("--arrival", "step:1"), "wrong-form", "--arrival step"),
@@ -104,6 +106,15 @@ def test_a_wrong_option_is_answered_in_a_sentence_and_with_the_corrected_command
     assert len(commands) <= 1
     if corrected:
         assert commands == [f"  worldgen verify {room} {corrected}"]
+
+
+def test_a_number_of_waypoints_is_corrected_to_a_place_in_the_world(room):
+    target = read_world(room).target
+    result = worldgen("verify", room, "--waypoints", "2")
+    assert (result.code, result.error_code) == (2, "no-places")
+    near = f"{target.x:.6g},{target.y:.6g}"
+    assert result.err.splitlines()[1:] == [f"  worldgen verify {room} --waypoints {near}"]
+    assert worldgen("verify", room, "--waypoints", near).code == 0
 
 
 def test_a_body_that_does_not_cover_its_axle_is_accepted_and_mentioned(room):

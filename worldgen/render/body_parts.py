@@ -239,6 +239,11 @@ def tight_poses(world: World, proof: Witness) -> list[BodyPose]:
     return [poses[first], *(pose for pose, _ in passage)]
 
 
+def room_at(world: World, pose: BodyPose) -> float:
+    """Return the distance of the robot's body at a pose from the nearest wall, m."""
+    return _gap(world.walls, outline(world.robots[0], pose) / world.cell_size) * world.cell_size
+
+
 def _fine_poses(proof: Witness, reach: float) -> list[BodyPose]:
     assert proof.headings is not None
     turns = np.diff(proof.headings)

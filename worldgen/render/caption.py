@@ -14,7 +14,7 @@ from worldgen.render.marks import MARKS, SPECIFICATION, Mark, hue, mix, robot_co
 from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.robot_parts import start_disc, target_mark
+from worldgen.render.robot_parts import start_disc, target_mark, waypoint_mark
 from worldgen.render.trail_parts import arrow, arrow_head, breach_cross, heading_tick, stays_put
 from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
@@ -199,6 +199,7 @@ def _shown(content: Content) -> set[str]:
     names = {
         "start",
         "target",
+        *(["waypoint"] if content.world.robots[0].waypoints else ()),
         *(["signal"] if view.signal else ()),
         *(["named"] if content.named else ()),
     }
@@ -315,6 +316,13 @@ def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return target_mark(x + 0.5 * ICON * unit, y, 5.0 * unit, unit, hue("target"))
 
 
+def _waypoint_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    colour = hue("target")
+    middle = x + 0.5 * ICON * unit
+    number = Text(middle - 2.3 * unit, y + 2.9 * unit, 8.0 * unit, "1", colour)
+    return [*waypoint_mark(middle, y, 6.0 * unit, unit, colour), number]
+
+
 def _named_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return named_mark(x + 0.5 * ICON * unit, y, 6.0 * unit, unit)
 
@@ -421,6 +429,7 @@ def _memory_sample(x: float, y: float, unit: float) -> list[Primitive]:
 _SAMPLES: Mapping[str, Sample] = {
     "start": _start_sample,
     "target": _target_sample,
+    "waypoint": _waypoint_sample,
     "signal": _signal_sample,
     "end": _end_sample,
     "touched": _touched_sample,

@@ -71,15 +71,31 @@ def start_heading(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
 
 
 def target_parts(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
-    """Return each goal's ring with a cross over it, its heading, and a body that stands there."""
-    unit = frame.unit
+    """Return the target's ring with a cross over it, its heading, and a body that stands there."""
+    goal = robot.target
+    x, y = frame.to_pixels(goal.x, goal.y)
+    radius = max(goal.radius * frame.scale, MARKS["target"].size * frame.unit)
+    parts = target_mark(x, y, radius, frame.unit, colour)
+    return [*parts, *goal_parts(robot, goal, frame, colour)]
+
+
+def waypoint_parts(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
+    """Return each waypoint's ring with its number in it, its heading, and a body that stands there."""
     parts: list[Primitive] = []
-    for goal in robot.goals:
+    for number, goal in enumerate(robot.waypoints):
         x, y = frame.to_pixels(goal.x, goal.y)
-        radius = max(goal.radius * frame.scale, MARKS["target"].size * unit)
-        parts += target_mark(x, y, radius, unit, colour)
+        radius = max(goal.radius * frame.scale, MARKS["waypoint"].size * frame.unit)
+        parts += waypoint_mark(x, y, radius, frame.unit, colour)
+        parts += _number((x, y), number, frame, colour)
         parts += goal_parts(robot, goal, frame, colour)
     return parts
+
+
+def waypoint_mark(x: float, y: float, radius: float, unit: float, colour: str) -> list[Primitive]:
+    """Return the ring of a waypoint, with a light casing."""
+    mark = MARKS["waypoint"]
+    rings = [DrawnCircle(x, y, radius, paint) for paint in mark.lines(unit, colour)]
+    return [DrawnCircle(x, y, radius, mark.inside(colour)), *rings]
 
 
 def target_mark(x: float, y: float, radius: float, unit: float, colour: str) -> list[Primitive]:
@@ -102,7 +118,8 @@ def goal_parts(robot: Robot, target: Target, frame: Frame, colour: str) -> list[
     if not robot.is_disc:
         pose = BodyPose(target.x, target.y, target.heading)
         parts += body_shapes(robot, pose, frame, (MARKS["goal"].line(frame.unit, colour),))
-    radius = max(target.radius * frame.scale, MARKS["target"].size * frame.unit)
+    least = MARKS["target" if target is robot.target else "waypoint"].size * frame.unit
+    radius = max(target.radius * frame.scale, least)
     return [*parts, *goal_wedge(target, frame, radius + 5.0 * frame.unit, colour)]
 
 
@@ -136,23 +153,10 @@ def start_number(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
 
 def target_number(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     """Return a robot's number next to its target."""
-    return _number(_beside(robot.target, frame), number, frame)
-
-
-def waypoint_numbers(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
-    """Return the number of each waypoint next to it."""
-    return [
-        part
-        for number, goal in enumerate(robot.waypoints)
-        for part in _number(_beside(goal, frame), number, frame, colour)
-    ]
-
-
-def _beside(goal: Target, frame: Frame) -> tuple[float, float]:
-    x, y = frame.to_pixels(goal.x, goal.y)
-    unit = frame.unit
-    away = max(goal.radius * frame.scale, MARKS["target"].size * unit) + 10.0 * unit
-    return x + away, y - away
+    x, y = frame.to_pixels(robot.target.x, robot.target.y)
+    away = max(robot.target.radius * frame.scale, MARKS["target"].size * frame.unit)
+    away += 10.0 * frame.unit
+    return _number((x + away, y - away), number, frame)
 
 
 def _number(

@@ -32,7 +32,7 @@ from worldgen.render.robot_parts import (
     start_parts,
     target_number,
     target_parts,
-    waypoint_numbers,
+    waypoint_parts,
 )
 from worldgen.render.trail_parts import (
     approach_parts,
@@ -131,7 +131,7 @@ def moment_parts(
         DrawnCells(burning, hue(fire.colour), opacity=fire.fill),
     ]
     content = Content(world, (), View(False, True), "", frame, Changes.of(world))
-    for name in ("witness", "start", "heading", "target", "number"):
+    for name in ("witness", "start", "heading", "target", "waypoint", "number"):
         parts += _DRAWN[name](content, MARKS[name])
     return parts
 
@@ -359,8 +359,7 @@ def _numbers(content: Content, mark: Mark) -> list[Primitive]:
     if content.view.is_card and not content.trails:
         return []
     if not content.has_several:
-        robot = content.world.robots[0]
-        return waypoint_numbers(robot, content.frame, content.colour("target", 0))
+        return []
     parts: list[Primitive] = []
     for number, robot in enumerate(content.world.robots if content.world.is_fleet else ()):
         parts += target_number(robot, number, content.frame)
@@ -404,6 +403,7 @@ _DRAWN: Mapping[str, Callable[[Content, Mark], list[Primitive]]] = {
     "overlap": _of_trails(overlap_parts),
     "breach": _breach,
     "target": _of_robots(target_parts, "target"),
+    "waypoint": _of_robots(waypoint_parts, "target"),
     "blocked": _blocked,
     "number": _numbers,
     "named": _named,

@@ -365,7 +365,9 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> ForeignRobot:
     goal = None
     if target is not None and _word(first, "arrive_mode", "position") == "state":
         # IR-SIM then compares x, y and the heading as one vector.
-        aim = float((*goals[-1], Fraction(0), Fraction(0))[2])
+        aim = None
+        if reach < math.pi:
+            aim = float((*goals[-1], Fraction(0), Fraction(0))[2])
         goal = Target(0.0, 0.0, reach, heading=aim, heading_tolerance=reach, arrival="step")
     body = _body(first, scene)
     return body._replace(start=start, target=target, speed=float(speeds[0]), goal=goal)
