@@ -192,7 +192,7 @@ SAME = {
     },
     "outlines with a hole": {"w.world": WORLD.format(model("a", link(collision(RING))))},
     "declaration after a comment": {
-        "w.world": "<!-- by hand -->\n<?xml version='1.0'?>" + WORLD.format(include("room")),
+        "w.world": "<!-- by hand -- not -->\n<?xml version='1.0'?>" + WORLD.format(include("room")),
         **IN_FOLDER,
     },
     "choice of xacro": {
@@ -213,6 +213,14 @@ def test_a_world_of_several_files_is_the_world_of_one(label, tmp_path, monkeypat
     found = read_map(put_down(tmp_path, SAME[label]), options={"cell_size": 0.1})
     assert found.unread == ()
     assert rows(found) == SEEN
+
+
+def test_a_slab_that_is_the_floor_is_named_and_can_be_the_floor(tmp_path):
+    slab = model("slab", link(collision(BOX.format("8 8 0.1"))) + link("", "1 1 1 0 0 0", "bare"))
+    path = put_down(tmp_path, {"w.sdf": WORLD.format(slab + model("a", link(WALL)))})
+    on_it = read_map(path, options={"floor_height": 0.05})
+    assert on_it.walls.shape == (1, 5) and (on_it.unread, on_it.warnings) == ((), ())
+    assert "+floor_height=0.05" in read_map(path).warnings[0]
 
 
 def test_folders_of_models_can_be_listed_as_for_gazebo(tmp_path, monkeypatch):

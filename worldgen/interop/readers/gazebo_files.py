@@ -32,7 +32,7 @@ VARIABLES = (
 )
 """Gazebo's variables for folders of models, new and old."""
 
-_LATE_DECLARATION = re.compile(rb"(?s)\A((?:\s++|<!--(?:(?!-->).)*+-->)++)<\?xml(?:(?!\?>).)*+\?>")
+_LATE_DECLARATION = re.compile(rb"(?s)\A(\s++)<\?xml(?:(?!\?>).)*+\?>")
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):/{0,2}(.*)", re.DOTALL)
 # The description of a model, new and old.
 _CONFIGS = ("model.config", "manifest.xml")
@@ -125,8 +125,9 @@ class ModelFiles:
                 data = read_bounded(path, self._left)
                 self._left -= len(data)
                 self.sizes[path] = len(data)
-                # Gazebo's parser takes a declaration after a comment, ours only at the start.
-                self._read[path] = read_xml(_LATE_DECLARATION.sub(rb"\1", data, 1))
+                # Gazebo's parser takes a declaration after a comment, and -- inside of one.
+                plain = _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), data)
+                self._read[path] = read_xml(_LATE_DECLARATION.sub(rb"\1", plain, 1))
         return self._read[path]
 
     def _places(self, uri: XmlElement, home: Home) -> Iterator[Home]:

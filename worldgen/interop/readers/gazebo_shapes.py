@@ -27,9 +27,12 @@ from worldgen.interop.readers.gazebo_poses import BodyPose, numbers
 from worldgen.interop.readers.xml_tree import XmlElement
 from worldgen.support.arrays import Floats
 
-# Heights, m; a body that ends below or begins above them stops no robot.
+# Heights above the floor, m; a body that ends below or begins above them stops no robot.
 FLOOR = Fraction(1, 50)
 ABOVE = Fraction(2)
+# Height above the floor and side, m, of a flat box that may itself be the floor.
+_SLAB_TOP = Fraction(15, 100)
+_SLAB_SIDE = Fraction(2)
 # Corners of the prism that stands for a tilted cylinder.
 _CORNERS = 48
 # Triangles of all meshes together, each as often as it is placed.
@@ -43,7 +46,8 @@ class GazeboScene:
 
     Args:
         files: Finds the files of meshes.
-        slice_height: Height of the plane in which meshes are cut, m.
+        floor: Height of the floor, m.
+        slice_height: Height of the plane in which meshes are cut, m above the floor.
         is_outer: True if round shapes become polygons around them, else within them.
         shapes: Boxes, and polygons seen from above.
         posts: Discs: x, y, radius.
@@ -52,11 +56,13 @@ class GazeboScene:
         low_or_high: Number of shapes that are flat on the floor or overhead.
         off_plane: Number of meshes that are neither, but not at the height of the cut.
         open_bodies: Number of bodies of meshes that enclose nothing.
+        slabs: Areas, m2, of large flat boxes that may be the floor, by the height of their top, m.
         lacks_collada: True if a mesh is not read because a package is missing.
         unread: What is not read, and how often.
     """
 
     files: ModelFiles
+    floor: Fraction
     slice_height: float
     is_outer: bool
     shapes: Shapes = field(default_factory=Shapes)
@@ -66,6 +72,7 @@ class GazeboScene:
     low_or_high: int = 0
     off_plane: int = 0
     open_bodies: int = 0
+    slabs: dict[Fraction, Fraction] = field(default_factory=dict)
     lacks_collada: bool = False
     unread: Counter[str] = field(default_factory=Counter)
     _meshes: dict[Path, Bodies] = field(default_factory=dict)
@@ -79,6 +86,7 @@ class GazeboScene:
     def add(self, model: Model, pose: BodyPose, tree: ModelTree) -> None:
         """Add the shapes of a model, and of the models in it."""
         for link in model.element.all("link"):
+            model.pose(link)  # a link without shapes has a place too
             for collision in link.all("collision"):
                 at = pose.then(model.pose(collision, link))
                 for geometry in collision.all("geometry"):
@@ -125,12 +133,15 @@ class GazeboScene:
             return
         is_round = shape.name != "box"
         if at.tilt is None or shape.name == "sphere":
-            if self._is_beyond(at.z - tall / 2, at.z + tall / 2):
+            top = at.z + tall / 2
+            if self._is_beyond(at.z - tall / 2, top):
                 self.low_or_high += 1
             elif is_round:
                 self.posts.append((at.x, at.y, x / 2))
             else:
                 self.shapes.outline(_rectangle(x, y), (at.x, at.y), at.yaw)
+                if top <= self.floor + _SLAB_TOP and min(x, y) >= _SLAB_SIDE:
+                    self.slabs[top] = max(self.slabs.get(top, x * y), x * y)
         elif shape.name == "capsule":
             self._pass_over(shape, "shapes of <capsule>, tilted")
         else:
@@ -145,7 +156,7 @@ class GazeboScene:
         half = np.full((len(rim), 1), float(tall) / 2)
         corners = at.moved(np.concatenate([np.hstack([flat, -half]), np.hstack([flat, half])]))
         # All edges between corners of a convex body stay in it, so their ends are enough.
-        seen = _between(corners, float(FLOOR), float(ABOVE))
+        seen = _between(corners, float(self.floor + FLOOR), float(self.floor + ABOVE))
         if len(seen) == 0:
             self.low_or_high += 1
         else:
@@ -208,7 +219,7 @@ class GazeboScene:
             )
         vertices = at.moved(bodies.vertices * sides)
         low, high = vertices[:, 2].min(), vertices[:, 2].max()
-        section = cut(bodies._replace(vertices=vertices), self.slice_height)
+        section = cut(bodies._replace(vertices=vertices), float(self.floor) + self.slice_height)
         if sides.prod() < 0:
             # A mirror turns bodies inside out.
             section = section._replace(closed=section.closed[:, ::-1])
@@ -241,7 +252,7 @@ class GazeboScene:
 
     def _is_beyond(self, low: float | Fraction, high: float | Fraction) -> bool:
         """Return True if nothing between these heights can touch a robot on the floor."""
-        return high <= FLOOR or low >= ABOVE
+        return high <= self.floor + FLOOR or low >= self.floor + ABOVE
 
     def _pass_over(self, shape: XmlElement, what: str) -> None:
         self.unread[what] += 1

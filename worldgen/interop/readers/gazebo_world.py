@@ -102,6 +102,7 @@ def read_gazebo_world(
     cell_size: float = 0.0,
     raster: Literal["outer", "inner"] = "outer",
     slice_height: float = 0.2,
+    floor_height: float = 0.0,
 ) -> ForeignMap:
     """Read a Gazebo world, BARN's also, or a model, with the models and meshes that it names.
 
@@ -111,12 +112,15 @@ def read_gazebo_world(
             0.05 in worlds with meshes, and otherwise as large as the boxes allow, or 0.1.
         raster: Whether a cell is solid if a shape reaches into it, or only if it is completely
             inside one.
-        slice_height: Height, m, of the plane in which meshes are cut, such as the lidar's.
+        slice_height: Height of the plane in which meshes are cut, m above the floor, such as the
+            lidar's.
+        floor_height: Height of the floor, m: of an upper floor, or of a slab to drive on.
 
     Raises:
         FormatError: If a file breaks a rule, with the line if there is one.
     """
     check_between("slice_height", slice_height, 0.0, 1000.0, "m")
+    check_between("floor_height", floor_height, -1000.0, 1000.0, "m")
     # Parse the files.
     files = ModelFiles(path)
     root = files.read(path)
@@ -129,7 +133,9 @@ def read_gazebo_world(
     tree = ModelTree(files, path)
     models = tree.world(world)
     # Collect the shapes of all models.
-    scene = GazeboScene(files, slice_height, raster == "outer", unread=tree.unread)
+    scene = GazeboScene(
+        files, exact(floor_height), slice_height, raster == "outer", unread=tree.unread
+    )
     own = world.first(f"{OURS}grid")
     _add_models(scene, models, tree, is_own=own is not None)
     tree.count_plugins(world)
@@ -140,6 +146,8 @@ def read_gazebo_world(
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
     params: dict[str, Value] = {"raster": raster}
+    if floor_height:
+        params["floor_height"] = floor_height
     if scene.sections or scene.off_plane:
         params["slice_height"] = slice_height
     origin = (float(frame.left), float(frame.low))
@@ -174,6 +182,12 @@ def _notes(scene: GazeboScene, tree: ModelTree) -> Iterator[str]:
 def _warnings(scene: GazeboScene) -> tuple[str, ...]:
     """Return sentences about likely mistakes."""
     found = []
+    if scene.slabs:
+        top = max(scene.slabs, key=lambda height: scene.slabs[height])
+        found.append(
+            f"a flat box of {float(scene.slabs[top]):g} m2 that ends at {float(top):g} m is an "
+            f"obstacle; if robots drive on it, add +floor_height={float(top):g}"
+        )
     if scene.off_plane:
         found.append(
             f"meshes between the floor and {ABOVE} m that are not cut at {scene.slice_height:g} m, and "

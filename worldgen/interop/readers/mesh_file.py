@@ -170,16 +170,18 @@ class _Beside(trimesh.resolvers.Resolver):
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Hide a library's log and warnings from the user; truncated text is an error."""
-    logger = logging.getLogger("trimesh")
-    before = logger.disabled
-    logger.disabled = True
+    loggers = [logging.getLogger(name) for name in ("trimesh", "trimesh.util")]
+    before = [logger.disabled for logger in loggers]
+    for logger in loggers:
+        logger.disabled = True
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             warnings.filterwarnings("error", message="string or file could not be read")
             yield
     finally:
-        logger.disabled = before
+        for logger, was_disabled in zip(loggers, before, strict=True):
+            logger.disabled = was_disabled
 
 
 def _loaded(data: bytes, kind: str, path: Path) -> Any:
