@@ -11,9 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import decoded, read_stream, read_text
+from worldgen.logs.bag import is_bag, read_bag
 from worldgen.logs.columns import (
+    TOPIC,
     Choice,
     Column,
     ambiguous,
@@ -44,6 +46,8 @@ _TURNS = ("yaw", "qx", "qy", "qz", "qw")
 # Durations in two columns of times that are the same one, as a ratio.
 _SAME = 0.01
 _OURS = "%worldgen-grid"
+# Decimals of a place, m, that transforms leave.
+_PLACES = 9
 
 
 @dataclass(frozen=True)
@@ -54,10 +58,12 @@ class Log:
         trajectories: By the robots' numbers, from 1. A file without a column ``robot`` has one, of
             the first robot or of the chosen one.
         read_as: What the file was taken for, in words; empty for our own columns t, x and y.
+        in_map_frame: True if its places are known to be in the frame of a map, as those of a bag.
     """
 
     trajectories: Mapping[int, Trajectory]
     read_as: str = ""
+    in_map_frame: bool = False
 
 
 class _Recognised(NamedTuple):
@@ -82,15 +88,15 @@ def read_log(
     with_headings: bool = False,
     columns: str = "",
 ) -> Log:
-    """Read trajectories from a file, or from stdin if the path is ``-``.
+    """Read trajectories from a table or a ROS bag, or from stdin if the path is ``-``.
 
     Args:
-        path: The file.
+        path: The file, or the folder of a bag.
         robots: Number of robots in the world; in a world with one, a column ``robot`` is ignored.
         only: The robot whose trajectory to read; all if omitted.
         with_headings: True to read headings, if the file has any.
         columns: Columns that the user chose, as in ``t=stamp:ms,x=px,y=py,yaw=4:deg``; the others
-            are recognised.
+            are recognised. ``topic=/odom`` chooses a topic of a bag.
 
     Raises:
         FormatError: If it cannot be read, is not a trajectory, or may be several things.
@@ -99,10 +105,39 @@ def read_log(
     if str(path) == "-":
         source = "stdin"
         text = decoded(read_stream(sys.stdin.buffer, source, _MOST_BYTES), source)
+    elif is_bag(path):
+        return _of_bag(path, only or 1, columns)
     else:
         source = str(path)
         text = read_text(path, _MOST_BYTES)
     return parse_log(text, source, robots, only, with_headings=with_headings, columns=columns)
+
+
+def _of_bag(path: Path, robot: int, columns: str) -> Log:
+    """Return the poses of a bag in the frame of its map."""
+    chosen = parse_columns(columns) if columns else {}
+    if chosen.keys() - {TOPIC}:
+        raise InvalidParameter(
+            "conflict",
+            "{path} is a bag, which has topics and no columns",
+            "choose one as in --columns topic=/odom, or omit it",
+            at_terminal=True,
+            path=path.name,
+        )
+    bag = read_bag(path)
+    try:
+        source, track = bag.poses_in(bag.map_frame, chosen.get(TOPIC, ("", ""))[0])
+        times = track.times - (track.times[0] if len(track.times) else 0.0)
+        # Chains of transforms leave errors of rounding that exact comparisons would see.
+        own = (times, track.x.round(_PLACES), track.y.round(_PLACES), track.yaw)
+        fault = Trajectory.fault(*own)
+        if fault is not None:
+            raise FormatError.of(fault[1])
+    except FormatError as error:
+        error.source = error.source or str(path)
+        raise
+    found = {robot: Trajectory(*own)}
+    return Log(found, describe_log("a bag", found, remark=f"from {source}"), in_map_frame=True)
 
 
 def parse_log(
