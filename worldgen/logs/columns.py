@@ -60,7 +60,7 @@ _POSITIONS = frozenset((
 ))  # fmt: skip
 # A column with one of these words holds something else than the robot's position or heading.
 _NO_PLACES = frozenset((
-    "vel", "velocity", "speed", "twist", "linear", "angular", "acc", "accel", "acceleration",
+    "v", "a", "vel", "velocity", "speed", "twist", "linear", "angular", "acc", "accel", "acceleration",
     "gyro", "omega", "rate", "dot", "force", "torque", "wrench", "imu", "mag", "cov", "covariance",
     "std", "stddev", "sigma", "var", "variance", "err", "error", "delta", "diff", "gradient",
     "normal", "size", "scale", "bias", "pixel", "px", "image", "scan", "steer", "steering",
