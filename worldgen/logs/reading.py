@@ -168,7 +168,9 @@ def parse_log(
     """
     chosen = parse_columns(columns) if columns else {}
     try:
-        return _parsed(text, chosen, robots, only, with_headings=with_headings)
+        # Numbers that overflow are refused with their line, as every infinite number.
+        with np.errstate(all="ignore"):
+            return _parsed(text, chosen, robots, only, with_headings=with_headings)
     except FormatError as error:
         error.source = error.source or source
         # The corrected command adds to the columns that were chosen.
@@ -276,7 +278,7 @@ def _recognised(table: Table, chosen: Choice) -> _Recognised:
     # Names come first; a comment need not be a header.
     error: FormatError | None = None
     for line, names in table.names():
-        path = named_path(names)
+        path = named_path(names) if table.first else None
         if path is not None:
             return _Recognised(path.name, [{}], path)
         try:
@@ -379,7 +381,7 @@ def _timed(table: Table, ways: Sequence[Mapping[str, Column]]) -> Mapping[str, C
 
 
 def _differ_by_unit(span: float, other: float) -> bool:
-    if not span or not other:
+    if not (0.0 < span < math.inf and 0.0 < other < math.inf):
         return span == other
     thousands = math.log(span / other, 1000.0)
     return abs(thousands - round(thousands)) < _SAME
@@ -404,7 +406,8 @@ def _last_path(table: Table, layout: Layout) -> Trajectory:
     fault = Trajectory.fault(np.arange(len(x), dtype=np.float64), x, y)
     if fault is not None:
         raise FormatError.of(fault[1], line=line)
-    if not {"qz", "qw"} <= turns.keys():
+    is_whole = all(len(turn) == len(x) for turn in turns.values())
+    if not (is_whole and {"qz", "qw"} <= turns.keys()):
         return Trajectory.plan(x, y)
     turned, _ = headings(turns, {}, x, y)
     return Trajectory.plan(x, y, None if np.isnan(turned).any() else turned)
