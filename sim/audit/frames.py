@@ -21,6 +21,8 @@ _BY_PLACE = ("tunnel", "overlap", "outside", "burned")
 _PICTURE = "picture"
 # rad. A yaw that is nearer to a quarter turn is a rounded one, and moves no cells.
 _QUARTER = 1e-3
+# Decimals of a place, m, that a shift leaves.
+_PLACES = 9
 # A pose is at the world's start if it is nearer than this, in radii of the robot.
 _AT_THE_START = 1.0
 
@@ -60,11 +62,13 @@ class MapFrame:
         if self == MapFrame():
             return own
         x, y = own.x - self.x, own.y - self.y
-        if self.yaw == 0.0:
-            return replace(own, x=x, y=y)
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        turned = None if own.headings is None else own.headings - self.yaw
-        return replace(own, x=c * x + s * y, y=c * y - s * x, headings=turned)
+        turned = own.headings
+        if self.yaw != 0.0:
+            c, s = math.cos(self.yaw), math.sin(self.yaw)
+            x, y = c * x + s * y, c * y - s * x
+            turned = None if turned is None else turned - self.yaw
+        # Exact comparisons would see the errors of rounding.
+        return replace(own, x=x.round(_PLACES), y=y.round(_PLACES), headings=turned)
 
 
 def doubtful_frame(

@@ -41,14 +41,14 @@ EXAMPLES = (
     "--frame",
     type=click.Choice(["corner", "map"]),
     help="Frame of the log: from the world's lower-left corner, or that of the map that the world was "
-    "imported from.  [default: corner]",
+    "imported from.  [default: corner; map for a bag]",
 )
 @click.option(
     "--columns",
     default="",
     metavar="t=NAME,x=NAME,...",
     help="Columns of the log, by name or number from 1, with their unit if it isn't s, m or rad: "
-    "t=stamp:ms,x=px,y=py,yaw=4:deg; also qx to qw. Others are recognised.",
+    "t=stamp:ms,x=px,y=py,yaw=4:deg; also qx to qw. Others are recognised. topic=/odom is for a bag.",
 )
 @click.option(
     "--tolerance",
@@ -114,7 +114,7 @@ def audit(
     """Check whether a trajectory from any simulator was possible, or a plan is.
 
     LOG is a table with columns t, x, y (s, m, m; x right, y up), heading (rad) if the robot has a
-    footprint and, for several robots, robot; or what ROS, ROS 2, TUM or F1TENTH write. - is stdin.
+    footprint and, for several robots, robot; or what ROS, ROS 2, TUM or F1TENTH write, or a ROS bag. - is stdin.
     Without times it is a plan. It reports walls that the centre went through (tunnel) or that the
     body cut into (overlap), paths outside the grid, jumps faster than the robot's speed, and
     contact with fire;
@@ -147,6 +147,7 @@ def audit(
     log = read_log(log_path, len(world.robots), robot, with_headings=headings, columns=columns)
     if log.read_as:
         note(f"read as {log.read_as}")
+    frame = "map" if frame is None and log.in_map_frame else frame
     place = MapFrame.of(world) if frame == "map" else MapFrame()
     trajectories = {number: place.into_world(own) for number, own in log.trajectories.items()}
     driven = {number: world.alone(number) if world.is_fleet else world for number in trajectories}

@@ -26,7 +26,7 @@ BUDGETS = {
     "reference/fleets.md": 1300,
     "reference/formats.md": 2350,
     "reference/grid-format.md": 3200,
-    "reference/import-formats.md": 1850,
+    "reference/import-formats.md": 2000,
     "reference/library.md": 1600,
     "reference/simulator.md": 1900,
     "reference/tables.md": 1500,

@@ -20,6 +20,9 @@ BUILD_THE_SITE = re.search(
 # What uses the extra: shell commands in the fresh clone; the environment is first on the path.
 # Free ports and temporary files; what still runs when the shell ends is killed.
 USES = {
+    "bags": "python -c 'from pathlib import Path; from tests.helpers.bags import drive, write_bag; "
+    'write_bag(Path("build/run"), drive())\' && worldgen import build/run --out build/w.grid && '
+    "worldgen audit build/w.grid build/run",
     "parquet": "worldgen corpus export corpora/failures --out build/failures.parquet",
     "dask": "dask scheduler --port 0 --no-dashboard "
     "--scheduler-file build/scheduler.json & dask worker --scheduler-file build/scheduler.json & "

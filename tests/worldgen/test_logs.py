@@ -57,6 +57,10 @@ TIMED = {
     "EuRoC": lines(
         "160000000{i}000000000,{x},3,0,1", "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_z [m],q_w []\n"
     ),
+    "words before the first message": "WARNING: topic [/odom] is not published yet\n"
+    + lines("{i},0,odom,base_link,{x},3,0,0,0,0,1"),
+    "a row of units": lines("{i},{x},3", "time,x,y\n[s],[m],[m]\n"),
+    "three columns, the first one dates": lines("160000000{i}.5 {x} 3"),
     "comments among numbers": "t,x,y\n0,2,3\n# half way\n\n1,3,3\n2,4,3\n",
 }  # fmt: skip
 PLANS = {
@@ -64,6 +68,10 @@ PLANS = {
     "no header": "2 3\n3 3\n4 3\n",
     "F1TENTH": "# 1f\n# s_m; x_m; y_m; psi_rad; vx_mps\n0; 2; 3; 0; 1\n1; 3; 3; 0; 1\n2; 4; 3; 0; 1\n",
     "poses": "2 3 0 0 0 0 1\n3 3 0 0 0 0 1\n4 3 0 0 0 0 1\n",
+    "rostopic of a path": ",".join(
+        ["%time", *(f"field.poses{i}.pose.position.{axis}" for i in range(3) for axis in "xy")]
+    )
+    + "\n1600000000000000000,2,3,3,3,4,3\n",
     "the last of two paths": "0,0,map,0,0,,9,9,0,0,0,0,1,0,0,,8,9,0,0,0,0,1\n"
     "5,0,map," + ",".join(f"0,0,,{x},3,0,0,0,0,1" for x in (2, 3, 4)) + "\n",
 }
@@ -156,6 +164,8 @@ def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first)
         ("t,x,y\n0,1,1\n", "x=east,y=north", "columns-missing"),
         ("%worldgen-grid 1\ncell_size = 0.1\n", "", "not-a-log"),
         (lines("{i},0,odom,base,{x},3,0,0,0,0,1") + "3,0,map,base,4,3,0,0,0,0,1\n", "", "several-frames"),
+        ("t,x,y\n0,5,1,25,2,0\n1,5,1,25,2,0\n", "", "wrong-count"),
+        ("1,2,3,4,5\n2,2,3,4,5\n", "", "ambiguous-columns"),
         ("0,0,map" + ",0,0,,1,1,0,0,0,0,1" * 128 + ",...\n", "", "line-too-short"),
     ],
 )  # fmt: skip

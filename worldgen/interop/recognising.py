@@ -41,6 +41,7 @@ _COMMON = (
     ".gltf",
 )
 _OURS = "worldgen.interop."
+_BAG = "metadata.yaml"
 _WAY_OUT = (
     "use the .grid file that it was made from, or a file of another format, as `worldgen formats` "
     "lists them; if it is one of these, name it with --from"
@@ -171,6 +172,9 @@ def looks_like_a_map(path: Path) -> bool:
 
 
 def _head(path: Path) -> bytes:
+    # A bag of ROS 2 is a folder, which this file describes.
+    if path.is_dir() and (path / _BAG).is_file():
+        path = path / _BAG
     try:
         if path.is_file():
             with path.open("rb") as stream:

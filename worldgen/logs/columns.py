@@ -32,8 +32,12 @@ ANGLE_UNITS: Mapping[str, float] = {
     **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), 0.017453292519943295),
 }
 
-QUANTITIES = ("t", "nanosec", "x", "y", "yaw", "qx", "qy", "qz", "qw", "robot")
-"""What a column may hold: ``t`` in s or another unit, ``nanosec`` to add to it, a quaternion."""
+TOPIC = "topic"
+QUANTITIES = ("t", "nanosec", "x", "y", "yaw", "qx", "qy", "qz", "qw", "robot", TOPIC)
+"""What a column may hold: ``t`` in s or another unit, ``nanosec`` to add to it, a quaternion.
+
+A bag has topics in place of columns.
+"""
 Choice: TypeAlias = Mapping[str, tuple[str, str]]
 """For each quantity that the user chose, the column's name or number, and its unit or nothing."""
 _NO_COLUMN = "none"
@@ -56,7 +60,7 @@ _POSITIONS = frozenset((
 ))  # fmt: skip
 # A column with one of these words holds something else than the robot's position or heading.
 _NO_PLACES = frozenset((
-    "vel", "velocity", "speed", "twist", "linear", "angular", "acc", "accel", "acceleration",
+    "v", "a", "vel", "velocity", "speed", "twist", "linear", "angular", "acc", "accel", "acceleration",
     "gyro", "omega", "rate", "dot", "force", "torque", "wrench", "imu", "mag", "cov", "covariance",
     "std", "stddev", "sigma", "var", "variance", "err", "error", "delta", "diff", "gradient",
     "normal", "size", "scale", "bias", "pixel", "px", "image", "scan", "steer", "steering",

@@ -7,16 +7,21 @@ definitions of ROS 2's messages, whose fields ``ros2 topic echo --csv`` prints i
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from worldgen.errors import FormatError
 from worldgen.logs.columns import Column, ambiguous
 from worldgen.logs.table import number_of
+from worldgen.logs.units import is_date
 
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _STAMP = ("sec", "nanosec", "frame")
 _NAMES = {"sec": "t"}
+_ECHO = "ros2 topic echo --csv of"
+_NUMBERED = re.compile(r"poses\[?\d+\]?\.pose\.(position|orientation)\.([xyzw])$")
+_PREFIX = {"position": "", "orientation": "q"}
 _TEXTS = ("frame", "child", "array")
 
 
@@ -70,7 +75,7 @@ class Layout:
 
 
 def _csv(message: str, fields: Sequence[str]) -> Layout:
-    return Layout(f"ros2 topic echo --csv of {message}", tuple(fields))
+    return Layout(f"{_ECHO} {message}", tuple(fields))
 
 
 def _layouts() -> tuple[Layout, ...]:
@@ -97,16 +102,26 @@ def _layouts() -> tuple[Layout, ...]:
 LAYOUTS = _layouts()
 
 
-def layout_of(fields: Sequence[str]) -> Layout | None:
-    """Return the layout of a table without a header by its first line, or None.
+def layout_of(rows: Sequence[Sequence[str]]) -> Layout | None:
+    """Return the layout of a table without a header by some of its lines, or None.
 
     Raises:
         FormatError: If it is a path that was cut short.
     """
-    known = [layout for layout in LAYOUTS if layout.fits(fields)]
-    if known:
-        return known[0]
-    # A path has any number of poses, each with a stamp of its own.
+    for layout in LAYOUTS:
+        if all(map(layout.fits, rows)):
+            return layout
+    if all(len(row) == 3 and is_date(number_of(row[0]) or 0.0) for row in rows):
+        return Layout("t x y", ("t", "x", "y"))
+    return path_of(rows[-1])
+
+
+def path_of(fields: Sequence[str]) -> Layout | None:
+    """Return the layout of a path, which has any number of poses, each with a stamp, or None.
+
+    Raises:
+        FormatError: If it was cut short.
+    """
     poses, rest = divmod(len(fields) - len(_STAMP), len(_STAMP) + len(_POSE))
     if list(fields[-1:]) == ["..."] and rest == 1:
         raise FormatError(
@@ -116,21 +131,41 @@ def layout_of(fields: Sequence[str]) -> Layout | None:
             at_terminal=True,
             poses=poses,
         )
-    if poses >= 1 and not rest:
-        path = Layout(
-            "ros2 topic echo --csv of Path", _STAMP + (_STAMP + _POSE) * poses, is_path=True
-        )
-        return path if path.fits(fields) else None
-    return None
+    if poses < 1 or rest:
+        return None
+    path = Layout(f"{_ECHO} Path", _STAMP + (_STAMP + _POSE) * poses, is_path=True)
+    return path if path.fits(fields) else None
+
+
+def named_path(names: Sequence[str]) -> Layout | None:
+    """Return the layout of a table whose lines are paths, by the names of its columns, or None.
+
+    ``rostopic echo -p`` numbers the poses: ``field.poses0.pose.position.x``.
+    """
+    parts = [_NUMBERED.search(name) for name in names]
+    fields = tuple(f"{_PREFIX[part[1]]}{part[2]}" if part else "" for part in parts)
+    return (
+        Layout("rostopic echo -p of Path", fields, is_path=True) if fields.count("x") > 1 else None
+    )
 
 
 def unknown_layout(count: int, line: int) -> FormatError:
     """Return the error for a table without a header whose columns may be several things."""
-    usual = ("t=1,x=2,y=3", "x=1,y=2")
-    error = ambiguous(f"there is no header, and {count} columns may be anything", {
+    problem = f"there is no header, and {count} columns may be anything"
+    ways = {
         3: ("t=1,x=2,y=3", "x=1,y=2,yaw=3"),
         4: ("t=1,x=2,y=3,yaw=4", "x=1,y=2,yaw=3"),
         12: ("x=4,y=8", "x=4,y=12"),  # rows of matrices, the second with y down
-    }.get(count, usual))  # fmt: skip
+    }.get(count)
+    if ways is not None:
+        error = ambiguous(problem, ways)
+    else:
+        error = FormatError(
+            "ambiguous-columns",
+            "{problem}",
+            "count them from 1 and say which they are, as in --columns t=1,x=2,y=3",
+            at_terminal=True,
+            problem=problem,
+        )
     error.line = line
     return error

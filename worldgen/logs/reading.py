@@ -11,9 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import decoded, read_stream, read_text
+from worldgen.logs.bag import is_bag, read_bag
 from worldgen.logs.columns import (
+    TOPIC,
     Choice,
     Column,
     ambiguous,
@@ -24,7 +26,7 @@ from worldgen.logs.columns import (
     no_column,
     parse_columns,
 )
-from worldgen.logs.layouts import Layout, layout_of, unknown_layout
+from worldgen.logs.layouts import Layout, layout_of, named_path, path_of, unknown_layout
 from worldgen.logs.table import Table, number_of, split
 from worldgen.logs.trajectory import Trajectory
 from worldgen.logs.units import headings, metres, seconds
@@ -41,9 +43,13 @@ _KINDS: tuple[tuple[str, frozenset[str]], ...] = (
 )
 _CHOSEN = "a table without a header"
 _TURNS = ("yaw", "qx", "qy", "qz", "qw")
+# Lines by which a table without a header is recognised.
+_ROWS = 20
 # Durations in two columns of times that are the same one, as a ratio.
 _SAME = 0.01
 _OURS = "%worldgen-grid"
+# Decimals of a place, m, that transforms leave.
+_PLACES = 9
 
 
 @dataclass(frozen=True)
@@ -54,10 +60,12 @@ class Log:
         trajectories: By the robots' numbers, from 1. A file without a column ``robot`` has one, of
             the first robot or of the chosen one.
         read_as: What the file was taken for, in words; empty for our own columns t, x and y.
+        in_map_frame: True if its places are known to be in the frame of a map, as those of a bag.
     """
 
     trajectories: Mapping[int, Trajectory]
     read_as: str = ""
+    in_map_frame: bool = False
 
 
 class _Recognised(NamedTuple):
@@ -82,15 +90,15 @@ def read_log(
     with_headings: bool = False,
     columns: str = "",
 ) -> Log:
-    """Read trajectories from a file, or from stdin if the path is ``-``.
+    """Read trajectories from a table or a ROS bag, or from stdin if the path is ``-``.
 
     Args:
-        path: The file.
+        path: The file, or the folder of a bag.
         robots: Number of robots in the world; in a world with one, a column ``robot`` is ignored.
         only: The robot whose trajectory to read; all if omitted.
         with_headings: True to read headings, if the file has any.
         columns: Columns that the user chose, as in ``t=stamp:ms,x=px,y=py,yaw=4:deg``; the others
-            are recognised.
+            are recognised. ``topic=/odom`` chooses a topic of a bag.
 
     Raises:
         FormatError: If it cannot be read, is not a trajectory, or may be several things.
@@ -99,10 +107,39 @@ def read_log(
     if str(path) == "-":
         source = "stdin"
         text = decoded(read_stream(sys.stdin.buffer, source, _MOST_BYTES), source)
+    elif is_bag(path):
+        return _of_bag(path, only or 1, columns)
     else:
         source = str(path)
         text = read_text(path, _MOST_BYTES)
     return parse_log(text, source, robots, only, with_headings=with_headings, columns=columns)
+
+
+def _of_bag(path: Path, robot: int, columns: str) -> Log:
+    """Return the poses of a bag in the frame of its map."""
+    chosen = parse_columns(columns) if columns else {}
+    if chosen.keys() - {TOPIC}:
+        raise InvalidParameter(
+            "conflict",
+            "{path} is a bag, which has topics and no columns",
+            "choose one as in --columns topic=/odom, or omit it",
+            at_terminal=True,
+            path=path.name,
+        )
+    bag = read_bag(path)
+    try:
+        source, track = bag.poses_in(bag.map_frame, chosen.get(TOPIC, ("", ""))[0])
+        times = track.times - (track.times[0] if len(track.times) else 0.0)
+        # Chains of transforms leave errors of rounding that exact comparisons would see.
+        own = (times, track.x.round(_PLACES), track.y.round(_PLACES), track.yaw)
+        fault = Trajectory.fault(*own)
+        if fault is not None:
+            raise FormatError.of(fault[1])
+    except FormatError as error:
+        error.source = error.source or str(path)
+        raise
+    found = {robot: Trajectory(*own)}
+    return Log(found, describe_log("a bag", found, remark=f"from {source}"), in_map_frame=True)
 
 
 def parse_log(
@@ -131,11 +168,13 @@ def parse_log(
     """
     chosen = parse_columns(columns) if columns else {}
     try:
-        return _parsed(text, chosen, robots, only, with_headings=with_headings)
+        # Numbers that overflow are refused with their line, as every infinite number.
+        with np.errstate(all="ignore"):
+            return _parsed(text, chosen, robots, only, with_headings=with_headings)
     except FormatError as error:
         error.source = error.source or source
         # The corrected command adds to the columns that were chosen.
-        if error.code == "ambiguous-columns" and columns:
+        if "needs" in error.facts and columns:
             way = error.facts["needs"][0].removeprefix("--columns=")
             error.facts["needs"] = [f"--columns={columns},{way}"]
             error.facts["other"] = f"{columns},{error.facts['other']}"
@@ -155,7 +194,7 @@ def _parsed(
     table = Table.of(text)
     kind, ways, layout = _recognised(table, chosen)
     if layout is not None and layout.is_path:
-        found = {only or 1: _last_path(table)}
+        found = {only or 1: _last_path(table, layout)}
         return Log(found, describe_log(kind, found))
     ignored = (*(() if with_headings else _TURNS), *(() if robots > 1 else ("robot",)))
     values, places = _values(table, ways, ignored)
@@ -239,6 +278,9 @@ def _recognised(table: Table, chosen: Choice) -> _Recognised:
     # Names come first; a comment need not be a header.
     error: FormatError | None = None
     for line, names in table.names():
+        path = named_path(names) if table.first else None
+        if path is not None:
+            return _Recognised(path.name, [{}], path)
         try:
             ways = find_columns(names, chosen, max(len(names), len(table.first)))
         except FormatError as fault:
@@ -247,22 +289,40 @@ def _recognised(table: Table, chosen: Choice) -> _Recognised:
                 raise
             error = error or fault
             continue
+        _check_width(table, names, line)
         _check_frames(table, [place for place, name in enumerate(names) if is_frame(name)])
         return _Recognised(_kind_of(names) if not chosen else "", ways)
     if not table.first and not table.headers:
         raise FormatError("too-few-samples", "the file is empty", "record a run first")
-    if table.named or not table.first:
+    # Programs may print a line of words before the first message of ROS, which has words in itself.
+    layout = layout_of(table.rows(_ROWS)) if table.first else None
+    is_message = layout is not None and (layout.frames or layout.is_path)
+    if not table.first or (table.named and not is_message):
         raise error or no_column("x", [text for _, text in table.headers])
 
     own = chosen_columns(chosen, (), len(table.first))
     if "x" in own:
         return _Recognised(_CHOSEN, [own])
-    layout = layout_of(table.first)
     if layout is None:
         raise unknown_layout(len(table.first), table.line + 1)
-    _check_frames(table, layout.frames)
+    if not layout.is_path:
+        _check_frames(table, layout.frames)
     known = {name: column for name, column in layout.columns.items() if name not in chosen}
     return _Recognised(layout.name, [known | own], layout)
+
+
+def _check_width(table: Table, names: Sequence[str], line: int) -> None:
+    """Refuse samples with more fields than the header has names: nobody knows which is which."""
+    extra = table.first[len(names) :]
+    if any(extra):
+        raise FormatError(
+            "wrong-count",
+            "the header has {names} names, and the first sample has {fields} fields",
+            "name all columns; numbers with decimal commas need semicolons between them",
+            names=len(names),
+            fields=len(table.first),
+            line=line,
+        )
 
 
 def _kind_of(names: Sequence[str]) -> str:
@@ -321,32 +381,34 @@ def _timed(table: Table, ways: Sequence[Mapping[str, Column]]) -> Mapping[str, C
 
 
 def _differ_by_unit(span: float, other: float) -> bool:
-    if not span or not other:
+    if not (0.0 < span < math.inf and 0.0 < other < math.inf):
         return span == other
     thousands = math.log(span / other, 1000.0)
     return abs(thousands - round(thousands)) < _SAME
 
 
-def _last_path(table: Table) -> Trajectory:
+def _last_path(table: Table, layout: Layout) -> Trajectory:
     """Return the last plan of a table in which each line is one, with all its poses."""
     *_, (line, text) = table.lines()
     written = split(text, table.delimiter)
-    layout = layout_of(written)
-    if layout is None or not layout.is_path:
+    own = layout if len(written) == len(layout.fields) else path_of(written)
+    if own is None:
         raise FormatError(
             "line-too-short",
-            "the line is not a path as the first one is, or was cut after 128 poses",
-            "print it again with ros2 topic echo --csv --full-length",
-            at_terminal=True,
+            "the last line is no whole path as the others are",
+            "write the path that you mean to a file of its own",
             line=line,
         )
     numbers = np.array([number_of(field) or 0.0 for field in written])
-    fields = np.array(layout.fields)
+    fields = np.array(own.fields)
     x, y = (numbers[fields == name] for name in ("x", "y"))
-    turns = {name: numbers[fields == name] for name in _TURNS if name != "yaw"}
+    turns = {name: numbers[fields == name] for name in _TURNS if name in own.fields}
     fault = Trajectory.fault(np.arange(len(x), dtype=np.float64), x, y)
     if fault is not None:
         raise FormatError.of(fault[1], line=line)
+    is_whole = all(len(turn) == len(x) for turn in turns.values())
+    if not (is_whole and {"qz", "qw"} <= turns.keys()):
+        return Trajectory.plan(x, y)
     turned, _ = headings(turns, {}, x, y)
     return Trajectory.plan(x, y, None if np.isnan(turned).any() else turned)
 

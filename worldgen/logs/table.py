@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import datetime
 import io
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -113,6 +114,10 @@ class Table:
         """Return the different values in a column of texts."""
         rows = (split(line, self.delimiter) for _, line in self.lines())
         return {fields[place] for fields in rows if len(fields) > place}
+
+    def rows(self, most: int) -> list[list[str]]:
+        """Return the fields of the first samples."""
+        return [split(line, self.delimiter) for _, line in itertools.islice(self.lines(), most)]
 
     def lines(self) -> Iterator[tuple[int, str]]:
         """Yield each sample's line, and its number."""

@@ -64,6 +64,11 @@ def _plain(unit: str) -> str:
     return next(name for name in ("s", "ms", "us", "ns") if TIME_UNITS[name] == TIME_UNITS[unit])
 
 
+def is_date(time: float) -> bool:
+    """Return True if a number is a date in one of the units of times: after 1973."""
+    return any(_is_date(time * factor) for factor in (1.0, 1e-3, 1e-6, 1e-9))
+
+
 def _is_date(time: float) -> bool:
     return _DATES[0] <= time < _DATES[1]
 
