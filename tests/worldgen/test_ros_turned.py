@@ -15,6 +15,8 @@ from shapely.ops import unary_union
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.foreign_samples import picture
+from tests.helpers.raising import raises
+from worldgen.errors import FormatError
 from worldgen.interop import ImportedRobot, export_world, import_world, read_map
 from worldgen.interop.formats.ros import read_ros_map
 from worldgen.interop.geometry.turned_pixels import PixelFrame, cells_reached
@@ -190,6 +192,13 @@ def test_a_picture_next_to_the_file_is_found_and_told(name, tmp_path):
     found = read_ros_map(ros_map(tmp_path, image=f"'{name}'"))
     assert found.walls.shape == ROOM.shape
     assert any("m.pgm next to m.yaml was read" in sentence for sentence in found.notes)
+
+
+def test_a_missing_picture_is_told_with_the_one_of_another_suffix(tmp_path):
+    path = ros_map(tmp_path, image="m.png")
+    with raises(FormatError, "no-such-file") as caught:
+        read_ros_map(path)
+    assert caught.value.message.remedy.endswith("or write `image: m.pgm` for the one that is there")
 
 
 @pytest.mark.parametrize(("orientation", "unread"), [(1, False), (6, True)])

@@ -334,9 +334,10 @@ def _yaml_text(name: str) -> str:
     return json.dumps(name, ensure_ascii=False)
 
 
+# A map's name and kind, where it came from, and where robots begin.
 _HARMLESS = frozenset({
-    "author", "comment", "date", "description", "frame_id", "license", "map_name", "map_type", "name", "stamp",
-    "timestamp",
+    "author", "comment", "date", "description", "frame_id", "license", "map_name", "map_path", "map_type", "name",
+    "stamp", "starting_positions", "timestamp", "type",
 })  # fmt: skip
 
 ros = Format(
