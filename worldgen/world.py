@@ -138,6 +138,20 @@ class Provenance:
             return x, y
         return 0.0, 0.0
 
+    @property
+    def map_pose(self) -> tuple[float, float, float]:
+        """X and y, m, and yaw, rad, of the grid's lower-left corner in the frame of its map, or 0.
+
+        Only the cells of a turned picture have a yaw; then ``origin`` is in the picture's frame.
+        """
+        left, low = self.origin
+        picture = self.params.get("picture")
+        if not (isinstance(picture, list) and len(picture) == 3 and self.is_of_map):
+            return left, low, 0.0
+        x, y, yaw = (float(part) for part in picture if isinstance(part, int | float))
+        c, s = math.cos(yaw), math.sin(yaw)
+        return x + c * left - s * low, y + s * left + c * low, yaw
+
 
 @dataclass(frozen=True, slots=True)
 class FailureRecord:

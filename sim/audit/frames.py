@@ -47,15 +47,7 @@ class MapFrame:
     def of(cls, world: World) -> MapFrame:
         """Return the frame that the world's provenance knows, or the world's own."""
         made = world.provenance
-        if made is None:
-            return cls()
-        left, low = made.origin
-        picture = made.params.get(_PICTURE)
-        if not (isinstance(picture, list) and len(picture) == 3 and made.is_of_map):
-            return cls(left, low)
-        x, y, yaw = (float(part) for part in picture if isinstance(part, int | float))
-        c, s = math.cos(yaw), math.sin(yaw)
-        return cls(x + c * left - s * low, y + s * left + c * low, yaw)
+        return cls() if made is None else cls(*made.map_pose)
 
     def into_world(self, own: Trajectory) -> Trajectory:
         """Return a trajectory of the map's frame in the world's."""

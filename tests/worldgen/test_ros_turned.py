@@ -15,7 +15,9 @@ from shapely.ops import unary_union
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.foreign_samples import picture
-from worldgen.interop import ImportedRobot, import_world, read_map
+from tests.helpers.raising import raises
+from worldgen.errors import FormatError
+from worldgen.interop import ImportedRobot, export_world, import_world, read_map
 from worldgen.interop.formats.ros import read_ros_map
 from worldgen.interop.geometry.turned_pixels import PixelFrame, cells_reached
 from worldgen.interop.readers.grey_image import pgm_bytes
@@ -142,6 +144,30 @@ def test_the_pictures_own_frame_leaves_its_cells_and_turns_the_places_of_the_fil
     )
 
 
+def test_the_pictures_own_cells_are_exported_to_where_they_were(tmp_path):
+    options = {"frame": "picture"}
+    path = ros_map(tmp_path, origin="[-3.0, 2.5, 0.4]")
+    world = import_world(path, ImportedRobot(start=(0.5, 0.5, 0.3)), options=options).world
+    export = export_world(world, "ros", file="back.yaml")
+    for name, data in export.files.items():
+        (tmp_path / name).write_bytes(data)
+    assert b"origin: [-3, 2.5, 0.4]" in export.data
+    again = import_world(tmp_path / "back.yaml", options=options).world
+    assert np.array_equal(again.walls, world.walls)
+    for place in ("start", "target"):
+        one, other = getattr(again, place), getattr(world, place)
+        assert (one.x, one.y) == pytest.approx((other.x, other.y), abs=1e-9)
+    assert again.start.heading == pytest.approx(0.3, abs=1e-9)
+
+
+def test_a_frame_of_the_picture_is_refused_where_there_is_none(tmp_path):
+    (tmp_path / "m.txt").write_text("....\n....\n")
+    done = worldgen(
+        "import", tmp_path / "m.txt", "--frame", "picture", "--out", tmp_path / "w.grid"
+    )
+    assert done.code == 2 and "--frame picture is for ROS maps" in done.err
+
+
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
@@ -166,6 +192,13 @@ def test_a_picture_next_to_the_file_is_found_and_told(name, tmp_path):
     found = read_ros_map(ros_map(tmp_path, image=f"'{name}'"))
     assert found.walls.shape == ROOM.shape
     assert any("m.pgm next to m.yaml was read" in sentence for sentence in found.notes)
+
+
+def test_a_missing_picture_is_told_with_the_one_of_another_suffix(tmp_path):
+    path = ros_map(tmp_path, image="m.png")
+    with raises(FormatError, "no-such-file") as caught:
+        read_ros_map(path)
+    assert caught.value.message.remedy.endswith("or write `image: m.pgm` for the one that is there")
 
 
 @pytest.mark.parametrize(("orientation", "unread"), [(1, False), (6, True)])

@@ -149,7 +149,11 @@ def import_map(
         None if near is None else interop.parse_point("near", near), clearance,
     )  # fmt: skip
     asked: dict[str, Any] = {} if cell_size is None else {"cell_size": cell_size}
-    asked |= {"frame": frame} if frame == "picture" else {}
+    if frame == "picture":
+        known = interop.find_format(path, name and name.partition("+")[0])
+        if all(option.name != "frame" for option in known.read_options):
+            raise click.UsageError("--frame picture is for ROS maps, whose pictures may be turned")
+        asked["frame"] = frame
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)

@@ -22,6 +22,7 @@ from worldgen.interop.format.foreign_map import (
     ForeignMap,
     ForeignRobot,
     naming,
+    origin_of,
     read_bounded,
     sibling_file,
 )
@@ -280,26 +281,49 @@ def write_ros_map(
     black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
     greys = np.where(solid, np.uint8(black), np.uint8(white))
     picture = destination.sibling_file(f".{image}")
-    x, y = (decimal(shift) for shift in destination.origin)
+    words = place_words(world, destination)
+    x, y, yaw = (*(decimal(shift) for shift in destination.origin), "0.0")
+    pose = (0.0, 0.0, 0.0) if world.provenance is None else world.provenance.map_pose
+    # The cells of a turned picture go back to where ROS shows them.
+    if pose[2] != 0.0 and destination.origin == origin_of(world):
+        words = _turned_words(place_words(world, Destination(destination.name)), pose)
+        x, y, yaw = map(decimal, pose)
     lines = [
         f"image: {_yaml_text(picture)}",
         f"mode: {mode}",
         f"resolution: {decimal(world.cell_size)}",
-        f"origin: [{x}, {y}, 0.0]",
+        f"origin: [{x}, {y}, {yaw}]",
         f"negate: {int(negate)}",
         "occupied_thresh: 0.65",
         "free_thresh: 0.196",
         f"{OURS}:",
     ]
-    for key, words in place_words(world, destination).items():
+    for key, values in words.items():
         # Nav2, too, writes a footprint as a text.
-        word = json.dumps(words[0]) if key == "footprint" else words[0]
-        lines.append(f"  {key}: {word if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
+        word = json.dumps(values[0]) if key == "footprint" else values[0]
+        lines.append(f"  {key}: {word if KEYS[key] == 1 else '[' + ', '.join(values) + ']'}")
     data = pgm_bytes(greys) if image == "pgm" else png_bytes(greys)
     files = {destination.name: ("\n".join(lines) + "\n").encode(), picture: data}
     if nav2:
         files[destination.sibling_file("-nav2.yaml")] = nav2_params(world.robots[0]).encode()
     return Exported(files)
+
+
+def _turned_words(
+    words: dict[str, list[str]], pose: tuple[float, float, float]
+) -> dict[str, list[str]]:
+    """Return the words of a world's places in the frame in which the world has a pose."""
+    left, low, yaw = pose
+    c, s = math.cos(yaw), math.sin(yaw)
+    found = dict(words)
+    for key, turn in (("start", yaw), ("target", 0.0)):
+        x, y, third = map(float, words[key])
+        place = (left + c * x - s * y, low + s * x + c * y, third + turn)
+        found[key] = [decimal(value) for value in place]
+    if "target_heading" in words:
+        heading, _, tolerance = words["target_heading"][0].partition(":")
+        found["target_heading"] = [f"{decimal(float(heading) + yaw)}:{tolerance}"]
+    return found
 
 
 def _yaml_text(name: str) -> str:
@@ -310,8 +334,10 @@ def _yaml_text(name: str) -> str:
     return json.dumps(name, ensure_ascii=False)
 
 
+# A map's name and kind, where it came from, and where robots begin.
 _HARMLESS = frozenset({
-    "author", "comment", "date", "description", "frame_id", "license", "map_name", "name", "stamp", "timestamp",
+    "author", "comment", "date", "description", "frame_id", "license", "map_name", "map_path", "map_type", "name",
+    "stamp", "starting_positions", "timestamp", "type",
 })  # fmt: skip
 
 ros = Format(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worldgen.support.arrays import Bools
+from worldgen.support.arrays import Bools, Floats, Ints
 
 # Depth, cells, up to which a pixel only touches a cell: pixels along the grid's axes have rounded
 # origins, and touch everywhere.
@@ -86,12 +86,89 @@ def cells_reached(
     """
     if frame.rest == 0.0:
         return _along_axes(solid, frame, shape, outside)
-    padded = np.pad(solid, 1, constant_values=outside)
-    columns = shape[1]
+    # Half the extent of a pixel and a cell along a pixel's side, and along a cell's side, pixels.
+    c, s = frame.direction
+    per_cell = 1.0 / float(frame.side)
+    spread = abs(c) + abs(s)
+    along_pixel = 0.5 + 0.5 * per_cell * spread + _ROUNDING
+    along_cell = 0.5 * per_cell + 0.5 * spread + _ROUNDING
+    reach = math.floor(along_pixel + 0.5)
+
+    padded = np.pad(solid, reach + 1, constant_values=outside)
+    near = _spread(padded, reach)
     found = np.zeros(shape, np.bool_)
-    step = max(1, _CHUNK // columns)
+    step = max(1, _CHUNK // shape[1])
     for row in range(0, shape[0], step):
-        _fill_turned(found[row : row + step], row, padded, frame)
+        part = found[row : row + step]
+        # Take each cell's centre into the picture, in pixels.
+        x = np.arange(shape[1]) + (0.5 - float(frame.x))
+        y = np.arange(row, row + len(part))[:, None] + (0.5 - float(frame.y))
+        u = (c * x + s * y) * per_cell
+        v = (c * y - s * x) * per_cell
+        left = _clipped(u, solid.shape[1], reach)
+        low = _clipped(v, solid.shape[0], reach)
+        # The pixel at its centre certainly shares an area with it; few others need a closer look.
+        part |= padded[low, left]
+        places = np.nonzero(near[low, left] & ~part)
+        part[places] = _meets(padded, (c, s), u[places], v[places], reach, along_pixel, along_cell)
+    return found
+
+
+def _spread(solid: Bools, reach: int) -> Bools:
+    """Return which pixels have a solid one at most so many rows and columns away."""
+    found = solid.copy()
+    for axis in (0, 1):
+        source = found.copy()
+        for shift in range(1, reach + 1):
+            ahead, behind = slice(shift, None), slice(None, -shift)
+            here = (ahead, slice(None)) if axis == 0 else (slice(None), ahead)
+            there = (behind, slice(None)) if axis == 0 else (slice(None), behind)
+            found[here] |= source[there]
+            found[there] |= source[here]
+    return found
+
+
+def _clipped(position: Floats, pixels: int, reach: int) -> Ints:
+    """Return the index, in a padded picture, of the pixel at a position; or of one outside it."""
+    index: Ints = np.clip(np.floor(position), -1, pixels).astype(np.int64) + reach + 1
+    return index
+
+
+def _meets(
+    padded: Bools,
+    direction: tuple[float, float],
+    u: Floats,
+    v: Floats,
+    reach: int,
+    along_pixel: float,
+    along_cell: float,
+) -> Bools:
+    """Return which cells share an area with a solid pixel near their centre.
+
+    Two squares share an area if no line along a side of one of them separates them.
+
+    Args:
+        padded: The pixels with more around them.
+        direction: Cosine and sine of the angle between the two grids.
+        u: (n,) The cells' centres, pixels.
+        v: The same.
+        reach: Pixels around the centre to look at.
+        along_pixel: Half the extent of a pixel and a cell along a pixel's side, pixels.
+        along_cell: The same along a cell's side.
+    """
+    c, s = direction
+    height, width = (side - 2 * (reach + 1) for side in padded.shape)
+    found = np.zeros(len(u), np.bool_)
+    left, low = np.floor(u), np.floor(v)
+    for dj in range(-reach, reach + 1):
+        row = _clipped(low + dj, height, reach)
+        dv = low + (dj + 0.5) - v
+        for di in range(-reach, reach + 1):
+            du = left + (di + 0.5) - u
+            meets = (np.abs(du) < along_pixel) & (np.abs(dv) < along_pixel)
+            meets &= np.abs(c * du - s * dv) < along_cell
+            meets &= np.abs(s * du + c * dv) < along_cell
+            found |= meets & padded[row, _clipped(left + di, width, reach)]
     return found
 
 
@@ -134,42 +211,3 @@ def _covered(corner: Fraction, length: Fraction, cells: int) -> slice:
     """Return the cells along one axis that lie within a picture."""
     first = max(math.ceil(corner - _TOUCH), 0)
     return slice(first, max(first, min(math.floor(corner + length + _TOUCH), cells)))
-
-
-def _fill_turned(found: Bools, first_row: int, padded: Bools, frame: PixelFrame) -> None:
-    """Set the cells of some rows that share an area with a solid pixel.
-
-    Two squares share an area if no line along a side of one of them separates them.
-
-    Args:
-        found: (rows, columns) bool, all False; changed in place.
-        first_row: Number of its first row in the grid.
-        padded: The pixels with one more around them.
-        frame: Where the pixels are.
-    """
-    # Take each cell's centre into the picture, in pixels.
-    rows, columns = found.shape
-    c, s = frame.direction
-    per_cell = 1.0 / float(frame.side)
-    x = np.arange(columns) + (0.5 - float(frame.x))
-    y = np.arange(first_row, first_row + rows)[:, None] + (0.5 - float(frame.y))
-    u = (c * x + s * y) * per_cell
-    v = (c * y - s * x) * per_cell
-    left = np.floor(u).astype(np.int64)
-    low = np.floor(v).astype(np.int64)
-    height, width = (side - 2 for side in padded.shape)
-
-    # Half the extent of both squares along a pixel's side and along a cell's side.
-    spread = abs(c) + abs(s)
-    along_pixel = 0.5 + 0.5 * per_cell * spread + _ROUNDING
-    along_cell = 0.5 * per_cell + 0.5 * spread + _ROUNDING
-    most = math.floor(along_pixel + 0.5)
-    for dj in range(-most, most + 1):
-        row = np.clip(low + dj, -1, height) + 1
-        dv = low + (dj + 0.5) - v
-        for di in range(-most, most + 1):
-            du = left + (di + 0.5) - u
-            meets = (np.abs(du) < along_pixel) & (np.abs(dv) < along_pixel)
-            meets &= np.abs(c * du - s * dv) < along_cell
-            meets &= np.abs(s * du + c * dv) < along_cell
-            found |= meets & padded[row, np.clip(left + di, -1, width) + 1]

@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
 from worldgen.interop.format.foreign_map import ForeignRobot, read_bounded, sibling_file
 from worldgen.interop.readers.places_text import KEYS, from_decimal, read_places
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
@@ -22,6 +22,7 @@ MODES = ("trinary", "scale", "raw")
 OURS = "worldgen"
 _MAX_BYTES = 64 << 10
 _REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+_SUFFIXES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff")
 # Writers of maps print not-a-number in these forms.
 _NAN = re.compile(r"[+-]?\.?nan(\(.*\))?", re.IGNORECASE)
 # Nav2's thresholds, for a file whose own ones are not numbers.
@@ -198,13 +199,24 @@ def _picture(path: Path, table: YamlTable) -> tuple[Path, tuple[str, ...]]:
     line = table.line_of("image")
     try:
         return sibling_file(path, "image", name, line=line), ()
-    except FormatError:
+    except FormatError as error:
         bare = PureWindowsPath(PurePosixPath(name).name).name
-        beside = _entry(real_path(path.parent), bare)
+        folder = real_path(path.parent)
+        beside = _entry(folder, bare)
         if beside is None or beside == name:
+            error.message = _with_another(error.message, folder, bare)
             raise
         found = sibling_file(path, "image", beside, line=line)
     return found, (f"image {quote(name, 80)} is not there; {beside} next to {path.name} was read",)
+
+
+def _with_another(message: Message, folder: Path, name: str) -> Message:
+    """Add to a message about a missing picture the one of the same name with another suffix."""
+    stem = PurePosixPath(name).stem
+    other = next(filter(None, (_entry(folder, stem + suffix) for suffix in _SUFFIXES)), None)
+    if other is None:
+        return message
+    return message.before(", or write `image: {other}` for the one that is there", other=other)
 
 
 def _entry(folder: Path, name: str) -> str | None:
