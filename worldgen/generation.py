@@ -16,7 +16,9 @@ __all__ = ["MAX_ATTEMPTS", "generate", "stream"]
 
 
 def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> World:
-    """Return a world of a family, with a witness that its target can be reached.
+    """Return a world of a family, with a witness that its target can be reached, or with a cut.
+
+    A cut proves that it cannot be reached; only a share of ``blocked`` asks for such worlds.
 
     Args:
         name: Name of a registered family, ``./file.py:name``, or the family itself.

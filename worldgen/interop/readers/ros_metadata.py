@@ -125,6 +125,11 @@ def read_ros_metadata(path: Path) -> RosMetadata:
             "wrong-order",
             "free_thresh {free:g}, occupied_thresh {occupied:g}; they must satisfy 0 <= free < "
             "occupied <= 1",
+            "write fractions, such as {free_fraction:g} and {fraction:g} for these percentages"
+            if 1.0 < occupied <= 100.0 and 0.0 <= free < occupied
+            else "write 0.196 and 0.65, Nav2's own",
+            free_fraction=free / 100,
+            fraction=occupied / 100,
             free=free,
             occupied=occupied,
             line=table.line_of("free_thresh"),
