@@ -91,6 +91,8 @@ def test_the_answer_is_the_file(run, tmp_path):
     assert answer == {
         "file": str(tmp_path / "w.grid"),
         "result": "reachable",
+        "reason": f"a path of {world.certificate.length:.4g} m lets discs of up to "
+        f"{world.certificate.clearance:.4g} m through",
         "clearance": world.certificate.clearance,
         "radius": 0.04,
         "radius_from": "0.4 cells, so that it fits through a corridor one cell wide",

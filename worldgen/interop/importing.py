@@ -538,6 +538,7 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
     return {
         "file": file,
         "result": decision.result,
+        "reason": decision.reason,
         "clearance": decision.certificate.clearance if decision.certificate else None,
         "radius": world.robot_radius,
         "radius_from": imported.radius_from,
