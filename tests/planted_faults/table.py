@@ -315,6 +315,22 @@ FAULTS = (
         ("tests/worldgen/test_ros_map.py",),
     ),
     Fault(
+        "turned-too-thin",
+        "no wall of a turned map is missed",
+        "worldgen/interop/geometry/turned_pixels.py",
+        "along_cell = 0.5 * per_cell + 0.5 * spread + _ROUNDING",
+        "along_cell = 0.5 * per_cell + 0.5 + _ROUNDING",
+        ("tests/worldgen/test_ros_turned.py",),
+    ),
+    Fault(
+        "closed-too-much",
+        "a blocked world closes only what it has to",
+        "worldgen/shutting.py",
+        "walls[cell] = False",
+        "walls[cell] = True",
+        ("tests/worldgen/test_shutting.py",),
+    ),
+    Fault(
         "export-upside-down",
         "what is exported and imported again is the same map",
         "worldgen/interop/formats/ros.py",
