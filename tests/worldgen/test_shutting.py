@@ -41,7 +41,13 @@ def region(world, place):
     return np.count_nonzero(labels == number)
 
 
-@pytest.mark.parametrize("params", [{}, {"footprint": "0.2x0.1", "size": 40}], ids=["disc", "box"])
+@pytest.mark.parametrize(
+    "params",
+    [
+        pytest.param({}, id="disc"),
+        pytest.param({"footprint": "0.2x0.1", "size": 40}, id="box", marks=pytest.mark.gate),
+    ],
+)
 @pytest.mark.parametrize("family", STATIC)
 def test_a_blocked_world_has_a_cut_that_the_checker_accepts_and_needs_each_new_cell(family, params):
     world = generate(family, 3, blocked=1.0, **params)
@@ -106,6 +112,7 @@ def test_a_world_too_small_for_a_cut_is_refused():
     assert "room for a cut" in str(caught.value)
 
 
+@pytest.mark.gate
 def test_the_command_makes_one_or_a_share_of_a_set_which_can_be_made_again(tmp_path):
     done = worldgen("maze", "--blocked", "--seed", 7, "--json", "--out", tmp_path / "w.grid")
     assert json.loads(done.out)["result"] == BLOCKED
