@@ -7,6 +7,7 @@ import pytest
 
 from sim import Command, simulate
 from tests.agreement.test_drivers import BOX, driven_by
+from tests.agreement.test_episodes_against_reference import with_waypoints
 from tests.sim.test_batch import burning
 from worldgen import generate
 from worldgen.robot import Drive
@@ -19,6 +20,8 @@ WORLDS = {
     "fire": burning(),
     "body": driven_by(generate("trap", seed=3), footprint=BOX),
     "car": driven_by(burning(), footprint=BOX, drive=Drive(0.1, True, 3.0)),
+    "tour": with_waypoints(generate("trap", seed=3)),
+    "car's tour": with_waypoints(driven_by(generate("trap", seed=3), drive=Drive(0.1, True, 3.0))),
 }
 ROBOTS = {
     "plain": {},
@@ -76,4 +79,5 @@ def test_an_episode_is_the_simulators_run_of_its_actions(name, robot):
             state[own].tolist() == states[k, own].tolist()
             and bool(seen[0]) == run.trace.bump[k + 1]
         )
+    assert not world.robots[0].waypoints or env._lockstep.crew.passed[0] == run.trace.passed[-1] > 0
     assert over == (run.verdict in ("reached", "burned"))

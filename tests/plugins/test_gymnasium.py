@@ -44,6 +44,7 @@ ALL = (
     "position",
     "odometry",
     "goal_direction",
+    "tilt",
     "beams",
 )
 TRAPS = {"family": "trap", "params": {"size": 16}, "pool": 5, "sensors": PLAIN}
@@ -362,6 +363,41 @@ def test_an_episode_ends_when_its_robot_arrives_as_the_goal_asks(arrival):
             break
     # A step's end shows after the action that led there, and a stop after the action itself.
     assert told["is_success"] and k + 1 == (run.steps if arrival == "stop" else run.steps - 1)
+
+
+@pytest.mark.parametrize("distance", ["straight", "way"])
+def test_a_tour_is_rewarded_for_its_progress_through_its_waypoints(distance):
+    world = World(np.zeros((9, 40), bool), Pose(0.45, 0.45, 0.0), Target(0.45, 0.45, 0.1))
+    waypoints = (Target(2.45, 0.45, 0.1), Target(1.45, 0.45, 0.1))
+    world = replace(world, robots=[replace(world.robots[0], waypoints=waypoints)])
+    reward = dict.fromkeys(("time", "contact", "reached", "burned"), 0.0)
+    env = NavigateEnv(
+        world=world, sensors=("target_distance",), turn_rate=400.0, distance=distance, reward=reward
+    )
+    first, _ = env.reset(seed=1)
+    assert first[0] == pytest.approx(0.2, abs=1e-3)
+    # Ahead to the first, and back through the second to the target.
+    total, last, over, turn = 0.0, 0.0, False, 0.0
+    while not over:
+        _, gained, over, _, told = env.step(np.array([turn, 1.0], np.float32))
+        assert gained > -1e-4
+        total += gained
+        passed = env.unwrapped._lockstep.crew.passed[0]
+        turn = math.pi / 0.015 / 400.0 if passed == 1 and last == 0 else 0.0
+        last = passed
+    assert told["is_success"] and total == pytest.approx(4.0 - 0.1, abs=0.05)
+
+
+def test_a_tilted_floor_is_sensed_relative_to_the_robot():
+    world = World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.5), Target(1.2, 0.45, 0.1))
+    tilted = {"drift": 0.5, "drift_heading": 1.5}
+    for env in (
+        NavigateEnv(world=world, sensors=("tilt",), robot=tilted),
+        NavigateVectorEnv(worlds=[world], num_envs=1, sensors=("tilt",), robot=tilted),
+    ):
+        seen = np.ravel(env.reset(seed=1)[0])
+        share = 0.5 / world.robot_speed
+        assert seen == pytest.approx((share * math.cos(1.0), share * math.sin(1.0)), abs=5e-3)
 
 
 def test_each_robot_senses_the_heading_of_its_own_goal():

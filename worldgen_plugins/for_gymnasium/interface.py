@@ -54,6 +54,7 @@ SENSORS: Mapping[str, Sensor] = {
     "signal_direction": _direction(lib.WG_SHOW_SIGNAL_DIRECTION, "signal_heading"),
     "target_direction": _direction(lib.WG_SHOW_TARGET_DIRECTION, "target_heading"),
     "goal_direction": _direction(lib.WG_SHOW_GOAL_DIRECTION, "goal_heading"),
+    "tilt": _direction(lib.WG_SHOW_TILT, "tilt", "tilt_heading"),
     "target_distance": Sensor(lib.WG_SHOW_TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
     "heading": _direction(lib.WG_SHOW_HEADING),
     "position": Sensor(lib.WG_SHOW_POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
@@ -196,6 +197,8 @@ class Interface:
         seen.beams = pointer(ffi, beams, np.float64)
         seen.beam_count = len(beams)
         seen.goal_heading = observation.goal_heading
+        seen.tilt = observation.tilt
+        seen.tilt_heading = observation.tilt_heading
         out = np.empty(sum(len(low) for low, _ in self.bounds().values()), np.float32)
         codes = self.codes
         sensors = pointer(ffi, codes, np.int64)

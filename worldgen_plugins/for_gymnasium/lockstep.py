@@ -12,7 +12,6 @@ from sim._core import ffi, lib
 from sim.runners.controller_host import OutsideHost
 from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
 from sim.runners.lattice import LatticeRun
-from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
 from worldgen.support.arrays import Bools, Floats
 from worldgen.support.ccall import check, kept, pointer, writable
@@ -57,7 +56,7 @@ class StepResult(NamedTuple):
 
 # Words of a WgCarriage.
 _CARRIAGE_WORDS = ffi.sizeof("WgCarriage") // 8
-_OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance", "over")
+_OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance", "over", "passed")
 
 
 class RobotArrays:
@@ -80,6 +79,7 @@ class RobotArrays:
         self.elapsed = np.zeros(count, np.int64)
         self.distance = np.zeros(count)
         self.over = np.zeros(count, np.bool_)
+        self.passed = np.zeros(count, np.int64)
         self.state = np.zeros((count, STATE_WORDS), np.int64)
         self.carriage = np.zeros((count, _CARRIAGE_WORDS), np.int64)
         self.c: Any = ffi.new("WgCrew *")
@@ -210,22 +210,13 @@ class Lockstep:
 
         Raises:
             InvalidWorld: If the robot does not fit at the start of a world.
-            InvalidParameter: If the time step does not fit a robot's speed, or a robot has waypoints.
+            InvalidParameter: If the time step does not fit a robot's speed.
         """
-        for world in worlds:
-            if world.robots[0].waypoints:
-                raise InvalidParameter(
-                    "has-waypoints",
-                    "the world has {count} waypoints, and an environment rewards the way to one "
-                    "target",
-                    "use a world without waypoints, with each of them as the target in turn",
-                    count=len(world.robots[0].waypoints),
-                )
         options = self._rules.run_options()
         runs = [LatticeRun(world, self._host, options) for world in worlds]
         arenas = [run.arena() for run in runs]
-        # Distances to the target are needed only if the reward measures progress.
-        ways = [distances_to_target(world) for world in worlds] if self._rules.by_way else []
+        # Distances to the goals are needed only if the reward measures progress.
+        ways = [_distances(world) for world in worlds] if self._rules.by_way else []
         places = ffi.new("WgPlace[]", len(runs))
         for k, (run, arena) in enumerate(zip(runs, arenas, strict=True)):
             places[k].arena = arena.c[0]
@@ -294,3 +285,9 @@ class Lockstep:
             flags[3],
             last,
         )
+
+
+def _distances(world: World) -> Singles:
+    """Return the lengths of the shortest paths to each goal, m, one goal after another."""
+    goals = range(len(world.robots[0].goals))
+    return np.concatenate([distances_to_target(world.for_goal(number)) for number in goals])

@@ -226,11 +226,10 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     if (wg_has_carriage(settings)) {
         memset(robot->carriage, 0, (size_t)wg_carriage_words(settings) * sizeof(int64_t));
     }
-    robot->goal = &settings->target;
     if (robot->passed != NULL) {
         *robot->passed = 0;
-        robot->goal = settings->waypoints;
     }
+    robot->goal = settings->waypoint_count > 0 ? settings->waypoints : &settings->target;
     robot->is_simple = !wg_has_carriage(settings) && settings->waypoint_count == 0
                        && settings->target.arrival == WG_ARRIVAL_TOUCH;
     robot->meets = 0;

@@ -54,6 +54,12 @@ void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_c
                 *shown++ = 0.0f;
             }
             break;
+        case WG_SHOW_TILT: {
+            double angle = seen->tilt_heading - seen->heading;
+            shown = show_share(seen->tilt * wg_cos(angle), seen->top_speed, shown);
+            shown = show_share(seen->tilt * wg_sin(angle), seen->top_speed, shown);
+            break;
+        }
         case WG_SHOW_TARGET_DISTANCE:
             shown = show_share(seen->target_distance, rules->extent, shown);
             break;
@@ -99,12 +105,18 @@ static WgArena arena_of(const WgCrew *crew, int64_t robot)
     return arena;
 }
 
+// The goals of a world, in order; the last one is the target.
+static const WgGoal *goal_of(const WgSettings *settings, int64_t number)
+{
+    return number < settings->waypoint_count ? &settings->waypoints[number] : &settings->target;
+}
+
 // The settings of a robot's world, with the robot's own seed. A robot that was copied gets its goal from there, too.
 static const WgSettings *settings_of(WgCrew *crew, int64_t robot)
 {
     WgSettings *settings = &crew->places[crew->world[robot]].settings;
     settings->seed = (uint64_t)crew->run[robot];
-    crew->robots[robot].goal = &settings->target;
+    crew->robots[robot].goal = goal_of(settings, crew->passed[robot]);
     return settings;
 }
 
@@ -130,46 +142,63 @@ static bool advance(WgCrew *crew, int64_t robot)
     return driver->contact.x != 0.0 || driver->contact.y != 0.0;
 }
 
-// Returns the length of the path to the target, m: straight to one of the four nodes around the
-// robot, then the shortest path; or infinity.
-static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
+// Returns the length of the path from a place to a goal, m: straight to one of the four nodes around the
+// place, then the shortest path; or infinity.
+static double length_of_way(const WgPlace *place, int64_t goal, int64_t x, int64_t y)
 {
     double best = (double)INFINITY;
     int64_t columns = 2 * place->arena.width;
     int64_t rows = 2 * place->arena.height;
+    const float *ways = place->ways + goal * (rows + 1) * (columns + 1);
     for (int corner = 0; corner < 4; corner++) {
         int64_t i = wg_least(wg_floor_div(x, HALF) + (corner & 1), columns);
         int64_t j = wg_least(wg_floor_div(y, HALF) + (corner >> 1), rows);
         int64_t dx = i * HALF - x;
         int64_t dy = j * HALF - y;
         double aside = sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
-        best = wg_lower(best, aside + (double)place->ways[j * (columns + 1) + i]);
+        best = wg_lower(best, aside + (double)ways[j * (columns + 1) + i]);
     }
     return best;
 }
 
-// Returns the robot's distance to the target, m: along the shortest path if it is known,
-// otherwise straight.
-static double distance_of(const WgCrew *crew, int64_t robot)
+// Returns the distance from a place to a goal, m: along the shortest path if it is known, otherwise straight.
+static double distance_to(const WgPlace *place, int64_t number, int64_t x, int64_t y)
 {
-    const WgPlace *place = &crew->places[crew->world[robot]];
-    const WgState *state = &crew->robots[robot].body->state;
     if (place->ways != NULL) {
-        double away = length_of_way(place, state->x, state->y);
+        double away = length_of_way(place, number, x, y);
         if (away < (double)INFINITY) {
             return away;
         }
     }
-    int64_t dx = place->settings.target.x - state->x;
-    int64_t dy = place->settings.target.y - state->y;
+    const WgGoal *goal = goal_of(&place->settings, number);
+    int64_t dx = goal->x - x;
+    int64_t dy = goal->y - y;
     return sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
+}
+
+// Returns the robot's distance to the target, m, through the waypoints that are left.
+static double distance_of(const WgCrew *crew, int64_t robot)
+{
+    const WgPlace *place = &crew->places[crew->world[robot]];
+    const WgState *state = &crew->robots[robot].body->state;
+    int64_t next = crew->passed[robot];
+    double away = distance_to(place, next, state->x, state->y);
+    for (int64_t number = next; number < place->settings.waypoint_count; number++) {
+        const WgGoal *goal = goal_of(&place->settings, number);
+        away += distance_to(place, number + 1, goal->x, goal->y);
+    }
+    return away;
 }
 
 // Shows what a robot has just sensed.
 static void observe(WgCrew *crew, int64_t robot, float *observation)
 {
-    crew->workspace.observation.goal_heading = wg_sensed_goal_heading(settings_of(crew, robot), crew->robots[robot].goal);
-    wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
+    const WgSettings *settings = settings_of(crew, robot);
+    WgObservation *seen = &crew->workspace.observation;
+    seen->goal_heading = wg_sensed_goal_heading(settings, crew->robots[robot].goal);
+    seen->top_speed = settings->top_speed;
+    wg_sense_tilt(settings, seen);
+    wg_show(seen, crew->sensors, crew->sensor_count, crew->rules, observation);
 }
 
 void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorner *chain)
@@ -177,6 +206,7 @@ void wg_crew_robots(WgCrew *crew, WgState *states, WgCarriage *carriages, WgCorn
     for (int64_t robot = 0; robot < crew->count; robot++) {
         crew->robots[robot].body = (WgBody *)&states[robot];  // a body without a memory
         crew->robots[robot].carriage = &carriages[robot];
+        crew->robots[robot].passed = &crew->passed[robot];
         crew->robots[robot].chain = chain;
     }
 }

@@ -25,6 +25,7 @@ enum {
     WG_SHOW_ODOMETRY = 8,
     WG_SHOW_BEAMS = 9,
     WG_SHOW_GOAL_DIRECTION = 10,
+    WG_SHOW_TILT = 11,
 };
 
 // When the next episode begins: in the step after the last one, in the same step,
@@ -50,8 +51,8 @@ typedef struct WgRules {
 typedef struct WgPlace {
     WgArena arena;        // before its first event; not changed
     WgSettings settings;  // the seed is each robot's own
-    // (2 height + 1, 2 width + 1) m, length of the shortest path to the target from each node at
-    // half a cell, infinite if there is none; NULL: distances are straight
+    // (waypoints + 1, 2 height + 1, 2 width + 1) m, length of the shortest path to each goal from each
+    // node at half a cell, infinite if there is none; NULL: distances are straight
     const float *ways;
 } WgPlace;
 
@@ -78,7 +79,8 @@ typedef struct WgCrew {
     int64_t *run;             // (count,) seed of its run
     int64_t *clock;           // (count,) steps of the simulator
     int64_t *elapsed;         // (count,) actions in this episode
-    double *distance;         // (count,) m, to the target
+    double *distance;         // (count,) m, to the target, through the waypoints that are left
+    int64_t *passed;          // (count,) waypoints that it has arrived at
     uint8_t *over;            // (count,) 1 if the episode has ended
 } WgCrew;
 
