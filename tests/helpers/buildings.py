@@ -50,8 +50,27 @@ def building_file(kind, mesh=None):
     if kind == "gltf":
         files = trimesh.Scene(mesh).export(file_type="gltf", merge_buffers=True, embed_buffers=True)
         return files["model.gltf"] if isinstance(files, dict) else files
+    if kind == "dae":
+        return _collada(mesh)
     data = mesh.export(file_type=kind)
     return data.encode() if isinstance(data, str) else data
+
+
+def _collada(mesh):
+    """A file of COLLADA in centimetres, z up, as a program might write it."""
+    corners = " ".join(f"{value * 100:.9g}" for value in mesh.vertices.reshape(-1))
+    faces = " ".join(map(str, mesh.faces.reshape(-1).tolist()))
+    axes = "".join(f'<param name="{axis}" type="float"/>' for axis in "XYZ")
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="s">
+<float_array id="f" count="{mesh.vertices.size}">{corners}</float_array><technique_common>
+<accessor source="#f" count="{len(mesh.vertices)}" stride="3">{axes}</accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices><triangles count="{len(mesh.faces)}">
+<input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="x"><node id="n"><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#x"/></scene></COLLADA>""".encode()
 
 
 def ground_floor(height, cell=0.1):

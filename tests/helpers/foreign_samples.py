@@ -4,6 +4,7 @@ They come from our own writer if there is one, and from other programs' output.
 """
 
 import functools
+import importlib.util
 import io
 from dataclasses import replace
 
@@ -17,8 +18,12 @@ from worldgen.generation import generate
 from worldgen.interop import FORMATS, export_world
 from worldgen.world import Pose, Target, World
 
-# Bags, which need an extra, have tests of their own: tests/worldgen/test_bags.py.
-READABLE = [name for name in FORMATS if FORMATS.get(name).read is not None and name != "bag"]
+# COLLADA needs an extra, ``worldgen[collada]``. Bags need another, and have tests of their own:
+# tests/worldgen/test_bags.py.
+LACKING = {"dae"} if importlib.util.find_spec("collada") is None else set()
+READABLE = [
+    name for name in FORMATS if FORMATS.get(name).read is not None and name not in {"bag", *LACKING}
+]
 _WALLS = np.ones((5, 7), np.bool_)
 _WALLS[1:-1, 1:-1] = _WALLS[0, 0] = False
 _YAML = (
@@ -53,7 +58,7 @@ AS_OTHERS_WRITE = {
         {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},
         {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
     ],
-    **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("glb", "gltf", "obj", "stl")},
+    **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("dae", "glb", "gltf", "obj", "stl")},
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 

@@ -403,6 +403,15 @@ INJECTIONS = {
         },
     ),
     "gltf": (0, _SCENE | {"hole": _instead(holed("gltf"))}),
+    "dae": (
+        0,
+        {
+            "skin": _replaced(b"</node>", b'<instance_controller url="#c"/></node>'),
+            "missing mesh": _replaced(b"</node>", b'<instance_geometry url="#h"/></node>'),
+            "missing node": _replaced(b"</node>", b'<instance_node url="other.dae#n"/></node>'),
+            "hole": _instead(holed("dae")),
+        },
+    ),
     "obj": (
         0,
         {

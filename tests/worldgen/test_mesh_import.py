@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from tests.helpers.buildings import BUILDING_BOXES, building, building_file, ground_floor
 from tests.helpers.command_line import worldgen
 from tests.helpers.exported_meshes import any_worlds, solid_volume
+from tests.helpers.foreign_samples import LACKING
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.families import maze
@@ -18,7 +19,7 @@ from worldgen.files.grid import read_world
 from worldgen.interop import export_world, import_world, read_map
 from worldgen.reach import REACHABLE, decide
 
-KINDS = ["stl", "obj", "glb", "gltf"]
+KINDS = ["stl", "obj", "glb", "gltf", *({"dae"} - LACKING)]
 WRITTEN = ["stl", "obj", "glb"]
 
 

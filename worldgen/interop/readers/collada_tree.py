@@ -22,8 +22,8 @@ _MOST_DEPTH = 100
 _UNITS = (1e-6, 1e6)
 
 
-def check_collada(data: bytes) -> tuple[float, int]:
-    """Return the file's unit, m, and the number of surfaces that its scene places.
+def check_collada(data: bytes) -> tuple[float, str, int]:
+    """Return the file's unit, m, its axis up, and the number of surfaces that its scene places.
 
     Raises:
         FormatError: If it is not COLLADA, has no sensible unit, or places too much.
@@ -39,7 +39,16 @@ def check_collada(data: bytes) -> tuple[float, int]:
         )
     scene = _Placed(root)
     report_unread("parts of COLLADA other than plain meshes", scene.others)
-    return _unit(root), scene.surfaces
+    return _unit(root), _up(root), scene.surfaces
+
+
+def _up(root: XmlElement) -> str:
+    axis = root.word("asset", "up_axis", default="Y_UP")
+    if axis not in ("Y_UP", "Z_UP"):
+        raise FormatError(
+            "unsupported", "has the axis {axis!q} up", "export it with z up", axis=axis[:20]
+        )
+    return axis[0].lower()
 
 
 def _unit(root: XmlElement) -> float:

@@ -6,6 +6,7 @@ trimesh reads the file; this module checks its input and output.
 from __future__ import annotations
 
 import base64
+import importlib.util
 import io
 import logging
 import re
@@ -26,6 +27,7 @@ from worldgen.interop.account import damage, report_unread
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.collada_tree import check_collada
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
+from worldgen.plugins.installation import pip_install
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import quote
 
@@ -81,9 +83,14 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
         check_gltf(document)
         held = root_extras(document)
     elif kind == "dae":
-        # Gazebo does not turn a file whose axis up is y, so neither do we.
-        up = "z"
-        unit, surfaces = check_collada(data)
+        if importlib.util.find_spec("collada") is None:
+            raise FormatError(
+                "missing-package",
+                "is COLLADA, which needs a package",
+                "{command}",
+                command=pip_install("collada"),
+            )
+        unit, up, surfaces = check_collada(data)
         held = {}
     else:
         up = "z"

@@ -63,7 +63,7 @@ class Plane:
     Args:
         height: Height above the floor, m.
         cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise 0.05.
-        up: The axis that points up in the file.
+        up: The axis that points up in the file; ``file`` if the file says it.
         unit: Metres per unit of length in the file.
         floor: Number of the floor, from 0, the lowest.
     """
@@ -137,6 +137,26 @@ def metric_reader(kind: str) -> Callable[..., ForeignMap]:
     return read
 
 
+def read_collada(
+    path: Path,
+    *,
+    slice_height: float = 0.2,
+    cell_size: float = 0.0,
+    up: Literal["file", "y", "z"] = "file",
+    floor: int = 0,
+) -> ForeignMap:
+    """Read a mesh in COLLADA, which has its unit, cut at a height.
+
+    Args:
+        path: The file.
+        slice_height: Height of the cut above the floor, m, such as the lidar's.
+        cell_size: Side of a cell, m; 0 means 0.05.
+        up: The axis that points up; not all exporters write the right one into the file.
+        floor: Number of the floor, from 0, the lowest.
+    """
+    return read_slice(path, "dae", Plane(slice_height, cell_size, up, 1.0, floor))
+
+
 def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     """Cut a mesh file and return the cells that are solid in the plane.
 
@@ -155,6 +175,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
 
     check_between("slice_height", plane.height, 0.0, 1000.0, "m")
     mesh = load_mesh(path, kind)
+    plane = replace(plane, up=mesh.up) if plane.up == "file" else plane
     held = _checked(mesh.held) if _as_written(mesh, plane) else {}
     cell_size = plane.cell_size or held.get("cell_size", _USUAL_CELL)
     check_between("cell_size", cell_size, *CELL_SIZES, "m")
