@@ -10,7 +10,7 @@ export default [
     rules: { "no-unused-vars": ["error", { ignoreRestSiblings: true }] }, // { left, out, ...rest }
   },
   {
-    files: ["fuzz/**/*.js", "tests/helpers/*.js"],
+    files: ["fuzz/**/*.js", "docs/playground/*.js", "tests/helpers/*.js"],
     languageOptions: { ecmaVersion: 2023, globals: globals.browser },
   },
   {

@@ -12,6 +12,7 @@ _ENTRY = 4  # columns before an entry of a docstring's section
 sys.path.insert(0, str(HERE))
 
 import generate_reference
+import playground
 
 project = "worldgen"
 author = "The worldgen developers"
@@ -63,6 +64,41 @@ def mark_repository_files(app: Sphinx, docname: str, source: list[str]) -> None:
     source[0] = _LINK_OUT.sub(replaced, source[0])
 
 
+_FIGURE = re.compile(
+    r"```\{figure\} (?:\.\./)*pictures/([\w-]+)\.png\n(?::.*\n)*\n((?:.+\n)*)```\n"
+)
+_PICTURE = re.compile(r"!\[([^\]]*)\]\((?:\.\./)*pictures/([\w-]+)\.png\)")
+
+
+def make_figures_live(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Replace or follow some pictures by figures of the playground, of which everything can be dragged."""
+    if app.builder.format != "html":
+        return
+    root = "../" * docname.count("/")
+
+    def replaced(figure: re.Match[str]) -> str:
+        name, caption = figure.groups()
+        scene = playground.FIGURES.get(name)
+        return f"{playground.frame(scene, name, root)}\n\n{caption}" if scene else figure[0]
+
+    def live(picture: re.Match[str]) -> str:
+        words, name = picture.groups()
+        if name in playground.FIGURES:
+            return playground.frame(playground.FIGURES[name], words, root)
+        if name in playground.FOLLOWED:
+            scene = playground.FOLLOWED[name]
+            return f"{picture[0]}\n\n{playground.frame(scene, f'{scene}, live', root)}"
+        return picture[0]
+
+    source[0] = _PICTURE.sub(live, _FIGURE.sub(replaced, source[0]))
+
+
+def write_playground(app: Sphinx, exception: Exception | None) -> None:
+    """Write the playground next to the site's pages."""
+    if exception is None and app.builder.format == "html":
+        (Path(app.outdir) / playground.NAME).write_bytes(playground.page())
+
+
 def mend_wrapping(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
@@ -98,6 +134,8 @@ def setup(app: Sphinx) -> None:
     """Write the pages that come from the code before Sphinx looks for pages."""
     generate_reference.write_pages(HERE / "reference" / "generated")
     app.connect("source-read", mark_repository_files)
+    app.connect("source-read", make_figures_live)
+    app.connect("build-finished", write_playground)
     # Before napoleon reads the sections, which it does at priority 500.
     app.connect("autodoc-process-docstring", mend_wrapping, priority=100)
     app.connect("autodoc-skip-member", skip_named_fields)

@@ -34,20 +34,8 @@ WORLDS = {
 }
 HALLS = {"scattered": ("scattered", 1), "one-u": ("one U", 2)}
 HALL_SEED = 9
-# A room whose opening is narrower than the robot, as text to import.
-WALLED = """\
-####################
-#..................#
-#......########....#
-#......#......#....#
-#.S....#......#....#
-#......#...G..#....#
-#......#......#....#
-#......##.#####....#
-#..................#
-#..................#
-####################
-"""
+# A room whose opening is narrower than the robot, to import.
+WALLED = ROOT / "docs" / "playground" / "walled.txt"
 SMALLEST = ROOT / "corpora" / "failures" / "turn-right" / "swept" / "returns-to-a-wall.grid"
 
 # The picture's name, and the command that draws it, without its --picture.
@@ -98,8 +86,7 @@ def draw(folder: Path) -> list[Path]:
     with tempfile.TemporaryDirectory() as scratch, contextlib.chdir(scratch):
         for name, family in WORLDS.items():
             worldgen(f"{family} --out {name}.grid")
-        Path("walled.txt").write_text(WALLED, encoding="utf-8")
-        worldgen("import walled.txt --out walled.grid")
+        worldgen(f"import {shlex.quote(os.fspath(WALLED))} --out walled.grid")
         shutil.copy(SMALLEST, "shrunk.grid")
         for name, (kind, count) in HALLS.items():
             *_, hall = draw_worlds(kind, count, HALL_SEED)

@@ -57,6 +57,8 @@ export function makeChange(failure, core, view) {
     element: change.element,
     tries: triesPart(change),
     end: () => end(change),
+    open: () => begin(change, false),
+    drive: (run) => drive(change, run),
   };
 }
 
@@ -78,6 +80,7 @@ function partsOf(change) {
   };
   // a body has no radius to set
   parts.radius.element.hidden = Boolean(change.failure.now.world.footprint);
+  parts.copy.hidden = !change.failure.test;
   const keys = el("span", { class: "away", id: "change-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
   parts.panel = el(
     "div",
@@ -118,8 +121,8 @@ async function tryIt(change, words, { cell, heading, radius }) {
   reveal(change);
 }
 
-// Opens the editor with what was changed before, if anything was.
-async function begin(change) {
+// Opens the editor with what was changed before, if anything was; may bring it into the window.
+async function begin(change, reveals = true) {
   const { parts, view, failure } = change;
   view.restore();
   change.isOn = true;
@@ -128,9 +131,9 @@ async function begin(change) {
   parts.help.hidden = true;
   parts.panel.hidden = false;
   showAnswer(change);
-  reveal(change);
+  if (reveals) reveal(change);
   opened ??= openLive(change.core);
-  const [live, packed] = await Promise.all([opened, unpacked(failure.live)]);
+  const [live, packed] = await Promise.all([opened, typeof failure.live === "string" ? unpacked(failure.live) : failure.live]);
   if (!change.isOn) return;
   if (!live) {
     giveUp(change);
@@ -149,6 +152,14 @@ function giveUp(change) {
   leave(change);
   change.parts.toggle.disabled = true;
   change.parts.help.textContent = NOT_HERE;
+}
+
+// Runs another controller in the world as it is now; null for none.
+function drive(change, run) {
+  const { session } = change;
+  if (!session || session.question.run === run) return;
+  Object.assign(session, { question: { ...session.question, run }, answered: -1 });
+  changed(change);
 }
 
 // Brings the whole picture into the window, below the verdict.
@@ -258,7 +269,7 @@ function showAnswer(change) {
   parts.verdict.classList.remove("stale");
   const run = answer?.run;
   const verdict = run?.verdict ?? (answer && !session.question.run ? failure.verdict : "");
-  const words = run ? runWords(run) : answer ? answer.live.run || "in the recording" : "…";
+  const words = run ? runWords(run) : answer ? answer.live.run || (failure.now.run ? "in the recording" : "") : "…";
   parts.verdict.replaceChildren(...(verdict ? [verdictDot(verdict), " ", el("b", {}, verdict), " "] : []), words);
   const proof = answer ? proofOf(answer.proof, answer.live.proof, session.model.world) : DECIDING;
   const known = pathInFile(change, answer);

@@ -85,7 +85,8 @@ export function gridText(world, proof, run) {
   const shown = witness ?? cut;
   const separates = cut?.waypoint ? [`waypoint = ${cut.waypoint}`] : [];
   if (shown) lines.push("", "[certificate]", `kind = "${witness ? "witness" : "cut"}"`, ...separates, `clearance = ${numberText(shown.clearance)}`);
-  if (run) lines.push("", "[failure]", ...failureLines(tables.failure, run));
+  // Without the record of a failure, nothing says which controller ran.
+  if (run && tables.failure.length > 0) lines.push("", "[failure]", ...failureLines(tables.failure, run));
   lines.push("%cells", ...rowsOf(world));
   if (world.events) lines.push("%timeline", ...eventLines(world.events));
   if (witness) lines.push("%witness", ...pointLines(witness, several ? "1 " : ""));
