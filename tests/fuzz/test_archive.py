@@ -45,7 +45,7 @@ def test_no_cell_of_the_archive_gets_worse(epochs):
         )
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_children_of_an_archive_behave_in_more_ways_than_what_is_drawn_afresh(epochs):
     afresh = [run_unit(CONFIG, unit).elites for unit in (1, 2)]
     assert len(epochs[1][3].elites) > len({**epochs[0][0].elites, **afresh[0], **afresh[1]})

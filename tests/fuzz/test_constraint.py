@@ -130,7 +130,7 @@ def test_a_strategy_that_runs_another_robot_ends_the_unit_as_a_bug_of_ours(fixed
     assert not result.failures
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("fixed", FIXED_BY_USER)
 def test_a_known_failure_is_not_moved_to_a_boundary_of_what_is_fixed(fixed, tmp_path):
     known = run_unit(configure(options("native", tmp_path, **fixed), 1), 0).failures

@@ -237,7 +237,7 @@ def test_a_failure_that_cannot_be_explained_is_reported_with_exit_code_2(tmp_pat
     assert "touching a wall ahead" in result.out and "arrives" not in result.out
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_an_option_on_which_the_failure_depends_is_named():
     world = generate("corridor", 0)
     assert failure_of(world, Scenario.parse("bug2")) is None

@@ -48,7 +48,7 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
     )
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("searcher", some(["plan", "random", "genetic"]))
 def test_searching_finds_a_comparison_of_floats_for_equality(searcher):
     row, failure = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))

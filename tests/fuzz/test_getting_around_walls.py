@@ -38,7 +38,7 @@ def gets_around(controller: str, world: World) -> bool:
     return OtherWorlds(scenario.controller, scenario.run).gets_around_walls(world)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(("cell_size", "radius"), [(0.2, 0.07), (0.1, 0.2), (0.5, 0.1)])
 @pytest.mark.parametrize(
     ("controller", "expected"),

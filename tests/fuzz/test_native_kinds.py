@@ -321,7 +321,7 @@ def test_looks_at_a_class_are_those_at_the_compiled_controller_that_it_is():
     assert {"reached", "loop"} <= set(compiled.verdict)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
     config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
     one = run_unit(config, 1)

@@ -324,7 +324,7 @@ class Far:
 """
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
     (tmp_path / "far.py").write_text(FAR)
     out = tmp_path / "out"

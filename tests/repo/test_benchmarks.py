@@ -21,6 +21,12 @@ PROGRAMS = sorted(
 
 @pytest.mark.gate
 @pytest.mark.parametrize("name", PROGRAMS)
+def test_a_benchmark_has_a_tiny_round(name):
+    assert importlib.import_module(f"benchmarks.{name}").TINY is not None
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", PROGRAMS)
 def test_a_tiny_round_of_a_benchmark_runs(name):
     module = importlib.import_module(f"benchmarks.{name}")
     if hasattr(module, "chromium_browser") and missing_browser():

@@ -125,9 +125,10 @@ if __name__ == "__main__":
     run("trap --size 20 --seed 4 --out w.grid --force")
     run(f"fuzz --controller ./robot.py:Circles --units 1 {SEARCH} --out found")
     run(f"fuzz --controller ./robot.py:Endless --budget 1s {SEARCH} --out none")
-    run(f"fuzz --controller ./robot.py:Jittery+frozen_time --units 1 {SEARCH} --out jitter")
     run("explain found/*.grid")
     run("check-family ./halls.py:hall")
+    if "with chance" in sys.argv:
+        run(f"fuzz --controller ./robot.py:Jittery+frozen_time --units 1 {SEARCH} --out jitter")
 """,
     "under.py": """
 import runpy
@@ -225,18 +226,26 @@ def test_a_run_is_the_same_under_a_tool(tool, project, plain_runs):
     assert done.returncode == 0, done
 
 
+@pytest.fixture(scope="module")
+def plain_commands(project):
+    return results(python(project, "commands.py"))
+
+
 @pytest.mark.gate
 @pytest.mark.parametrize("tool", TOOLS)
-def test_commands_are_the_same_under_a_tool(tool, project):
-    plain = results(python(project, "commands.py"))
-    assert [line.partition(" ")[2][:4] for line in plain] == [
-        "None",
-        "1",
-        "./ro",
-        "1",
-        "None",
-        "None",
-    ]
+def test_commands_are_the_same_under_a_tool(tool, project, plain_commands):
+    codes = [line.partition(" ")[2][:4] for line in plain_commands]
+    assert codes == ["None", "1", "./ro", "None", "None"]
     done = python(project, *tool, "commands.py", stdin="continue\nquit\n")
+    assert results(done) == plain_commands
+    assert done.returncode == 0, done
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("tool", TOOLS)
+def test_a_campaign_of_a_robot_with_chance_is_the_same_under_a_tool(tool, project):
+    plain = results(python(project, "commands.py", "with chance"))
+    assert plain[-1] == "fuzz 1"
+    done = python(project, *tool, "commands.py", "with chance", stdin="continue\nquit\n")
     assert results(done) == plain
     assert done.returncode == 0, done

@@ -128,8 +128,8 @@ COMMANDS = {
     "find": (
         "--outcome",
         "./noisy.py:Noisy=loop",
-        "--units",
-        "1",
+        "--budget",
+        "2s",
         "--seed",
         "1",
         "--out",

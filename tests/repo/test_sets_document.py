@@ -23,7 +23,7 @@ def test_the_commands_of_the_page_work_one_after_another(tmp_path, monkeypatch):
     assert (tmp_path / "again.zip").read_bytes() == (tmp_path / "mazes.zip").read_bytes()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", [0, 1])
 def test_its_python_works(number, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -182,7 +182,7 @@ def test_a_replay_calls_the_controller_in_two_periods_and_no_longer(tmp_path):
     assert proof <= calls < 1.25 * proof
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("depth", [3, 8])
 def test_an_explanation_in_haste_finds_the_same_changes(tmp_path, depth):
     name = bumper(tmp_path)
@@ -203,7 +203,7 @@ def test_an_explanation_in_haste_tries_the_other_kinds_before_all_cells(tmp_path
     assert [one.what for one in in_haste.changes] == ["speed"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_shrinking_a_slow_class_with_a_time_limit_ends_in_a_world_without_a_removable_cell(
     tmp_path,
 ):

@@ -114,7 +114,7 @@ POSES = st.lists(
 WALLS = st.lists(st.tuples(st.integers(0, 8), st.integers(0, 6)), max_size=4)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @settings(max_examples=15)
 @given(BODIES, POSES, WALLS, st.sampled_from(["line", "arc"]))
 def test_depth_and_clearance_of_a_body_are_those_that_shapely_measures(body, poses, walls, how):

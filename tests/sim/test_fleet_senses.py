@@ -317,7 +317,7 @@ class AllNearest(Keeping):
         return [len(seen.neighbours), *places, *[0.0] * (40 - len(places))]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("count", "reach"), [(3, 1.0), (12, 0.6), (40, 0.5), (90, 0.9), (90, 30.0)]
 )

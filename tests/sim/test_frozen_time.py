@@ -308,7 +308,7 @@ class Many:
         return Command(1.0, 0.0), memory
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_explain_shows_the_lines_of_a_run_with_frozen_time(tmp_path):
     (tmp_path / "mine.py").write_text(MINE)
     name = f"{tmp_path}/mine.py:Dice+frozen_time"

@@ -162,7 +162,7 @@ def test_a_fault_of_a_robot_of_a_fleet_is_its_crash(name, library):
     assert run.verdict == "crash" and errors == [FAULTS[name]]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "verdict"),
     [

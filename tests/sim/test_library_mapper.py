@@ -35,7 +35,7 @@ def test_a_target_off_its_grid_is_reached():
     assert simulate(replace(world, target=Target(0.637, 0.163, 0.001)), mapper).verdict == "reached"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_it_drives_round_a_target_that_is_walled_off_and_does_not_crash():
     world = drawn("S......\n.......\n..####.\n..#..#.\n..#.G#.\n..####.\n.......", radius=0.03)
     assert simulate(world, mapper, steps=20_000).verdict in ("loop", "stalled")

@@ -228,7 +228,7 @@ def test_what_another_controller_sends_is_not_believed(numbers):
     assert episode.robots[0].verdict == "reached"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_twenty_robots_in_an_alley_never_touch():
     # A plan in which two agents touched made six of them collide.
     episode = simulate(generate("alley", 1, robots=20), "pibt")

@@ -21,7 +21,7 @@ from tests.helpers.halls import cup, hall
 from tests.helpers.interpreted import Interpreted
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_training_gives_the_same_table_twice_and_another_for_another_seed():
     tables = [train(episodes=12, seed=seed).tolist() for seed in (1, 1, 2)]
     assert tables[0] == tables[1] != tables[2]

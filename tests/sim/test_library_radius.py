@@ -70,7 +70,7 @@ def radius_seen(world, **options):
     )
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("radius", [0.02, 0.07, 0.14])
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
 def test_a_controller_is_told_the_robot_s_radius(radius, motion):

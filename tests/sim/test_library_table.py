@@ -43,7 +43,7 @@ def test_it_prints_a_table_for_the_corpus_and_for_every_family(monkeypatch, caps
     ]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_as_json_it_says_the_same_each_time(monkeypatch, capsys):
     words = ("--worlds", "2", "--steps", "300", "--controller", "bug2", "--json")
     first, second = (json.loads(printed(monkeypatch, capsys, *words)) for _ in range(2))

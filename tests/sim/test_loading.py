@@ -82,7 +82,7 @@ def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "command",
     [

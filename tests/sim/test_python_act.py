@@ -148,7 +148,7 @@ def observations():
     return sum(type(thing) is Observation for thing in gc.get_objects())
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "form",
     [lambda asked, memory: (asked, memory), lambda asked, memory: [asked, memory]],
