@@ -12,6 +12,9 @@ are those in which the body overlaps a wall at the start at each of eight headin
 known in closed form. In a bend of two aisles of width g, the longest rectangle of width w has the length
 2 (sqrt(2) g - w); in a straight aisle it is as wide as the aisle. Aisles have walls on borders of cells,
 and bodies of different shapes.
+
+``cars``: the disc's own worlds of these families, for cars whose turning circle has a radius of 1.5 to 8 of
+the disc's radii.
 """
 
 from __future__ import annotations
@@ -32,7 +35,9 @@ import numpy as np
 from worldgen import generate
 from worldgen.errors import WorldgenError
 from worldgen.reach import REACHABLE, UNDECIDED, check_certificate, decide
-from worldgen.robot import Corner, Pose, Robot, Target
+from worldgen.reach.check.car_confinement import check_car_confinement
+from worldgen.reach.decision import CarConfinement
+from worldgen.robot import Corner, Drive, Pose, Robot, Target
 from worldgen.world import Cut, Witness, World
 
 # The words of a round that takes seconds; the gate runs it.
@@ -42,6 +47,8 @@ FAMILIES = ("maze", "rooms", "cave", "forest", "rubble", "corridor", "trap", "wa
 SHARES = (0.95, 0.98, 0.99, 0.995, 0.999, 1.001, 1.005, 1.01, 1.02, 1.05)
 # Widths of bodies, as shares of the radius of a disc that gets through, and lengths as shares of widths.
 SHAPES = ((1.7, 0.9 / 0.62), (1.95, 0.9 / 0.62), (1.2, 3.5), (0.8, 7.0))
+# Turning radii of cars, as shares of their discs' radii.
+TURNING = (1.5, 4.0, 8.0)
 # Cells, and the side of one, m.
 _SIZE = 0.1
 
@@ -127,6 +134,20 @@ def tight_worlds(share: float) -> Iterator[World]:
             yield aisle(gap, round((1.1 + part) * gap, 3), share)
 
 
+def car_worlds(turning: float, reverse: bool, count: int) -> Iterator[World]:
+    """Yield worlds of the families with a car; its turning radius is in radii of its disc."""
+    for name in FAMILIES:
+        for seed in range(count):
+            world = generate(name, seed)
+            drive = Drive(turning * world.robot_radius, reverse)
+            yield World(
+                world.walls,
+                robots=[replace(world.robots[0], drive=drive)],
+                cell_size=world.cell_size,
+                timeline=world.timeline,
+            )
+
+
 def measure(worlds: Iterator[World]) -> dict[str, Any]:
     """Decide worlds, check their proofs, and return counts and times, ms."""
     results: Counter[str] = Counter()
@@ -139,17 +160,21 @@ def measure(worlds: Iterator[World]) -> dict[str, Any]:
         decided.append(1000 * (time.process_time() - begin))
         results[decision.result] += 1
         proof = decision.certificate
-        if proof is None:
-            continue
+        confinement = decision.confinement
         begin = time.process_time()
-        report = check_certificate(world, proof)
+        if proof is not None:
+            report = check_certificate(world, proof)
+        elif isinstance(confinement, CarConfinement):
+            report = check_car_confinement(world, confinement)
+        else:
+            continue
         checked.append(1000 * (time.process_time() - begin))
         if not report.valid:
             raise WorldgenError("invalid-proof", report.reason)
         boxes = getattr(proof, "boxes", None)
-        kinds[
-            "witness" if isinstance(proof, Witness) else "chain" if boxes is None else "boxes"
-        ] += 1
+        cut = "chain" if boxes is None else "boxes"
+        other = "confinement" if proof is None else cut
+        kinds["witness" if isinstance(proof, Witness) else other] += 1
     return {
         "worlds": sum(results.values()),
         "results": dict(sorted(results.items())),
@@ -190,13 +215,20 @@ def main() -> None:
         for name in FAMILIES
     }
     tight = {f"{share:g} of what fits": measure(tight_worlds(share)) for share in shares}
+    cars = {
+        f"{'both ways' if reverse else 'forward'}, {turning:g} r": measure(
+            car_worlds(turning, reverse, arguments.worlds)
+        )
+        for reverse in (False, True)
+        for turning in TURNING
+    }
     if arguments.json:
-        click.echo(json.dumps({"families": families, "tight": tight}))
+        click.echo(json.dumps({"families": families, "tight": tight, "cars": cars}))
         return
     heads = (
         f"{'':16} {'worlds':>6} {'median ms':>9} {'most ms':>9} {'check ms':>9} {'undecided':>10}"
     )
-    rows = [_line(name, one) for name, one in [*families.items(), *tight.items()]]
+    rows = [_line(name, one) for name, one in (families | tight | cars).items()]
     click.echo("\n".join([heads, *rows]))
 
 

@@ -330,6 +330,34 @@ def test_a_path_without_headings_proves_nothing_about_a_footprint(reached):
     assert "headings" in report.reason
 
 
+GATE = [(40, k) for k in range(15, 25)]
+SOLID, BURNING, FREE = CellState.SOLID, CellState.BURNING, CellState.FREE
+# When a gate across the aisle changes, and how long a body of 1.198 m x 0.778 m then takes, s.
+GATES = {
+    "burns later": ([(9.0, BURNING)], 2.6),
+    "opens again": ([(1.0, SOLID), (5.0, FREE)], 6.6),
+    "burns for a while": ([(0.5, BURNING), (3.0, FREE)], 4.6),
+    "opens twice": ([(0.0, SOLID), (2.0, FREE), (2.1, SOLID), (7.0, FREE)], 8.6),
+}
+
+
+@pytest.mark.parametrize("name", GATES)
+def test_a_body_waits_for_a_gate_and_passes_it_in_time(name):
+    changes, takes = GATES[name]
+    events = [Event(time, ix, iy, state) for time, state in changes for ix, iy in GATE]
+    world = replace(aisle(LONG), timeline=Timeline.of(events))
+    decision = decided(world)
+    assert decision.result == REACHABLE
+    witness = decision.certificate
+    assert witness.duration == pytest.approx(takes, abs=0.1)
+    # A body that does not wait, or that starts late, is met by the gate.
+    ways = np.hypot(np.diff(witness.x), np.diff(witness.y))
+    times = np.concatenate([[0.0], np.cumsum(ways / 2.0 + 1e-9)])
+    times[1:] += 7.5 if name == "burns later" else 0.0
+    report = check_certificate(world, replace(witness, times=times))
+    assert not report.valid and "overlaps a wall" in report.reason
+
+
 def changing(world, cells, time, state):
     """The world with an event for some cells."""
     events = [Event(time, ix, iy, state) for ix, iy in cells]
@@ -340,8 +368,8 @@ def test_a_body_is_decided_in_a_world_that_changes_far_from_its_path():
     world = aisle(LONG)
     corner = changing(world, [(3, 3)], 1.0, CellState.SOLID)
     assert decided(corner).result == REACHABLE
-    # What closes the aisle leaves its question open; what never opens is a cut.
-    closed = changing(world, [(40, k) for k in range(15, 25)], 1.0, CellState.SOLID)
+    # What closes the aisle too soon leaves its question open; what never opens is a cut.
+    closed = changing(world, GATE, 1.0, CellState.SOLID)
     assert decided(closed).result == UNDECIDED
     opens = changing(aisle(rectangle(1.3, 1.05, 0.5)), [(3, 3)], 1.0, CellState.SOLID)
     assert decided(opens).result == BLOCKED

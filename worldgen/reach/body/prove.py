@@ -24,6 +24,7 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.reach.body.core_calls import ALL_HEADINGS, Body, BodyAnswer, BodyPose, Headings
+from worldgen.reach.body.in_time import timed_witness
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.single import prove
 from worldgen.reach.still.disc import target_disc
@@ -49,9 +50,9 @@ def decide_body(
 ) -> Decision:
     """Return True if the robot's body can get from the start to the target.
 
-    In a world that changes, every cell that is ever solid or burning counts as solid for a path, and
-    only those that always are for a cut; what depends on time is left to the disc that holds the
-    body.
+    In a world that changes, a path avoids every cell that is ever solid or burning, or it is that of the
+    disc that holds the body, or it is timed (:mod:`worldgen.reach.body.in_time`). Only cells that are
+    always solid count for a cut.
 
     Args:
         world: A world of one robot with a footprint; its own certificate is ignored.
@@ -75,12 +76,24 @@ def decide_body(
     always = _Question(replace(still, walls=world.still_walls), certificate, cut).answer()
     if always.result == BLOCKED:
         return always
+    witness = timed_witness(world, margin, _path_in)
+    if witness is not None:
+        reason = (
+            f"a path of {witness.length:.4g} m in {witness.duration:.4g} s is clear at its times"
+        )
+        return Decision(REACHABLE, witness if certificate else None, reason)
     reason = (
         "no path avoids every cell that changes, none in time lets the disc around the footprint "
-        "through, and the cells that never open leave no cut; timed paths of a footprint are not "
-        "searched"
+        "through, the footprint's own paths at some moments are not clear in time, and the cells "
+        "that never open leave no cut"
     )
     return Decision(UNDECIDED, None, reason)
+
+
+def _path_in(world: World) -> Witness | None:
+    """Return a path of the body in a world that does not change; None if none is found."""
+    proof = _Question(world, certificate=True, cut=False).answer().certificate
+    return proof if isinstance(proof, Witness) else None
 
 
 def also_for_smaller(world: World, decision: Decision) -> Decision:

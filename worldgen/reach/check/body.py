@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from worldgen.support.arrays import Bools, Floats
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import Robot, World
 
 Shapes: TypeAlias = npt.NDArray[np.object_]
@@ -122,6 +122,19 @@ class BodyPath:
     headings: Floats
 
 
+@dataclass(frozen=True)
+class BlockedSpans:
+    """The times at which changing cells are blocked (solid or burning).
+
+    Each lasts from ``begin`` until just before ``end``, s.
+    """
+
+    ix: Ints
+    iy: Ints
+    begin: Floats
+    end: Floats
+
+
 def check_ends(world: World, headings: Floats) -> None:
     """Check the first heading of a path, the last one, and that all are headings of the lattice.
 
@@ -158,8 +171,40 @@ def body_clearance(world: World, path: BodyPath, claim: float) -> float:
     Raises:
         Mistake: If it cannot.
     """
-    body = footprint_of(world.robots[0], world.cell_size)
     walls = _Walls(world.walls | world.changing_cells)
+    return max(0.0, _clearance_of(world, path, claim, walls) - TOLERANCE)
+
+
+def timed_body_clearance(
+    world: World, path: BodyPath, times: Floats, spans: BlockedSpans, claim: float
+) -> float:
+    """Return the same for a path whose poses have times, among cells that are blocked at times.
+
+    A cell counts for all of a move that takes place while it is blocked at some time.
+
+    Args:
+        world: The world.
+        path: Its poses.
+        times: (n,) s, when the body is there.
+        spans: When cells are blocked.
+        claim: As above.
+
+    Raises:
+        Mistake: If it cannot.
+    """
+    measured = _clearance_of(world, path, claim, _Walls(world.still_walls))
+    boxes = shapely.box(spans.ix, spans.iy, spans.ix + 1, spans.iy + 1)
+    for number in range(len(times) - 1):
+        piece = slice(number, number + 2)
+        part = BodyPath(path.x[piece], path.y[piece], path.headings[piece])
+        during = (spans.begin <= times[number + 1]) & (spans.end > times[number])
+        if during.any():
+            measured = min(measured, _clearance_of(world, part, claim, _Walls.of(boxes[during])))
+    return max(0.0, measured - TOLERANCE)
+
+
+def _clearance_of(world: World, path: BodyPath, claim: float, walls: _Walls) -> float:
+    body = footprint_of(world.robots[0], world.cell_size)
     turned = np.abs(_angle(np.diff(path.headings))) > 1e-9
     moved = np.hypot(np.diff(path.x), np.diff(path.y)) > 1e-9
     for number in np.flatnonzero(turned & moved).tolist():
@@ -184,7 +229,7 @@ def body_clearance(world: World, path: BodyPath, claim: float) -> float:
             world,
         )
         measured = min(measured, clear)
-    return max(0.0, measured - TOLERANCE)
+    return measured
 
 
 def _too_near(measured: float, claim: float, what: str, place: npt.ArrayLike, world: World) -> str:
@@ -278,6 +323,13 @@ class _Walls:
             shapely.box(-far, height, width + far, height + far),
         ]
         self._tree = shapely.STRtree([*shapely.box(begin, iy, end, iy + 1), *outside])
+
+    @classmethod
+    def of(cls, boxes: Shapes) -> _Walls:
+        """Return some cells as walls, without the outside."""
+        walls = cls.__new__(cls)
+        walls._tree = shapely.STRtree(boxes)
+        return walls
 
     def distances(self, shapes: Shapes) -> Floats:
         """Return the distance of each shape from the nearest solid cell; 0 if they overlap."""

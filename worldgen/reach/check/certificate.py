@@ -19,12 +19,14 @@ import shapely
 
 from worldgen.reach.check.body import (
     LATTICE,
+    BlockedSpans,
     BodyPath,
     Footprint,
     Mistake,
     body_clearance,
     check_ends,
     footprint_of,
+    timed_body_clearance,
 )
 from worldgen.reach.check.body_cut import check_boxes
 from worldgen.reach.check.car import car_fault
@@ -202,7 +204,15 @@ def _check_body_path(
             measured[0] = max(0.0, (around - body.outer) * size)
             return
     claim = witness.clearance / size
-    measured[0] = body_clearance(world, BodyPath(path.x, path.y, turns), claim) * size
+    poses = BodyPath(path.x, path.y, turns)
+    try:
+        measured[0] = body_clearance(world, poses, claim) * size
+    except Mistake:
+        if not world.is_dynamic:
+            raise
+        # Some cell on the path is blocked at another time.
+        spans = blocked_spans(world)
+        measured[0] = timed_body_clearance(world, poses, path.times, spans, claim) * size
 
 
 def _half_turns(path: WitnessPoints, turns: Floats) -> tuple[WitnessPoints, Floats]:
@@ -310,19 +320,6 @@ def _check_one_of_several(
 def _require(holds: bool, otherwise: str) -> None:
     if not holds:
         raise _Refused(otherwise)
-
-
-@dataclass(frozen=True)
-class BlockedSpans:
-    """The times at which changing cells are blocked (solid or burning).
-
-    Each lasts from ``begin`` until just before ``end``, s.
-    """
-
-    ix: Ints
-    iy: Ints
-    begin: Floats
-    end: Floats
 
 
 def blocked_spans(world: World) -> BlockedSpans:
