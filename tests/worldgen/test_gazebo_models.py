@@ -107,7 +107,11 @@ def of_mesh(kind, data, scale="", pose=""):
 
 SAME = {
     "beside": {"w.world": WORLD.format(include("model://room")), **IN_FOLDER},
-    "in models": {"w.world": WORLD.format(include("model://room/")), **IN_MODELS},
+    "in models": {
+        "w.world": WORLD.format(include("model://room/") + include("model://sun")),
+        "models/sun/model.sdf": SDF.format("<light type='directional' name='sun'/>"),
+        **IN_MODELS,
+    },
     "in models next to worlds": {
         "worlds/w.world": WORLD.format(include("file://models/room")), **IN_MODELS,
     },
@@ -223,6 +227,12 @@ def test_a_slab_that_is_the_floor_is_named_and_can_be_the_floor(tmp_path):
     assert "+floor_height=0.05" in read_map(path).warnings[0]
 
 
+def test_a_needle_still_takes_a_cell(tmp_path):
+    needle = model("a", link(collision(BOX.format("1e-9 1e-9 1"))), "0 0 0 0 0 0.3")
+    found = read_map(put_down(tmp_path, {"w.sdf": WORLD.format(needle)}))
+    assert rows(found) == ["#"]
+
+
 def test_folders_of_models_can_be_listed_as_for_gazebo(tmp_path, monkeypatch):
     """Links may lead out of a listed folder, as those of a workspace that was built do."""
     put_down(tmp_path / "source", IN_FOLDER)
@@ -320,6 +330,10 @@ HARMFUL = {
     "far away": (
         {"w.sdf": WORLD.format(model("a", link(WALL), "1e300 0 0 0 0 0"))},
         {"code": "out-of-range"},
+    ),
+    "outlines that cancel each other": (
+        {"w.sdf": WORLD.format(model("a", link(collision(RING[: RING.index("</polyline>") + 11] * 2))))},
+        {"code": "empty"},
     ),
     "expression of xacro": (
         {"w.sdf": WORLD.format(model("a", link(WALL), "${x} 0 0 0 0 0"))}, {"code": "unsupported"},

@@ -25,7 +25,8 @@ OURS = "worldgen:"
 # ignores words between elements, and the wrong place of a word such as <static>.
 GAZEBO_HARMLESS = frozenset({
     "sdf/version", "name", "collision/surface", "collision/laser_retro", "collision/max_contacts",
-    "collision/density", "collision/material", "link/static", "sdf/text", "world/text", "model/text", "link/text",
+    "collision/density", "collision/material", "link/static", "sdf/text", "sdf/light", "world/text",
+    "model/text", "link/text",
     "sdf/xacro:arg", "xacro:unless/value", "xacro:if/value", "include/static",
     "link/audio_sink", "link/audio_source", "link/battery", "link/enable_wind", "link/gravity",
     "link/inertial", "link/kinematic", "link/light", "link/must_be_base_link", "link/particle_emitter",

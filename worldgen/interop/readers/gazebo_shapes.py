@@ -31,10 +31,10 @@ from worldgen.support.arrays import Floats
 FLOOR = Fraction(1, 50)
 ABOVE = Fraction(2)
 # Height above the floor and side, m, of a flat box that may itself be the floor.
-_SLAB_TOP = Fraction(15, 100)
+_SLAB_TOP = Fraction(3, 10)
 _SLAB_SIDE = Fraction(2)
 # Corners of the prism that stands for a tilted cylinder.
-_CORNERS = 48
+_CORNERS = 32
 # Triangles of all meshes together, each as often as it is placed.
 _MOST_PLACED = 30_000_000
 _MESHES = ("dae", "stl", "obj", "glb", "gltf")
@@ -190,9 +190,12 @@ class GazeboScene:
                 turned(np.array(ring, np.float64), (at.x, at.y), float(at.yaw)) for ring in rings
             ]
             try:
-                self.sections.append(outlines(moved))
+                section = outlines(moved)
             except InvalidWorld as error:
                 raise FormatError.of(error.message) from error
+            # Outlines that cancel each other leave nothing.
+            if len(section.closed):
+                self.sections.append(section)
 
     def _add_mesh(self, mesh: XmlElement, at: BodyPose, home: Home) -> None:
         """Cut a mesh, at its pose and scale, where a lidar would see it."""

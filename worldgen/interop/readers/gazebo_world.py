@@ -333,7 +333,8 @@ def _frame(scene: GazeboScene, own: XmlElement | None, wanted: float, *, barn: b
         or (natural_cell_size(right - left, high - low, boxes) if boxes else None)
         or (_MESH_CELL if scene.sections else Fraction(repr(DEFAULT_CELL_SIZE)))
     )
-    return _Frame(left, low, right - left, high - low, cell)
+    # A needle still takes a cell.
+    return _Frame(left, low, max(right - left, cell), max(high - low, cell), cell)
 
 
 def _bounds(scene: GazeboScene) -> Iterator[RasterBox]:
