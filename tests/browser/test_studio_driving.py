@@ -74,3 +74,18 @@ def test_another_page_ends_a_drive_so_that_its_keys_act_there(browser, gate):
         assert shown.is_checked() != before
         page.keyboard.press("2")
         page.locator("#drive", has_text="Drive").wait_for()
+
+
+def test_a_finger_drives_with_the_arrows_in_the_picture(browser, gate):
+    size = {"width": 412, "height": 900}
+    with opened(browser, gate, has_touch=True, viewport=size) as page:
+        begin(page, by_key=False)
+        forward = page.get_by_role("button", name="Forward", exact=True)
+        forward.scroll_into_view_if_needed()
+        box = forward.bounding_box()
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.mouse.down()
+        page.locator("#run-said", has_text="You drove").wait_for()
+        page.mouse.up()
+        assert "reached" in page.locator("#run-said").inner_text()
+        assert not forward.is_visible() and page.complaints == []

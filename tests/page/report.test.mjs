@@ -53,6 +53,17 @@ test("the clearest failure of a cause comes first", () => {
   assert.deepEqual(cards(), ["b", "a", "c"]);
 });
 
+test("cards beyond the first fifty are made when they are wanted", () => {
+  list.replaceChildren();
+  const many = (verdict, count) => Array.from({ length: count }, (_, k) => failure(`${verdict}-${k}`, verdict, 9));
+  makeOverview(list, [...many("loop", 48), ...many("tunnel", 5), ...many("stalled", 3)]);
+  assert.deepEqual([cards().length, headings().length], [50, 3]);
+  const more = () => list.querySelectorAll("button.rest").map((one) => one.textContent);
+  assert.deepEqual(more(), ["Show 3 more", "Show 3 more"]);
+  list.querySelectorAll("button.rest")[0].click();
+  assert.deepEqual([cards().length, more().length], [53, 1]);
+});
+
 test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
   makeOverview(list, FAILURES, new Map([["goes-through-a-wall", "tunnel"], ["circles-an-obstacle", "loop"], ["wanders", "loop"]]));

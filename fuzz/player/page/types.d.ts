@@ -781,6 +781,7 @@ interface Board {
   pan(dx: number, dy: number): void;
   reveal(cell: CellPlace): void;
   fit(): void;
+  toRun(): void;
 }
 
 /** How a tool is used: whether it erases, acts exactly at the pointer, and draws straight lines. */

@@ -17,6 +17,8 @@ const GROUPS = {
   none: ["Nothing", () => ""],
 };
 
+const FIRST = 50; // cards that are made at once; a group's others are made when they are wanted
+
 /**
  * @param {string} a
  * @param {string} b
@@ -60,7 +62,7 @@ export function makeOverview(section, failures, causes = new Map()) {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
     const colours = wanted.group === "cause" ? causes.entries() : [];
     const first = new Map([...colours].map(([cause, colour]) => [causeWords(cause), colour]));
-    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several), first));
+    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], (failure) => card(failure, several), first, redraw));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
@@ -68,6 +70,7 @@ export function makeOverview(section, failures, causes = new Map()) {
   list.addEventListener("keydown", moveBetweenCards);
   refresh();
   const drawAll = () => {
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (list.querySelectorAll("button.rest"))) button.click();
     for (const canvas of list.querySelectorAll("canvas")) {
       const failure = failureOf(failures, canvas.dataset.id);
       if (failure) drawSmall(canvas, failure.now);
@@ -156,7 +159,8 @@ function verdictChips(failures, wanted, refresh) {
 }
 
 // Groups whose names are in `first` come in that order and have its colours, the others follow.
-function groupsOf(failures, nameOf, cardOf, first) {
+// `added` is called when a group's other cards have been made.
+function groupsOf(failures, nameOf, cardOf, first, added) {
   if (failures.length === 0)
     return [el("p", { class: "quiet" }, "No failure matches. Clear the search, or choose other verdicts.")];
   const groups = new Map();
@@ -167,20 +171,28 @@ function groupsOf(failures, nameOf, cardOf, first) {
   const names = [...first.keys()];
   const rank = (name) => (first.has(name) ? names.indexOf(name) : names.length);
   const ordered = [...groups].sort((a, b) => rank(a[0]) - rank(b[0]));
-  return ordered.map(([name, members]) =>
-    el(
+  let room = FIRST;
+  const item = (failure) => el("li", {}, cardOf(failure));
+  return ordered.map(([name, members]) => {
+    const rest = members.slice(room);
+    const cards = el("ul", { class: "cards" }, members.slice(0, room).map(item));
+    room = Math.max(0, room - members.length);
+    const more = () => {
+      button?.remove();
+      cards.append(...rest.map(item));
+      added();
+    };
+    const button = rest.length > 0 ? el("button", { type: "button", class: "rest", onclick: more }, `Show ${rest.length} more`) : null;
+    return el(
       "div",
       { class: "group" },
       name
         ? el("h2", {}, verdictDot(first.get(name) ?? members[0].verdict), name, el("span", { class: "quiet" }, ` ${members.length}`))
         : null,
-      el(
-        "ul",
-        { class: "cards" },
-        members.map((failure) => el("li", {}, cardOf(failure))),
-      ),
-    ),
-  );
+      cards,
+      button,
+    );
+  });
 }
 
 function card(failure, several) {

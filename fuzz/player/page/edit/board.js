@@ -1,6 +1,6 @@
 // The drawing board: a canvas that shows the world, the current edit, the world's proof, and a run.
 
-import { openWitness } from "#player/decode.js";
+import { openRun, openWitness } from "#player/decode.js";
 import { pixelOf } from "#player/picture/many_cells.js";
 import { drawScene } from "#player/picture/map.js";
 import { MARKS } from "#player/picture/marks.js";
@@ -20,7 +20,7 @@ const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the
  * @returns {Board}
  */
 export function makeBoard(canvas, model, show) {
-  /** @type {Omit<Board, "now" | "pointAt" | "zoom" | "pan" | "reveal" | "fit">} */
+  /** @type {Omit<Board, "now" | "pointAt" | "zoom" | "pan" | "reveal" | "fit" | "toRun">} */
   const own = {
     canvas,
     model,
@@ -92,6 +92,18 @@ function cameraOf(board) {
     },
     fit() {
       board.view = null;
+      board.draw();
+    },
+    /** Zooms to the run, with the space that the robot covers. */
+    toRun() {
+      if (!board.run) return;
+      const { x, y } = openRun(board.run.run);
+      const [[left, right], [low, high]] = [x, y].map((column) => column.reduce(([least, most], at) => [Math.min(least, at), Math.max(most, at)], [Infinity, -Infinity]));
+      const around = (4 * model.world.robot_radius) / model.world.cell_size,
+        wide = canvas.clientWidth - 2 * MARGIN.across,
+        tall = canvas.clientHeight - 2 * MARGIN.up;
+      const scale = Math.min(NEAREST, wide / (right - left + around), tall / (high - low + around));
+      board.view = { x: (left + right) / 2, y: (low + high) / 2, scale: Math.max(whole().scale / 2, scale) };
       board.draw();
     },
   };

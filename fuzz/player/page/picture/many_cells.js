@@ -5,7 +5,7 @@ import { MARKS } from "#player/picture/marks.js";
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 
 const MANY = 100_000; // visible cells; fewer are drawn individually, with sharp edges
-const SMALL = 2 / 3; // pixels of the screen per cell below which a wall and a gap share a pixel
+const SMALL = 1; // pixels of the screen per cell below which a wall and a gap share a pixel
 const pictures = new WeakMap(); // by the array of cells
 
 /**

@@ -8,10 +8,11 @@ import { Refused } from "#studio/shared/refusals.js";
 
 const EVERY = 100; // ms between two requests
 const PACE = 0.25; // share of real time: a robot crosses a small world in two seconds
-const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. Press Escape to stop.";
+const HELP = "Drive with the arrow keys, W A S D, or the buttons in the picture, at a quarter of real speed. Escape stops.";
+const PAD = [["ArrowUp", "↑", "Forward"], ["ArrowLeft", "←", "Turn left"], ["ArrowDown", "↓", "Back"], ["ArrowRight", "→", "Turn right"]];
 
 /**
- * Makes the button Drive, and handles the user's driving.
+ * Makes the button Drive and the pad of arrows for touch, and handles the user's driving.
  * @param {object} uses
  * @param {() => Promise<object | null>} uses.begin - Runs the chosen robots; returns the settings
  *   of the run, or null
@@ -20,9 +21,25 @@ const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. 
  * @param {(words: string, isBad?: boolean) => void} uses.tell
  */
 export function makeDriving(uses) {
-  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keyboard", onclick: () => (state.drive ? stop() : begin()) }, "Drive");
+  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand", onclick: () => (state.drive ? stop() : begin()) }, "Drive");
   /** @type {{drive: any}} */
   const state = { drive: null };
+  const pad = el("div", { class: "drive-pad", role: "group", "aria-label": "Drive", hidden: true }, PAD.map(([key, sign, words]) => arrow(key, sign, words)));
+
+  // An arrow acts like its key, for as long as it is held down; several fingers may hold several.
+  function arrow(key, sign, words) {
+    const part = el("button", { type: "button", "aria-label": words, "data-key": key }, sign);
+    const loose = () => state.drive?.held.delete(key);
+    part.addEventListener("pointerdown", (event) => {
+      event.preventDefault();
+      event.stopPropagation();
+      part.setPointerCapture(event.pointerId);
+      state.drive?.held.add(key);
+    });
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) part.addEventListener(name, loose);
+    part.addEventListener("contextmenu", (event) => event.preventDefault());
+    return part;
+  }
 
   async function begin() {
     const message = await uses.begin();
@@ -30,6 +47,7 @@ export function makeDriving(uses) {
     const drive = { message, commands: [], held: new Set(), due: 0, isAsking: false, timer: 0, robot: null };
     state.drive = drive;
     button.textContent = "Stop";
+    pad.hidden = false;
     uses.tell(HELP);
     addEventListener("keydown", press, { capture: true });
     addEventListener("keyup", release, { capture: true });
@@ -46,6 +64,7 @@ export function makeDriving(uses) {
     removeEventListener("keyup", release, { capture: true });
     removeEventListener("blur", letGo);
     button.textContent = "Drive";
+    pad.hidden = true;
     uses.tell(words);
   }
 
@@ -106,5 +125,5 @@ export function makeDriving(uses) {
     }
   }
 
-  return { button, end, begin };
+  return { button, pad, end, begin };
 }

@@ -50,6 +50,7 @@ export function makePlay(section, studio) {
     show: (robot) => showDriven(play, robot),
     tell: (words, isBad) => tell(play, words, isBad),
   });
+  parts.stage.append(play.driving.pad);
   play.arbitration = makeArbitration(studio);
   play.robots = makeRobots(studio, () => run(play, true), play.driving.button, play.code.setting);
   section.replaceChildren(

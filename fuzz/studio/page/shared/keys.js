@@ -26,7 +26,7 @@ const DRAWING = [
   ["Enter, Delete", "Fill, clear the selection"],
   ["Escape", "Cancel the current stroke"],
   ["# u w v i n", "Grid, ruler, path or cut, the robot's run, signal, its noise filter"],
-  ["+ − 0", "Zoom; show the whole world; drag with the middle button to move it"],
+  ["+ − 0 z", "Zoom; show the whole world; the run; drag with the middle button to move it"],
 ];
 const PLAYING = [
   ["Space, Ctrl+P", "Play, pause"],
@@ -145,6 +145,7 @@ function drawKeys(draw) {
     "=": () => draw.board.zoom(1.4),
     "-": () => draw.board.zoom(1 / 1.4),
     0: () => draw.board.fit(),
+    z: () => draw.board.toRun(),
     "#": () => draw.toggle("grid"),
     u: () => draw.toggle("ruler"),
     w: () => draw.toggle("proof"),
