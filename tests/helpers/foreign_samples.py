@@ -18,9 +18,13 @@ from worldgen.generation import generate
 from worldgen.interop import FORMATS, export_world
 from worldgen.world import Pose, Target, World
 
-# COLLADA needs an extra, ``worldgen[collada]``. Bags need another, and have tests of their own:
-# tests/worldgen/test_bags.py.
-LACKING = {"dae"} if importlib.util.find_spec("collada") is None else set()
+# COLLADA and DXF need extras, ``worldgen[collada,dxf]``. Bags need another, and have tests of
+# their own: tests/worldgen/test_bags.py.
+LACKING = {
+    name
+    for name, package in (("dae", "collada"), ("dxf", "ezdxf"))
+    if importlib.util.find_spec(package) is None
+}
 READABLE = [
     name for name in FORMATS if FORMATS.get(name).read is not None and name not in {"bag", *LACKING}
 ]
@@ -48,6 +52,40 @@ def picture(image, kind="PNG", **options):
 _GREY = np.where(_WALLS, 0, 254).astype(np.uint8)
 _ROWS = b"\n".join(b" ".join(b"%d" % value for value in row) for row in _GREY)
 _PLAIN = b"P2\n# made by hand\n7 5 # sides\n255\n" + _ROWS + b"\n"
+# A room of 4 x 3 m with a wall that leaves a door, in the oldest form of DXF.
+_LINES = ("0 0 4 0", "4 0 4 3", "4 3 0 3", "0 3 0 0", "2 0 2 2")
+DXF = "  0\nSECTION\n  2\nENTITIES\n{}  0\nENDSEC\n  0\nEOF\n".format(
+    "".join(
+        "  0\nLINE\n  8\nWALLS\n 10\n{}\n 20\n{}\n 11\n{}\n 21\n{}\n".format(*line.split())
+        for line in _LINES
+    )
+).encode()
+# The same room, a pixel to 5 cm, with a door in the wall.
+BUILDING = b"""coordinate_system: reference_image
+levels:
+  L1:
+    elevation: 0
+    lanes:
+      - [4, 5, {graph_idx: [2, 0]}]
+    measurements:
+      - [0, 1, {distance: [3, 4]}]
+    vertices:
+      - [0, 0, 0, a]
+      - [80, 0, 0, ""]
+      - [80, 60, 0, ""]
+      - [0, 60, 0, ""]
+      - [40, 60, 0, ""]
+      - [40, 20, 0, ""]
+      - [40, 0, 0, "", {is_charger: [4, true]}]
+    doors:
+      - [5, 6, {name: [1, d], type: [1, hinged]}]
+    walls:
+      - [0, 1, {texture_name: [1, default]}]
+      - [1, 2, {}]
+      - [2, 3]
+      - [3, 0, {}]
+      - [4, 5, {}]
+"""
 # Each sample is contents by file name, the map first. Readers without a writer need one here.
 AS_OTHERS_WRITE = {
     "movingai": [
@@ -59,6 +97,8 @@ AS_OTHERS_WRITE = {
         {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
     ],
     **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("dae", "glb", "gltf", "obj", "stl")},
+    "dxf": [{"plan.dxf": DXF}],
+    "building": [{"room.building.yaml": BUILDING}],
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 

@@ -150,8 +150,8 @@ _RECTANGLE = {
     "id": 9,
     "name": "",
     "type": "",
-    "x": 0,
-    "y": 0,
+    "x": 32,
+    "y": 32,
     "width": 16,
     "height": 16,
     "rotation": 0,
@@ -173,7 +173,25 @@ def _walls(document):
 
 _TILED = {
     "rectangle": _tiled(_OBJECTS),
-    "polygon": _tiled({**_OBJECTS, "objects": [{"x": 0, "y": 0, "polygon": [{"x": 0, "y": 0}]}]}),
+    "polygon": _tiled(
+        {
+            **_OBJECTS,
+            "objects": [
+                {
+                    "x": 32,
+                    "y": 32,
+                    "polygon": [{"x": 0, "y": 0}, {"x": 9, "y": 0}, {"x": 0, "y": 9}],
+                }
+            ],
+        }
+    ),
+    "objects of a layer that may be walls": _tiled({**_OBJECTS, "name": "things"}),
+    "tiles of a set that is missing": _json(
+        lambda d: (
+            d["tilesets"].append({"firstgid": 5, "source": "../up.tsx"})
+            or d["layers"].append({**_tiles(d, "Ground"), "data": [5] * (d["width"] * d["height"])})
+        )
+    ),
     "template": _tiled({**_OBJECTS, "objects": [{"id": 3, "template": "wall.tx", "x": 1}]}),
     "second layer": _json(lambda d: d["layers"].append(_tiles(d))),
     "a few tiles of terrain": _json(
@@ -193,12 +211,6 @@ _TILED = {
         lambda d: d["layers"].append({"type": "group", "name": "g", "layers": [_tiles(d)]})
     ),
     "objects in a group": _tiled({"type": "group", "name": "g", "layers": [_OBJECTS]}),
-    "group with an offset": _json(
-        lambda d: d.update(
-            layers=[{"type": "group", "name": "g", "offsetx": 16, "layers": d["layers"]}]
-        )
-    ),
-    "offset": _json(lambda d: _walls(d).update(offsetx=8)),
     "offset in tiles": _json(lambda d: _walls(d).update(x=1)),
     "image layer": _tiled({"type": "imagelayer", "name": "i", "image": "walls.png"}),
     "unknown layer": _tiled({"type": "blocklayer", "blocks": [1]}),
@@ -227,6 +239,58 @@ def _tiled_with_metadata(document):
         "parallaxoriginx": 0,
     }  # fmt: skip
     document["tilesets"].append({"firstgid": 90, "source": "furniture.tsx"})
+
+
+# Drawings
+
+_SVG = {
+    "text": _replaced(b"</svg>", b"<text x='1' y='1'>W</text></svg>"),
+    "picture": _replaced(b"</svg>", b"<image href='walls.png' width='1' height='1'/></svg>"),
+    "unknown element": _replaced(b"</svg>", b"<wall x='1'/></svg>"),
+    "shape": _replaced(b"</svg>", b"<rect x='.2' y='-.3' width='.1' height='.1'/></svg>"),
+    "use of another file": _replaced(b"</svg>", b"<use href='other.svg#wall'/></svg>"),
+    "mask": _replaced(b'<g id="world"', b'<g mask="url(#m)" id="world"'),
+    "markers": _replaced(b"</svg>", b"<line x2='.1' stroke='red' marker-end='url(#m)'/></svg>"),
+    "animation": _replaced(b"</svg>", b"<animateMotion path='M0 0L1 1'/></svg>"),
+}  # fmt: skip
+_GEOJSON = {
+    "polygon": _json(
+        lambda d: d["features"].append(
+            {
+                "type": "Feature", "properties": {},
+                "geometry": {"type": "Polygon", "coordinates": [[[0.2, 0.2], [0.3, 0.2], [0.3, 0.3], [0.2, 0.2]]]},
+            }
+        )
+    ),
+    "unknown geometry": _json(
+        lambda d: d["features"].append({"type": "Feature", "geometry": {"type": "Circle", "coordinates": [1, 1]}})
+    ),
+    "unknown key": _json(lambda d: d.update(obstacles=[{"x": 1}])),
+    "unknown key of a feature": _json(lambda d: d["features"][0].update(extrudes=2)),
+}  # fmt: skip
+
+
+def _entity(*tags):
+    return _replaced(
+        b"  0\nENDSEC", "".join(f"{tag}\n" for tag in (0, *tags)).encode() + b"  0\nENDSEC"
+    )
+
+
+_DXF = {
+    "line": _entity("LINE", 8, "Furniture", 10, 1, 20, 1, 11, 3, 21, 2),
+    "unknown entity": _entity("WALLSEGMENT", 8, "0", 10, 1, 20, 1),
+    "point cloud": _entity("ACDBPOINTCLOUD", 8, "0"),
+    "block that is not there": _entity("INSERT", 8, "0", 2, "CHAIR", 10, 1, 20, 1),
+}
+_BUILDING = {
+    "wall": _replaced(b"    walls:\n", b"    walls:\n      - [0, 5, {}]\n"),
+    "model": _appended(
+        b"    models:\n      - {model_name: Chair, name: c, x: 1, y: 1, yaw: 0, z: 0}\n"
+    ),
+    "lift": _appended(b"lifts:\n  Lift1: {depth: 2, width: 2, x: 1, y: 1, yaw: 0}\n"),
+    "unknown key": _appended(b"obstacles:\n  - [1, 1]\n"),
+    "unknown key of the level": _appended(b"    pillars:\n      - [1, {}]\n"),
+}
 
 
 # glTF
@@ -393,6 +457,10 @@ _ROS_PNG = {
 INJECTIONS = {
     "sdf": (0, _GAZEBO),
     "tiled": (0, _TILED),
+    "svg": (0, _SVG),
+    "geojson": (0, _GEOJSON),
+    "dxf": (0, _DXF),
+    "building": (0, _BUILDING),
     "glb": (
         0,
         _SCENE

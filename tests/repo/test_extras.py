@@ -33,6 +33,9 @@ USES = {
     'echo "<sdf><model><link><collision><geometry><mesh><uri>a.dae</uri></mesh></geometry>'
     '</collision></link></model></sdf>" > m.sdf && python -c "from pathlib import Path; '
     "from worldgen.interop import read_map; assert not read_map(Path('m.sdf')).unread\"",
+    "dxf": "cd build && python -c 'import ezdxf; d = ezdxf.new(); "
+    'd.modelspace().add_line((0, 0), (4, 3)); d.saveas("a.dxf")\' && '
+    "worldgen import a.dxf --unit m --radius 0.1 --out w.grid",
     "numba": "cd build && worldgen new-controller mine --kind compiled && "
     "worldgen maze --size 12 --seed 1 --out w.grid && "
     "worldgen run w.grid --controller ./mine.py:mine || test $? = 1",

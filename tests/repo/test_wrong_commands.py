@@ -303,7 +303,6 @@ def test_a_command_that_cannot_be_guessed_gets_one_sentence(command):
         ("import map.png --slice 0.2 --out x.grid", "--from glb+slice_height=0.2"),
         ("import map.png --slice=0.2", "--from glb+slice_height=0.2"),
         ("import map.png --floor=1", "--from stl+floor=1"),
-        ("import map.png --unit=mm", "--from stl+unit=mm"),
         ("export w.grid --to thesis --noise on", "--to thesis+noise=on"),
         ("compare w.grid --against table.csv", "diff compares two tables"),
         ("maze --tries 5", "at most 500 worlds"),

@@ -118,7 +118,10 @@ def packed(data, compression="zlib"):
 
 
 BAD = [
-    (lambda parts: parts.update(infinite=True), {"code": "endless-map"}),
+    (
+        lambda parts: parts.update(infinite=True) or parts["layers"][0].update(chunks=[]),
+        {"code": "endless-map"},
+    ),
     (lambda parts: parts.update(orientation="isometric"), {"code": "unsupported"}),
     (lambda parts: parts.update(tileheight=8), {"code": "not-square", "width": 16, "height": 8}),
     (
@@ -167,7 +170,7 @@ BAD = [
         {"code": "damaged-file", "name": "layer 'walls'", "size": 80},
     ),
     (packed(b"no zlib"), {"code": "damaged-file", "name": "layer 'walls'"}),
-    (packed(RAW, "zstd"), {"code": "unsupported", "name": "layer 'walls'", "compression": "zstd"}),
+    (packed(RAW, "lzma"), {"code": "unsupported", "name": "layer 'walls'", "compression": "lzma"}),
     (
         lambda parts: parts["layers"][0].update(data="???"),
         {"code": "damaged-file", "name": "layer 'walls'"},

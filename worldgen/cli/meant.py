@@ -60,7 +60,6 @@ _OF_A_FORMAT = "it is an option of the format now: {}; worldgen formats NAME lis
 _REMOVED = {
     ("import", "slice"): _OF_A_FORMAT.format("--from glb+slice_height=0.2"),
     ("import", "floor"): _OF_A_FORMAT.format("--from stl+floor=1"),
-    ("import", "unit"): _OF_A_FORMAT.format("--from stl+unit=mm"),
     ("import", "up"): _OF_A_FORMAT.format("--from stl+up=z"),
     ("import", "unknown"): _OF_A_FORMAT.format("--from ros+unknown=free"),
     ("export", "noise"): _OF_A_FORMAT.format("--to thesis+noise=on"),

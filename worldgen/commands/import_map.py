@@ -19,6 +19,7 @@ EXAMPLES = (
     "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid\n"
     "  worldgen import office.yaml --near 1.5,2.0 --clearance 0.4 --out w.grid\n"
     "  worldgen import office.yaml --footprint 0.62x0.9 --out w.grid\n"
+    "  worldgen import plan.dxf --layer 'A-WALL*' --free A-DOOR --unit mm --out w.grid\n"
     "  worldgen import building.glb --from glb+slice_height=0.2 --cell 0.05 --out w.grid"
 )
 
@@ -90,6 +91,19 @@ EXAMPLES = (
     help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
 )
 @click.option(
+    "--layer",
+    metavar="NAME,...",
+    help="Layers of a drawing or a Tiled map that are walls.  [default: a drawing's all, a Tiled "
+    "map's that are called walls]",
+)
+@click.option("--free", metavar="NAME,...", help="Layers that robots drive through, such as doors.")
+@click.option(
+    "--unit",
+    metavar="UNIT",
+    help="Unit of a drawing: m, cm, mm, in, ft, deg in GeoJSON, or a number of metres.  "
+    "[default: the file's]",
+)
+@click.option(
     "--seed", type=SEED, help="Seed of the search for places that are far apart.  [default: 0]"
 )
 @click.option(
@@ -121,6 +135,9 @@ def import_map(
     force: bool,
     as_json: bool,
     cell_size: float | None,
+    layer: str | None,
+    free: str | None,
+    unit: str | None,
     **overrides: Any,
 ) -> None:
     """Make a world from another program's map.
@@ -148,7 +165,8 @@ def import_map(
         radius, speed, scen, row, seed, ignore_unread, robots, frame == "map", kind,
         None if near is None else interop.parse_point("near", near), clearance,
     )  # fmt: skip
-    asked: dict[str, Any] = {} if cell_size is None else {"cell_size": cell_size}
+    given = {"cell_size": cell_size, "layer": layer, "free": free, "unit": unit}
+    asked: dict[str, Any] = {option: value for option, value in given.items() if value is not None}
     if frame == "picture":
         known = interop.find_format(path, name and name.partition("+")[0])
         if all(option.name != "frame" for option in known.read_options):

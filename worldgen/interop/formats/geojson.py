@@ -1,4 +1,4 @@
-"""Export a world as GeoJSON features, in local metres.
+"""Plans as GeoJSON features: read as a drawing, and written in local metres.
 
 Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. The RFC only allows degrees on the
     globe (section 4), but older readers and all drawing programs accept local coordinates, so the
@@ -8,14 +8,56 @@ Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. The RFC only all
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, held_values
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.support.arrays import Bools
 from worldgen.world import World
+
+# Parsed JSON takes up to about thirty times the file's size.
+MAX_GEOJSON_BYTES = 32 << 20
+
+
+def read_geojson(
+    path: Path,
+    *,
+    layer: str = "",
+    free: str = "",
+    unit: str = "",
+    cell_size: float = 0.0,
+    thickness: float = 0.0,
+    areas: Literal["solid", "outline"] = "solid",
+) -> ForeignMap:
+    """Read features: polygons and lines are walls, points are harmless.
+
+    Args:
+        path: The file.
+        layer: Names of the features that are walls, with commas between them; * stands for any
+            letters. A feature's names are its kind or category, and key=value of each property. If
+            omitted, all features.
+        free: Names of those that are openings, such as doors, in the same form.
+        unit: m, cm, mm, in, ft, a number of metres, or deg for longitude and latitude; if omitted,
+            the coordinates' size decides.
+        cell_size: Side of a cell, m; 0 means 0.05, or more for a large plan.
+        thickness: Thickness of lines, m.
+        areas: Whether polygons are solid, or only outlined by walls.
+
+    Raises:
+        FormatError: If it is not GeoJSON, or has no walls.
+        InvalidParameter: If an option is out of range.
+    """
+    from worldgen.interop.geometry.drawing import Choice, geometry_errors
+    from worldgen.interop.readers.geojson_drawing import read_geojson_drawing
+
+    choice = Choice(layer, free, unit, cell_size, thickness, areas == "outline")
+    with geometry_errors():
+        return read_geojson_drawing(path, choice, MAX_GEOJSON_BYTES)
 
 
 def write_geojson(world: World, destination: Destination) -> Exported:
@@ -34,14 +76,28 @@ def write_geojson(world: World, destination: Destination) -> Exported:
     return Exported({destination.name: _text(document)})
 
 
+# Names, places and properties draw nothing.
+_HARMLESS = frozenset({
+    "bbox", "crs", "id", "name", "properties", "worldgen", "xy_coordinate_resolution", "description",
+    "copyrightText", "timeStamp", "numberReturned", "numberMatched", "generator", "copyright", "timestamp",
+    "title", "creationDate", "created_at", "version", "metadata", "totalFeatures",
+})  # fmt: skip
+
 geojson = Format(
     "geojson",
     "walls, places and changes as features, .geojson",
     (".geojson",),
+    re.compile(
+        rb'(?s)\s*\{.*"type"\s*:\s*"(?:FeatureCollection|Feature|GeometryCollection|(?:Multi)?(?:Polygon|LineString))"'
+    ),
+    read_geojson,
     write=write_geojson,
     holds=PLAIN_FACTS,
     changes=True,
     client="QGIS, GDAL, browsers",
+    usual_robot=FLOOR_ROBOT,
+    most_bytes=MAX_GEOJSON_BYTES,
+    harmless=_HARMLESS,
 )
 
 

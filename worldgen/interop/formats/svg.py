@@ -1,6 +1,6 @@
-"""Export a world as a plan to scale, in SVG.
+"""Plans in SVG: read as a drawing, and written to scale.
 
-One unit is a metre, and every element is named after what it shows. ``worldgen show --picture``
+In what is written, one unit is a metre, and every element is named after what it shows. ``worldgen show --picture``
 draws a picture to look at, in pixels, with caption and signal; this format is for programs that
 measure, cut or edit. Its coordinates are the world's own, as exact decimals, and all other facts are in the
 metadata.
@@ -13,8 +13,11 @@ from __future__ import annotations
 import html
 import itertools
 import json
+import re
 from collections.abc import Iterator
 from fractions import Fraction
+from pathlib import Path
+from typing import Literal
 
 from worldgen.interop.format import (
     PLAIN_FACTS,
@@ -25,6 +28,7 @@ from worldgen.interop.format import (
     degrees_text,
     held_values,
 )
+from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
@@ -33,12 +37,50 @@ from worldgen.render.caption import printable
 from worldgen.render.marks import hue
 from worldgen.world import Witness, World
 
+MAX_SVG_BYTES = 32 << 20
 _STYLE = (
     f".floor{{fill:{hue('floor')}}}.wall{{fill:{hue('wall')};fill-rule:evenodd}}"
     f".border{{fill:{hue('quiet')};fill-rule:evenodd}}"
     f".target{{fill:{hue('target')};fill-opacity:.6}}.robot{{fill:{hue('start')};fill-opacity:.6}}"
     f".heading,.witness{{fill:none;stroke:{hue('start')};stroke-linejoin:round}}"
 )
+
+
+def read_svg(
+    path: Path,
+    *,
+    layer: str = "",
+    free: str = "",
+    unit: str = "",
+    cell_size: float = 0.0,
+    thickness: float = 0.0,
+    areas: Literal["solid", "outline"] = "solid",
+    threshold: float = 0.1,
+) -> ForeignMap:
+    """Read a drawing: what is drawn dark is a wall, and white on top of it is floor.
+
+    Args:
+        path: The file.
+        layer: Names of the layers, groups, ids or classes that are walls, with commas between
+            them; * stands for any letters. If omitted, all that is drawn.
+        free: Names of those that are openings, such as doors, in the same form.
+        unit: Length of a unit of the drawing: m, cm, mm, in, ft, or a number of metres; if
+            omitted, the page's.
+        cell_size: Side of a cell, m; 0 means 0.05, or more for a large drawing.
+        thickness: Thickness of the outlines of areas, m; lines have the width that is drawn.
+        areas: Whether areas are solid, or only outlined by walls.
+        threshold: Darkness, 0 white to 1 black, from which a shape is a wall.
+
+    Raises:
+        FormatError: If it is not SVG, or has no walls.
+        InvalidParameter: If an option is out of range.
+    """
+    from worldgen.interop.geometry.drawing import Choice, geometry_errors
+    from worldgen.interop.readers.svg_drawing import read_svg_drawing
+
+    choice = Choice(layer, free, unit, cell_size, thickness, areas == "outline")
+    with geometry_errors():
+        return read_svg_drawing(path, choice, threshold, MAX_SVG_BYTES)
 
 
 def write_svg(
@@ -87,11 +129,17 @@ def write_svg(
 
 svg = Format(
     "svg",
-    "a plan to scale, .svg",
+    "drawing or plan to scale, .svg",
     (".svg",),
+    re.compile(
+        rb"(?s)\s*(?:<\?xml|<!--|<!DOCTYPE svg|<(?:svg:)?svg[\s>]).*?<(?:svg:)?svg[\s>]|\s*<(?:svg:)?svg[\s>]"
+    ),
+    read_svg,
     write=write_svg,
     holds=PLAIN_FACTS,
     client="browsers, Inkscape, cutters",
+    usual_robot=FLOOR_ROBOT,
+    most_bytes=MAX_SVG_BYTES,
 )
 
 

@@ -10,10 +10,10 @@ import json
 import math
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,31 +21,23 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
 from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format
-from worldgen.interop.format.foreign_map import (
-    GRID_AGENT,
-    ForeignMap,
-    ForeignRobot,
-    check_sides,
-    read_bounded,
-)
+from worldgen.interop.format.foreign_map import GRID_AGENT, ForeignMap, ForeignRobot, read_bounded
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
+    TiledLayer,
     TiledPart,
     all_layers,
     checked_number,
     first_object,
-    name_of,
     numbers_of,
     parse_tiled,
-    pass_over_marks,
-    report_large_tiles,
-    report_other_tiles,
-    tile_layer,
-    tile_numbers,
 )
 from worldgen.lattice import exact, in_cells
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+if TYPE_CHECKING:
+    from worldgen.interop.readers.tiled_walls import TiledWalls
 
 # A side of a tile.
 _PIXELS = 16
@@ -59,38 +51,41 @@ _TARGETS = ("target", "goal", "end", "finish")
 _MOVED = 1e-3
 
 
-def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
-    """Read a map of square tiles: a cell is solid if the layer of walls has a tile there.
+def read_tiled(
+    path: Path, *, layer: str = "", free: str = "", cell_size: float = 0.0, detail: int = 1
+) -> ForeignMap:
+    """Read a map of square tiles, with layers of tiles and of objects.
 
-    The start is an object called start, spawn or robot; the target is one called target, goal, end
-    or finish.
+    A cell is solid if a layer of walls has a tile there, or if an object or a shape with which a
+    tile collides reaches into it. The start is an object called start, spawn or robot; the target
+    is one called target, goal, end or finish.
 
     Args:
-        path: The file; its tiles are numbers or base64, optionally packed by zlib or gzip.
-        layer: Name of the layer of walls; if omitted, the one called walls, otherwise the only tile
-            layer.
+        path: The file, JSON or XML; its tiles are numbers or base64, optionally packed.
+        layer: Names of the layers of walls, with commas between them; * stands for any letters. If
+            omitted, those whose name, class or property is walls, solid, collision or the like;
+            otherwise the only tile layer.
+        free: Names of layers that are no walls, such as doors, in the same form.
         cell_size: Side of a tile, m; 0 means the map's own, otherwise 0.1.
+        detail: Number of cells along a tile's side, for objects smaller than tiles.
 
     Raises:
-        FormatError: If it is not such a map, or its layer of walls is ambiguous.
+        FormatError: If it is not such a map, or its layers of walls are ambiguous.
+        InvalidParameter: If an option is out of range.
     """
-    # Parse the map and choose the layer of walls.
-    data = read_bounded(path, _MOST_BYTES)
-    parsed = parse_tiled(data)
-    width, height = (checked_number(parsed, key) for key in ("width", "height"))
-    check_sides(width, height)
+    from worldgen.interop.readers.tiled_walls import TiledWalls
+
+    # Parse the map, and find the walls.
+    check_between("detail", detail, 1, 64)
+    parsed = parse_tiled(read_bounded(path, _MOST_BYTES))
     layers = all_layers(parsed)
-    walls_layer = tile_layer(layers, layer)
-    is_wall = tile_numbers(walls_layer, width, height) != 0
-    walls = flip_rows(is_wall)
-    report_other_tiles(layers, walls_layer, is_wall)
-    report_large_tiles(parsed)
-    pass_over_marks(layers)
+    found = TiledWalls(parsed, layers, path, layer, free, (*_STARTS, *_TARGETS))
+    walls = found.solid(detail)
     # The map may have its own scale.
     said = numbers_of(parsed)
     size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
-    check_between("cell_size", size, *CELL_SIZES, "m")
-    notes = [f"solid is where layer {name_of(walls_layer)!r} has a tile"]
+    check_between("cell_size", size / detail, *CELL_SIZES, "m")
+    notes: list[str] = [*_walls_notes(found), *dict.fromkeys(found.notes)]
     if not cell_size and "cell_size" not in said:
         notes.append(
             Note(
@@ -103,19 +98,42 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
         )
     # Find the start and the target among the objects.
     scale = exact(size) / checked_number(parsed, "tilewidth")
+    left, top = (tiles * exact(size) for tiles in found.shift)
+    frame = _Frame(scale, left, top + found.height * exact(size))
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
     robot = ForeignRobot(
-        None if start is None else _start(start, scale, height * exact(size)),
-        None if target is None else _target(target, scale, height * exact(size)),
+        None if start is None else _start(*start, frame),
+        None if target is None else _target(*target, frame),
         _above_0(said, "robot_radius"),
         _above_0(said, "robot_speed"),
     )
-    params: dict[str, Value] = {"layer": name_of(walls_layer)}
+    params: dict[str, Value] = {"layer": ",".join(found.used)} if found.used else {}
+    if detail > 1:
+        params["detail"] = detail
     return ForeignMap(
-        walls, size, params, tuple(notes), _warnings(walls),
+        walls, float(exact(size) / detail), params, tuple(notes), _warnings(walls),
         robots=(robot,), origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
     )  # fmt: skip
+
+
+class _Frame(NamedTuple):
+    """How pixels become metres: the size of one, and the place of the map's upper left corner."""
+
+    scale: Fraction
+    left: Fraction
+    top: Fraction
+
+
+def _walls_notes(found: TiledWalls) -> Iterator[str]:
+    if found.used:
+        names = ", ".join(map(repr, found.used))
+        which = "layer" if len(found.used) == 1 else "layers"
+        verb = "has" if len(found.used) == 1 else "have"
+        what = "tiles or objects" if found.shapes else "a tile"
+        yield f"solid is where {which} {names} {verb} {what}"
+    else:
+        yield "solid is where tiles or objects say that they collide"
 
 
 def _warnings(walls: np.ndarray[Any, Any]) -> tuple[str, ...]:
@@ -132,7 +150,7 @@ def _above_0(said: Mapping[str, float], name: str) -> float | None:
     return value if value is not None and value > 0.0 else None
 
 
-def _start(part: TiledPart, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+def _start(part: TiledPart, layer: TiledLayer, frame: _Frame) -> tuple[float, ...]:
     """Return the pose in the object's properties, unless it has been moved since."""
     shape = numbers_of(part, "x", "y", "width", "height", "rotation")
     said = numbers_of(part)
@@ -140,36 +158,36 @@ def _start(part: TiledPart, scale: Fraction, top: Fraction) -> tuple[float, ...]
     turned = shape.get("rotation", 0.0) + math.degrees(heading)
     if abs(math.remainder(turned, 360.0)) > _MOVED:
         heading = math.radians(math.remainder(-shape.get("rotation", 0.0), 360.0))
-    return (*_point(shape, said, scale, top), heading)
+    return (*_point(shape, said, layer, frame), heading)
 
 
-def _target(part: TiledPart, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+def _target(part: TiledPart, layer: TiledLayer, frame: _Frame) -> tuple[float, ...]:
     """Return the place and the radius in the same way; a point has no radius."""
     shape = numbers_of(part, "x", "y", "width", "height")
     said = numbers_of(part)
-    centre = _point(shape, said, scale, top)
+    centre = _point(shape, said, layer, frame)
     drawn = (exact(shape.get("width", 0.0)) + exact(shape.get("height", 0.0))) / 4
     radius = said.get("radius", 0.0)
-    if abs(float(exact(radius) / scale - drawn)) > _MOVED:
-        radius = float(drawn * scale)
+    if abs(float(exact(radius) / frame.scale - drawn)) > _MOVED:
+        radius = float(drawn * frame.scale)
     return (*centre, radius) if radius > 0.0 else centre
 
 
 def _point(
-    shape: Mapping[str, float], said: Mapping[str, float], scale: Fraction, top: Fraction
+    shape: Mapping[str, float], said: Mapping[str, float], layer: TiledLayer, frame: _Frame
 ) -> tuple[float, float]:
     """Return the centre of an object, m from the grid's lower-left corner, y up.
 
     In the file, pixels count down from the top.
     """
     x, y = (
-        exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2
-        for at, by in (("x", "width"), ("y", "height"))
+        exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2 + exact(shift)
+        for at, by, shift in zip(("x", "y"), ("width", "height"), layer.shift, strict=True)
     )
-    point = float(x * scale), float(top - y * scale)
+    point = float(x * frame.scale - frame.left), float(frame.top - y * frame.scale)
     exactly = said.get("x", math.inf), said.get("y", math.inf)
     moved = max(abs(now - then) for now, then in zip(point, exactly, strict=True))
-    return point if moved > _MOVED * float(scale) else exactly
+    return point if moved > _MOVED * float(frame.scale) else exactly
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
@@ -251,10 +269,10 @@ _HARMLESS = frozenset({
 
 tiled = Format(
     "tiled",
-    "map of the editor Tiled, .tmj",
-    (".tmj", ".json"),
+    "map of the editor Tiled, .tmj or .tmx",
+    (".tmj", ".tmx", ".json"),
     re.compile(
-        rb"(?s)\s*\{(?=.*\"(?:compressionlevel|infinite|tiledversion|tilewidth|nextlayerid|renderorder)\"\s*:)"
+        rb"(?s)\s*(?:<\?xml.*?)?<map[\s>]|\s*\{(?=.*\"(?:compressionlevel|infinite|tiledversion|tilewidth|nextlayerid|renderorder)\"\s*:)"
     ),
     read_tiled,
     write_tiled,

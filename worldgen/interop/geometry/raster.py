@@ -33,6 +33,10 @@ _MENDABLE = 8
 _LINE = 1e-3
 # Number of cells painted in the time that one corner of one row takes.
 _CORNER = 50
+# Shapes with more corners are cut in half before they are cut into rows.
+_MANY_CORNERS = 200
+# Rows of shapes that are cut at a time.
+_MOST_BANDS = 100_000
 # Largest distance, cells; nothing beyond it is in any grid.
 _FAR = 1e9
 # Number of cells to aim for if we choose the cell size.
@@ -120,21 +124,67 @@ class Raster:
         """Paint a polygon of (n, 2) corners, m, or, if n is 2, a line without width."""
         # Nothing that far away is in the grid.
         points = corners / float(self._cell_size)
-        if not np.abs(points).max() < _FAR:
-            return
-        shape = _prepared(points)
-        window = self._around(*shape.bounds)
-        # Charge for the work before it is done.
-        self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
-        inside, outside = _cut_into_rows(shape, *window)
-        # Mark what the shape touches, and what it does not fill.
-        solid = self.solid[window]
-        full = np.ones_like(self.full[window])
-        for row, first, end in inside.tolist():
-            solid[row, first:end] = True
-        for row, first, end in outside.tolist():
-            full[row, first:end] = False
-        self.full[window] |= full
+        if np.abs(points).max() < _FAR:
+            self.shapes([_prepared(points)])
+
+    def shapes(self, shapes: Any) -> None:
+        """Paint shapely geometries whose unit is a cell; those without an area are thin walls."""
+        import shapely
+
+        pieces = shapely.get_parts(np.asarray(shapes, np.object_))
+        # Scaling may have rounded corners onto other sides.
+        invalid = ~shapely.is_valid(pieces)
+        pieces[invalid] = shapely.make_valid(
+            pieces[invalid], method="structure", keep_collapsed=False
+        )
+        pieces = shapely.get_parts(pieces[~shapely.is_empty(pieces)])
+        thin = (shapely.get_dimensions(pieces) < 2) | (shapely.area(pieces) < _TOUCH)
+        pieces[thin] = shapely.buffer(pieces[thin], _LINE)
+        height, width = self.solid.shape
+        grid = shapely.box(0, 0, width, height)
+        bounds = shapely.bounds(pieces)
+        across = ~(
+            (bounds[:, :2] >= 0).all(axis=1) & (bounds[:, 2:] <= (width, height)).all(axis=1)
+        )
+        pieces[across] = shapely.intersection(pieces[across], grid)
+        pieces = _halved(pieces[~shapely.is_empty(pieces)])
+        bounds = shapely.bounds(pieces)
+        lows = np.floor(bounds[:, 1] + 0.0).astype(np.int64).clip(0, height)
+        highs = np.ceil(bounds[:, 3]).astype(np.int64).clip(0, height)
+        corners = shapely.get_num_coordinates(pieces)
+        begin = 0
+        while begin < len(pieces):
+            # Take as many as fit into memory, and charge for the work before it is done.
+            rows = np.cumsum(highs[begin:] - lows[begin:])
+            end = begin + max(1, int(np.searchsorted(rows, _MOST_BANDS)))
+            self._spend(int(_CORNER * (corners * (highs - lows))[begin:end].sum()))
+            self._bands(pieces[begin:end], lows[begin:end], highs[begin:end])
+            begin = end
+
+    def _bands(self, shapes: Any, lows: Ints, highs: Ints) -> None:
+        """Paint shapes row by row."""
+        import shapely
+
+        width = self.solid.shape[1]
+        which = np.repeat(np.arange(len(shapes)), highs - lows)
+        first = np.cumsum(highs - lows) - (highs - lows)
+        rows = np.arange(len(which)) - first[which] + lows[which]
+        bounds = shapely.bounds(shapes)[which]
+        begins = np.floor(bounds[:, 0]).clip(0, width)
+        ends = np.ceil(bounds[:, 2]).clip(0, width)
+        self._spend(int((ends - begins).sum()))
+        bands = shapely.box(begins, rows, ends, rows + 1)
+        inside = _row_pieces(shapely.intersection(shapes[which], bands), width)
+        outside = _row_pieces(shapely.difference(bands, shapes[which]), width)
+        # Mark what the shapes touch, and what they fill.
+        for band, begin, end in inside.tolist():
+            self.solid[rows[band], begin:end] = True
+        at = begins.astype(np.int64)
+        for band, begin, end in outside[np.lexsort((outside[:, 1], outside[:, 0]))].tolist():
+            self.full[rows[band], at[band] : begin] = True
+            at[band] = max(at[band], end)
+        for row, begin, end in zip(rows.tolist(), at.tolist(), ends.tolist(), strict=True):
+            self.full[row, begin : int(end)] = True
 
     def section(self, section: Section) -> None:
         """Paint a section of bodies, m."""
@@ -191,38 +241,30 @@ def _prepared(points: Floats) -> Any:
                 corners=len(points),
             )
         shape = shapely.make_valid(shape)
-    if shape.area < _TOUCH:
-        shape = shapely.buffer(shape, _LINE)
-    shapely.prepare(shape)
     return shape
 
 
-def _cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[Ints, Ints]:
-    """Return the cells of each row that the shape reaches into, and those left partly free.
-
-    Args:
-        shape: The shape, in cells.
-        rows: Rows of the grid.
-        columns: Columns of the grid.
-
-    Returns:
-        Two arrays (n, 3) int64 of row, first and end column, counted from the first row and column.
-    """
+def _halved(shapes: Any) -> Any:
+    """Return shapes of which none has many corners in many rows, because each row costs them all."""
     import shapely
 
-    bands = shapely.box(
-        columns.start,
-        np.arange(rows.start, rows.stop),
-        columns.stop,
-        np.arange(rows.start, rows.stop) + 1,
-    )
-    inside = shapely.intersection(shape, bands)
-    outside = shapely.difference(bands, shape)
-    return _row_pieces(inside, columns), _row_pieces(outside, columns)
+    done = []
+    while len(shapes):
+        bounds = shapely.bounds(shapes)
+        tall = bounds[:, 3] - bounds[:, 1]
+        large = (shapely.get_num_coordinates(shapes) > _MANY_CORNERS) & (tall > 2)
+        done.append(shapes[~large])
+        left, low, right, high = bounds[large].T
+        middle = np.floor((low + high) / 2)
+        halves = [shapely.box(left, low, right, middle), shapely.box(left, middle, right, high)]
+        cut = [shapely.intersection(shapes[large], half) for half in halves]
+        parts = shapely.get_parts(np.concatenate(cut))
+        shapes = parts[shapely.area(parts) > 0]
+    return np.concatenate([*done, shapes])
 
 
-def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> Ints:
-    """Yield the row, the first and the end column of each piece of a row, without slivers."""
+def _row_pieces(parts: npt.NDArray[np.object_], width: int) -> Ints:
+    """Return the band, the first and the end column of each piece of a band, without slivers."""
     import shapely
 
     pieces, index = shapely.get_parts(parts, return_index=True)
@@ -232,12 +274,7 @@ def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> Ints:
     keep = (shapely.area(pieces) > _TOUCH**2) & (bounds[:, 3] - bounds[:, 1] > _TOUCH)
     first = np.floor(bounds[keep, 0] + _TOUCH).astype(np.int64)
     end = np.ceil(bounds[keep, 2] - _TOUCH).astype(np.int64)
-    width = columns.stop - columns.start
-    found = [
-        index[inner][keep],
-        np.clip(first - columns.start, 0, width),
-        np.clip(end - columns.start, 0, width),
-    ]
+    found = [index[inner][keep], np.clip(first, 0, width), np.clip(end, 0, width)]
     return np.stack(found, axis=1)
 
 

@@ -11,14 +11,17 @@ import contextlib
 import json
 import math
 import zlib
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.account import NamedParts, parse_json, report_unread
+from worldgen.interop.account import NamedParts, account_for, parse_json
+from worldgen.interop.format.foreign_map import check_sides
+from worldgen.interop.readers.xml_tree import XmlElement, parse_xml
 from worldgen.support.arrays import Ints
 from worldgen.support.plain_text import quote
 
@@ -26,47 +29,30 @@ TiledPart: TypeAlias = NamedParts
 # The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
+# Tiles of a chunk; Tiled's own have 256.
+_MOST_CHUNK = 1 << 20
 # zlib and gzip are recognised by their headers.
 _WINDOW = 47
-_FLOORS = ("floor", "floors", "ground", "background", "terrain", "grass")
-_COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
+# Objects and points in an XML file; each becomes some kilobytes.
+_WHOLE = frozenset({
+    "width", "height", "tilewidth", "tileheight", "firstgid", "tilecount", "columns", "gid", "id", "x", "y",
+    "offsetx", "offsety", "rotation", "infinite", "visible", "locked", "opacity", "margin", "spacing",
+})  # fmt: skip
 
 
 def parse_tiled(data: bytes) -> TiledPart:
-    """Return the map after checking its kind.
+    """Return the map after checking its kind, in the form of JSON also if it is XML.
 
     Raises:
-        FormatError: If it isn't JSON, isn't a map, is infinite, or doesn't have square tiles in rows
-            and columns.
+        FormatError: If it isn't JSON or XML, isn't a map, or doesn't have square tiles in rows and
+            columns.
     """
-    try:
-        parsed = parse_json(data)
-    except FormatError:
-        raise
-    except UnicodeDecodeError as error:
-        raise FormatError("not-utf8", "is not UTF-8 text", "save it from Tiled as JSON") from error
-    except json.JSONDecodeError as error:
-        raise FormatError(
-            "not-json",
-            "is not JSON: {reason}",
-            "save it from Tiled as JSON (.tmj)",
-            reason=error.msg,
-            line=error.lineno,
-        ) from error
-    # Nested too deeply, or a number with thousands of digits.
-    except (RecursionError, ValueError) as error:
-        raise FormatError(
-            "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
-        ) from error
-    if not isinstance(parsed, NamedParts) or not isinstance(parsed.get("layers"), list):
+    parsed = parse_part(data)
+    if not isinstance(parsed.get("layers"), list):
         raise FormatError(
             "unknown-format",
             "is JSON without layers; the only JSON maps that can be read are Tiled's",
             "use a map that Tiled saved, not a tileset or world",
-        )
-    if parsed.get("infinite") is True:
-        raise FormatError(
-            "endless-map", "is an infinite map", "clear Infinite in Tiled's Map Properties"
         )
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
@@ -88,6 +74,161 @@ def parse_tiled(data: bytes) -> TiledPart:
     return parsed
 
 
+def parse_part(data: bytes) -> TiledPart:
+    """Return a file of Tiled, a map or a set of tiles, in the form of JSON.
+
+    Raises:
+        FormatError: If it is neither JSON nor XML.
+    """
+    if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        root = parse_xml(data, plain_entities=True)
+        # What the conversion does not know is in the result, and is accounted for there.
+        return account_for(_converted(root))
+    try:
+        parsed = parse_json(data)
+    except FormatError:
+        raise
+    except UnicodeDecodeError as error:
+        raise FormatError("not-utf8", "is not UTF-8 text", "save it from Tiled as JSON") from error
+    except json.JSONDecodeError as error:
+        raise FormatError(
+            "not-json",
+            "is not JSON: {reason}",
+            "save it from Tiled as JSON (.tmj)",
+            reason=error.msg,
+            line=error.lineno,
+        ) from error
+    # Nested too deeply, or a number with thousands of digits.
+    except (RecursionError, ValueError) as error:
+        raise FormatError(
+            "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
+        ) from error
+    if not isinstance(parsed, NamedParts):
+        raise FormatError("unknown-format", "is JSON without keys", "use a map that Tiled saved")
+    return parsed
+
+
+_LAYERS = {
+    "layer": "tilelayer",
+    "objectgroup": "objectgroup",
+    "imagelayer": "imagelayer",
+    "group": "group",
+}
+
+
+def _converted(element: XmlElement) -> TiledPart:
+    """Return an XML element as Tiled writes it in JSON."""
+    pairs: dict[str, Any] = {
+        name: _value(name, str(element.attributes.peek(name))) for name in element.attributes
+    }
+    lists: dict[str, list[Any]] = {"layers": []} if element.name in ("map", "group") else {}
+    for child in element.children:
+        name = child.name
+        if name in _LAYERS and element.name in ("map", "group"):
+            lists["layers"].append(
+                NamedParts([("type", _LAYERS[name]), *_items(_converted(child), "type")])
+            )
+        elif name == "properties":
+            pairs[name] = [_property(one) for one in child.children]
+        elif name == "data":
+            pairs |= _tile_data(child)
+        elif name in ("polygon", "polyline"):
+            pairs[name] = _points(child)
+        elif name in ("ellipse", "point", "capsule"):
+            pairs[name] = True
+        elif name in ("object", "tile", "tileset"):
+            lists.setdefault(f"{name}s", []).append(_converted(child))
+        elif name == "image":
+            pairs["image"] = str(child.attributes.peek("source", ""))
+        else:
+            pairs[name] = _converted(child)
+    if element.name == "objectgroup":
+        lists.setdefault("objects", [])
+    return NamedParts([*pairs.items(), *lists.items()])
+
+
+def _items(part: TiledPart, without: str) -> list[tuple[str, Any]]:
+    return [(name, part.peek(name)) for name in part if name != without]
+
+
+def _value(name: str, text: str) -> Any:
+    """Return an attribute's value with the type that it has in JSON."""
+    if name not in _WHOLE:
+        return text
+    with contextlib.suppress(ValueError):
+        return bool(int(text)) if name in ("infinite", "visible", "locked") else int(text)
+    with contextlib.suppress(ValueError):
+        return float(text)
+    return text
+
+
+def _property(element: XmlElement) -> TiledPart:
+    kind = str(element.attributes.peek("type", "string"))
+    text = element.attributes.peek("value")
+    value: Any = element.text if text is None else str(text)
+    with contextlib.suppress(ValueError):
+        if kind == "bool":
+            value = value == "true"
+        elif kind in ("int", "float"):
+            value = float(value)
+    name = str(element.attributes.peek("name", ""))
+    return NamedParts([("name", name), ("type", kind), ("value", value)])
+
+
+def _points(element: XmlElement) -> list[TiledPart]:
+    found = []
+    for word in str(element.attributes.peek("points", "")).split():
+        x, _, y = word.partition(",")
+        try:
+            found.append(NamedParts([("x", float(x)), ("y", float(y))]))
+        except ValueError as error:
+            raise FormatError(
+                "not-a-number",
+                "a point is {word!q}",
+                "write x,y",
+                word=word[:40],
+                line=element.line,
+            ) from error
+    return found
+
+
+def _tile_data(element: XmlElement) -> dict[str, Any]:
+    """Return the tiles of a layer or a chunk: numbers, or the packed text."""
+    encoding = str(element.attributes.peek("encoding", ""))
+    found: dict[str, Any] = {
+        name: str(element.attributes.peek(name))
+        for name in ("encoding", "compression")
+        if name in element.attributes and encoding != "csv"
+    }
+    chunks = list(element.all("chunk"))
+    if chunks:
+        found["chunks"] = [
+            NamedParts(
+                [
+                    *(
+                        (name, _value(name, str(chunk.attributes.peek(name))))
+                        for name in chunk.attributes
+                    ),
+                    ("data", _numbers(chunk, encoding)),
+                ]
+            )
+            for chunk in chunks
+        ]
+    else:
+        found["data"] = _numbers(element, encoding)
+    return found
+
+
+def _numbers(element: XmlElement, encoding: str) -> Any:
+    if encoding == "csv":
+        words = element.text.replace("\n", " ").split(",")
+        return [int(word) if word.strip().isdigit() else -1 for word in words if word.strip()]
+    if encoding:
+        return element.text.strip()
+    words = [str(tile.attributes.peek("gid", "0")) for tile in element.all("tile")]
+    return [int(word) if word.isdigit() else -1 for word in words]
+
+
 def checked_number(part: TiledPart, key: str) -> int:
     """Return a whole number from 0 to a million.
 
@@ -106,52 +247,98 @@ def checked_number(part: TiledPart, key: str) -> int:
     return value
 
 
-def all_layers(parsed: TiledPart) -> list[TiledPart]:
-    """Return layers in drawing order, those in groups too; only groups are taken.
+@dataclass(frozen=True)
+class TiledLayer:
+    """A layer with what it has from the groups around it.
+
+    Args:
+        part: The layer.
+        names: Its name, and those of its groups.
+        shift: Its offset, pixels to the right and down.
+        solid: True or False if a property says whether it is a wall; else None.
+    """
+
+    part: TiledPart
+    names: tuple[str, ...]
+    shift: tuple[float, float]
+    solid: bool | None = None
+
+    @property
+    def kind(self) -> str:
+        """Tilelayer, objectgroup, imagelayer or group."""
+        return str(self.part.peek("type", ""))
+
+    @property
+    def name(self) -> str:
+        """Its own name."""
+        return self.names[0]
+
+
+def all_layers(parsed: TiledPart) -> list[TiledLayer]:
+    """Return layers in drawing order, those in groups too, without the groups.
 
     Raises:
         FormatError: If there are too many, or one isn't a layer.
     """
-    waiting: list[Any] = list(reversed(parsed["layers"]))
-    found: list[TiledPart] = []
+    waiting: list[tuple[Any, tuple[str, ...], tuple[float, float], bool | None]] = [
+        (one, (), (0.0, 0.0), None) for one in reversed(parsed["layers"])
+    ]
+    found: list[TiledLayer] = []
+    count = 0
     while waiting:
-        layer = waiting.pop()
-        if not isinstance(layer, NamedParts) or len(found) >= _MOST_LAYERS:
+        layer, names, shift, solid = waiting.pop()
+        count += 1
+        if not isinstance(layer, NamedParts) or count > _MOST_LAYERS:
             raise FormatError(
                 "too-many-layers",
                 "a layer is not an object, or there are more than {most}",
                 "save it again",
                 most=_MOST_LAYERS,
             )
-        found.append(layer)
-        if isinstance(layer.peek("layers"), list):
-            waiting.extend(reversed(layer["layers"]))
+        offset = numbers_of(layer, "offsetx", "offsety")
+        own = TiledLayer(
+            layer,
+            (name_of(layer), *names),
+            (shift[0] + offset.get("offsetx", 0.0), shift[1] + offset.get("offsety", 0.0)),
+            solid if is_solid(layer) is None else is_solid(layer),
+        )
+        if own.kind == "group" and isinstance(layer.peek("layers"), list):
+            waiting.extend(
+                (one, own.names, own.shift, own.solid) for one in reversed(layer["layers"])
+            )
+        else:
+            found.append(own)
     return found
 
 
-def tile_layer(layers: list[TiledPart], name: str) -> TiledPart:
-    """Return the layer of walls: the named one, otherwise one called walls, or the only one.
+SOLID_WORDS = (
+    "wall", "walls", "solid", "collides", "collide", "collision", "collisions", "collidable", "obstacle", "obstacles",
+    "blocked", "blocking",
+)  # fmt: skip
+"""Names of layers, classes and properties of what stops a robot."""
 
-    Raises:
-        FormatError: If there is none, or the choice is ambiguous.
-    """
-    tiles = [layer for layer in layers if layer.peek("type") == "tilelayer"]
-    if name:
-        found = [layer for layer in tiles if name_of(layer) == name]
-    else:
-        found = [layer for layer in tiles if name_of(layer).lower() in _COMMON_NAMES][:1] or tiles
-    if len(found) != 1:
-        raise FormatError(
-            "layer-missing" if name else "ambiguous-layer",
-            "there is no layer {name!q}; layers of tiles: {known!l:none}"
-            if name
-            else "it is unclear which layer has the walls; layers of tiles: {known!l:none}",
-            "name it with --from tiled+layer=NAME",
-            at_terminal=True,
-            name=name,
-            known=[quote(name_of(layer)) for layer in tiles[:20]],
-        )
-    return found[0]
+
+def is_solid(part: TiledPart) -> bool | None:
+    """Return what a part's properties or class say about being a wall; None if nothing."""
+    for key in ("class", "type"):
+        if str(part.peek(key, "")).lower() in SOLID_WORDS:
+            return True
+    properties = part.peek("properties")
+    for one in properties if isinstance(properties, list) else ():
+        if isinstance(one, dict):
+            name, value = str(dict.get(one, "name")).lower(), dict.get(one, "value")
+            if name in SOLID_WORDS and isinstance(value, bool):
+                return value
+            if name in SOLID_WORDS and str(value).lower() in (
+                "true",
+                "1",
+                "yes",
+                "false",
+                "0",
+                "no",
+            ):
+                return str(value).lower() in ("true", "1", "yes")
+    return None
 
 
 def name_of(layer: TiledPart) -> str:
@@ -159,56 +346,34 @@ def name_of(layer: TiledPart) -> str:
     return str(layer.peek("name", ""))
 
 
-def report_other_tiles(
-    layers: list[TiledPart], walls: TiledPart, is_wall: npt.NDArray[np.bool_]
-) -> None:
-    """Report the other layers of tiles, unless they are empty or floors.
+@dataclass
+class TileGrid:
+    """The tiles of a layer.
 
-    A floor is called one, and has a tile in every cell without a wall: a few tiles of "terrain" may
-    be a cliff.
+    Args:
+        numbers: (height, width) uint32, top row first: numbers of tiles, 0 where there is none.
+        flips: (height, width) uint32: 4 if mirrored left to right, 2 upside down, 1 along the
+            diagonal, first.
+        left: Column of the first tile in the map.
+        top: Row of the first tile in the map.
     """
-    height, width = is_wall.shape
-    for layer in layers:
-        if layer.peek("type") != "tilelayer" or layer is walls:
-            continue
-        matters = True
-        with contextlib.suppress(FormatError):
-            has_tile = tile_numbers(layer, width, height) != 0
-            is_floor = name_of(layer).lower() in _FLOORS and bool(has_tile[~is_wall].all())
-            matters = bool(has_tile.any()) and not is_floor
-        report_unread(f"layers of tiles besides {quote(name_of(walls))}", matters)
-        layer.pass_over()
+
+    numbers: npt.NDArray[np.uint32]
+    flips: npt.NDArray[np.uint32]
+    left: int = 0
+    top: int = 0
 
 
-def report_large_tiles(parsed: TiledPart) -> None:
-    """Report sets of tiles that are drawn beyond their cells.
-
-    A tile in the layer of walls makes its whole cell solid, whatever is drawn or collides in it, so
-    nothing else in a set matters.
-    """
-    sets = parsed.get("tilesets")
-    side = checked_number(parsed, "tilewidth")
-    for one in sets if isinstance(sets, list) else ():
-        if isinstance(one, NamedParts):
-            sides = (one.get("tilewidth", side), one.get("tileheight", side))
-            is_larger = any(isinstance(value, int) and value > side for value in sides)
-            report_unread(
-                "tilesets whose tiles reach beyond their cells",
-                is_larger or bool(one.get("tileoffset")),
-            )
-            one.pass_over()
-
-
-def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.uint32]:
-    """Return the numbers of tiles, (height, width), top row first, 0 where there is none.
-
-    Flips are ignored.
+def tile_grid(layer: TiledPart, width: int, height: int) -> TileGrid:
+    """Return the tiles of a layer of a map of this size, or of its chunks.
 
     Raises:
         FormatError: If the layer has another size, or its data does not unpack to that many
             numbers.
     """
     name = f"layer {quote(name_of(layer))}"
+    if isinstance(layer.peek("chunks"), list):
+        return _chunked(layer, name)
     size = layer.get("width", width), layer.get("height", height)
     if size != (width, height):
         raise FormatError(
@@ -221,9 +386,55 @@ def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.ui
             width=width,
             height=height,
         )
-    data = layer.get("data")
+    return _grid_of(_gids(layer, layer.get("data"), width, height, name))
+
+
+def _grid_of(gids: npt.NDArray[np.uint32], left: int = 0, top: int = 0) -> TileGrid:
+    return TileGrid(gids & np.uint32(_TILE), gids >> np.uint32(29), left, top)
+
+
+def _chunked(layer: TiledPart, name: str) -> TileGrid:
+    """Return the smallest grid that has all tiles of the chunks."""
+    for key in ("width", "height", "startx", "starty"):
+        layer.get(key)
+    parts = []
+    for chunk in layer["chunks"]:
+        if not isinstance(chunk, NamedParts):
+            raise FormatError(
+                "wrong-type", "a chunk of {name} is not an object", "save it again", name=name
+            )
+        x, y = chunk.get("x"), chunk.get("y")
+        width, height = (checked_number(chunk, key) for key in ("width", "height"))
+        plain = all(isinstance(value, int) and abs(value) <= 10_000_000 for value in (x, y))
+        if not plain or width * height > _MOST_CHUNK:
+            raise FormatError(
+                "not-a-number",
+                "a chunk of {name} is at ({x!q}, {y!q}), with {width} x {height} tiles",
+                "save it again",
+                name=name, x=str(x)[:20], y=str(y)[:20], width=width, height=height,
+            )  # fmt: skip
+        gids = _gids(layer, chunk.get("data"), width, height, name)
+        rows, columns = np.nonzero(gids)
+        if len(rows):
+            box = slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
+            parts.append((x + int(columns.min()), y + int(rows.min()), gids[box]))
+    if not parts:
+        return _grid_of(np.zeros((0, 0), np.uint32))
+    left, top = min(part[0] for part in parts), min(part[1] for part in parts)
+    right = max(x + gids.shape[1] for x, _, gids in parts)
+    low = max(y + gids.shape[0] for _, y, gids in parts)
+    check_sides(right - left, low - top)
+    whole = np.zeros((low - top, right - left), np.uint32)
+    for x, y, gids in parts:
+        whole[y - top : y - top + gids.shape[0], x - left : x - left + gids.shape[1]] = gids
+    return _grid_of(whole, left, top)
+
+
+def _gids(
+    layer: TiledPart, data: object, width: int, height: int, name: str
+) -> npt.NDArray[np.uint32]:
     if isinstance(data, str):
-        numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name), "<u4")
+        numbers: Any = np.frombuffer(_unpacked(layer, data, 4 * width * height, name), "<u4")
     else:
         numbers = _listed(data, name)
     if len(numbers) != width * height:
@@ -237,7 +448,8 @@ def tile_numbers(layer: TiledPart, width: int, height: int) -> npt.NDArray[np.ui
             height=height,
             needed=width * height,
         )
-    return (numbers & _TILE).astype(np.uint32).reshape(height, width)
+    gids: npt.NDArray[np.uint32] = (numbers & 0xFFFFFFFF).astype(np.uint32)
+    return gids.reshape(height, width)
 
 
 def _listed(data: object, name: str) -> Ints:
@@ -269,22 +481,25 @@ def _unpacked(layer: TiledPart, text: str, size: int, name: str) -> bytes:
             encoding=str(layer["encoding"]),
         )
     kind = layer.get("compression") or "none"
-    if kind not in ("none", "zlib", "gzip"):
+    unpack_zstd = _zstandard() if kind == "zstd" else None
+    if kind not in ("none", "zlib", "gzip") and unpack_zstd is None:
         raise FormatError(
             "unsupported",
             "{name} is compressed with {compression!q}",
-            "save it in Tiled as CSV or zlib",
+            "save it in Tiled as CSV or zlib, or install zstandard",
             name=name,
             compression=str(kind),
         )
     try:
-        packed = base64.b64decode(text, validate=True)
+        packed = base64.b64decode("".join(text.split()), validate=True)
+        if unpack_zstd is not None:
+            return unpack_zstd(packed, size)
         if kind == "none":
             return packed[: size + 4]
         unpacker = zlib.decompressobj(_WINDOW)
         # Never unpack more than a map of that size contains.
         data = unpacker.decompress(packed, size + 1)
-    except (binascii.Error, zlib.error, ValueError) as error:
+    except (binascii.Error, zlib.error, ValueError, EOFError) as error:
         raise FormatError(
             "damaged-file",
             "{name} cannot be unpacked: {reason}",
@@ -302,35 +517,48 @@ def _unpacked(layer: TiledPart, text: str, size: int, name: str) -> bytes:
     return data[: len(data) // 4 * 4]
 
 
-def first_object(layers: list[TiledPart], names: Collection[str]) -> TiledPart | None:
+def _zstandard() -> Callable[[bytes, int], bytes] | None:
+    """Return a function that unpacks zstd up to a size; None if no package does."""
+    try:
+        import zstandard
+    except ImportError:
+        return None
+
+    def unpack(packed: bytes, size: int) -> bytes:
+        try:
+            with zstandard.ZstdDecompressor(max_window_size=1 << 27).stream_reader(
+                packed
+            ) as stream:
+                data = bytes(stream.read(size + 1))
+        except zstandard.ZstdError as error:
+            raise ValueError(str(error)) from error
+        return data[: len(data) // 4 * 4] if len(data) <= size else data[: size + 4]
+
+    return unpack
+
+
+def first_object(
+    layers: list[TiledLayer], names: Collection[str]
+) -> tuple[TiledPart, TiledLayer] | None:
     """Return the first object with one of these names, classes or types, ignoring case.
 
     Further ones are other places for a robot.
     """
     found = [
-        part for part in _objects(layers)
+        (part, layer) for layer in layers for part in objects_of(layer)
         if any(str(part.peek(key, "")).lower() in names for key in ("name", "class", "type"))
     ]  # fmt: skip
-    for part in found:
+    for part, _ in found:
         part.pass_over()
     return found[0] if found else None
 
 
-def pass_over_marks(layers: list[TiledPart]) -> None:
-    """Take the layers of objects, and pass over objects without an area: points and texts."""
-    for layer in layers:
-        if layer.peek("type") == "objectgroup":
-            layer.get("objects")
-    for part in _objects(layers):
-        if part.peek("point") is True or part.peek("text"):
-            part.pass_over()
-
-
-def _objects(layers: list[TiledPart]) -> Iterator[TiledPart]:
-    for layer in layers:
-        objects = layer.peek("objects")
-        if layer.peek("type") == "objectgroup" and isinstance(objects, list):
-            yield from (part for part in objects if isinstance(part, NamedParts))
+def objects_of(layer: TiledLayer) -> list[TiledPart]:
+    """Return the objects of a layer of objects, without taking them."""
+    objects = layer.part.peek("objects")
+    if layer.kind != "objectgroup" or not isinstance(objects, list):
+        return []
+    return [part for part in objects if isinstance(part, NamedParts)]
 
 
 def numbers_of(part: TiledPart, *keys: str) -> dict[str, float]:

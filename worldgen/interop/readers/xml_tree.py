@@ -15,6 +15,9 @@ from worldgen.interop.account import IsHarmless, NamedParts, Names, account_for
 _MOST_DEPTH = 64
 _MOST_ELEMENTS = 2_000_000
 _CHUNK = 1 << 16
+_LONGEST_ENTITY = 200
+# Times that entities may lengthen a file.
+_MOST_GROWN = 4
 
 
 @dataclass
@@ -102,13 +105,18 @@ def read_xml(data: bytes) -> XmlElement:
     return account_for(parse_xml(data))
 
 
-def parse_xml(data: bytes) -> XmlElement:
+def parse_xml(data: bytes, *, plain_entities: bool = False) -> XmlElement:
     """Return the root of a file of which the caller itself reports what it does not read.
+
+    Args:
+        data: The file.
+        plain_entities: True to accept a document type and short entities, as drawing programs
+            write them.
 
     Raises:
         FormatError: If it isn't well-formed XML, declares a document type, or is nested too deeply.
     """
-    reader = _TreeBuilder()
+    reader = _TreeBuilder(_MOST_GROWN * len(data) + _CHUNK if plain_entities else None)
     try:
         for at in range(0, len(data), _CHUNK):
             reader.parser.Parse(data[at : at + _CHUNK], False)
@@ -136,7 +144,8 @@ def parse_xml(data: bytes) -> XmlElement:
 class _TreeBuilder:
     """Build the tree, and refuse anything that could make a small file large when it appears."""
 
-    def __init__(self) -> None:
+    def __init__(self, most_text: int | None = None) -> None:
+        self._most_text = most_text
         self.open = [XmlElement("", 0)]
         self._count = 0
         self._texts: list[list[str]] = [[]]
@@ -149,6 +158,8 @@ class _TreeBuilder:
         self.parser.CharacterDataHandler = self._characters
 
     def _doctype(self, name: str, *_: object) -> None:
+        if self._most_text is not None:
+            return
         raise FormatError(
             "unsupported",
             "a document type ({name!q}) is declared; worlds have none, so delete the "
@@ -157,7 +168,10 @@ class _TreeBuilder:
             line=self.parser.CurrentLineNumber,
         )
 
-    def _entity(self, name: str, *_: object) -> None:
+    def _entity(self, name: str, is_parameter: bool, value: str | None, *_: object) -> None:
+        is_plain = not is_parameter and value is not None and "&" not in value
+        if self._most_text is not None and is_plain and len(value or "") <= _LONGEST_ENTITY:
+            return
         raise FormatError(
             "unsupported",
             "an entity ({name!q}) is declared",
@@ -168,6 +182,7 @@ class _TreeBuilder:
 
     def _begin(self, name: str, attributes: dict[str, str]) -> None:
         self._count += 1
+        self._spend(sum(map(len, attributes.values())))
         if len(self.open) > _MOST_DEPTH or self._count > _MOST_ELEMENTS:
             raise FormatError(
                 "too-large",
@@ -185,5 +200,17 @@ class _TreeBuilder:
     def _end(self, _: str) -> None:
         self.open.pop().words = "".join(self._texts.pop())
 
+    def _spend(self, size: int) -> None:
+        if self._most_text is not None:
+            self._most_text -= size
+            if self._most_text < 0:
+                raise FormatError(
+                    "too-large",
+                    "entities make the file several times as long",
+                    "write their text where they are used",
+                    line=self.parser.CurrentLineNumber,
+                )
+
     def _characters(self, text: str) -> None:
+        self._spend(len(text))
         self._texts[-1].append(text)

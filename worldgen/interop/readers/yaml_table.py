@@ -225,6 +225,26 @@ class YamlTable:
             )
         return [[Fraction(word) for word in row] for row in words]
 
+    def lists(self, key: str) -> list[list[str | YamlTable]]:
+        """Return the lists of a key's list: their single values as written, and their tables.
+
+        Raises:
+            FormatError: If it is something else.
+        """
+        node = self._take(key).node
+        items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        if isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL:
+            items = []
+        if not all(isinstance(item, yaml.SequenceNode) for item in items):
+            raise FormatError(
+                "wrong-type", "{key} must be a list of lists", key=key, line=self.line_of(key)
+            )
+        found = [[_part(part) for part in item.value] for item in items]
+        self._inner.setdefault(
+            key, [part for row in found for part in row if isinstance(part, YamlTable)]
+        )
+        return found
+
     def tables(self, key: str) -> list[YamlTable]:
         """Return the tables of a key: one, or a list of them.
 
@@ -262,6 +282,12 @@ def read_yaml(text: bytes, example: str) -> YamlTable:
     if not isinstance(root, yaml.MappingNode):
         raise FormatError("empty", "holds no keys; {example}", example=example, line=1)
     return account_for(YamlTable(root))
+
+
+def _part(node: yaml.Node) -> str | YamlTable:
+    if isinstance(node, yaml.MappingNode):
+        return YamlTable(node)
+    return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
 
 
 def _is_exact(word: str) -> bool:
