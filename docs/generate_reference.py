@@ -44,6 +44,8 @@ _BOUNDLESS = 1e6  # a limit from which it only excludes nonsense
 _EVERY_COMMAND = re.compile(
     r"^  (?:-q, --quiet|-v, --verbose|--trust|-h, --help) .*\n(?: {6,}.*\n)*", re.MULTILINE
 )
+_ROBOT = re.compile(r"^Robot and goal:\n(?:  .*\n)+\n", re.MULTILINE)
+"""The section of help that is the same in every command."""
 SHARED = ("size", "cell_size", "robot_radius", "robot_speed")
 """Parameters of every family; all but the first are explained once."""
 
@@ -67,7 +69,8 @@ def command_line_page() -> str:
         "# Command line",
         "Every command with its options, as `worldgen COMMAND --help` prints them. Each also has "
         "`--quiet` (only results and errors), `--verbose` (when slow steps begin and end), `--trust`"
-        " (run all code that the files name, even if you have not run it before) and `--help`.",
+        " (run all code that the files name, even if you have not run it before) and `--help`. The "
+        "options of robot and goal are those of [`worldgen run`](#worldgen-run) everywhere.",
         _fenced(_help_of(cli, "worldgen", None)),
     ]
     for name, command, parent in _commands_of(cli, "worldgen"):
@@ -79,7 +82,8 @@ def command_line_page() -> str:
             parts.append(
                 "Every [family](../families.md) is a command like this one, with parameters of its own."
             )
-        parts.append(_fenced(_help_of(command, name, parent)))
+        text = _help_of(command, name, parent)
+        parts.append(_fenced(text if name == "worldgen run" else _ROBOT.sub("", text)))
     return "\n\n".join(parts) + "\n"
 
 

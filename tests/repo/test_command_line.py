@@ -16,6 +16,7 @@ from worldgen.cli.every_command import equip
 from worldgen.cli.family_command import family_command
 from worldgen.cli.help_sections import SECTIONS, sections_of
 from worldgen.cli.overview import COMMANDS
+from worldgen.robot_overrides import RobotOverrides
 
 HEAVY = ("numpy", "scipy", "numba", "shapely", "trimesh", "hypothesis", "PIL", "sim", "fuzz")
 
@@ -99,6 +100,10 @@ def test_every_name_in_a_section_of_help_is_an_option_of_some_command():
     known = {one.name for command in OWN.values() for one in command.params}
     known |= {one.name for one in family_command("maze").params}
     assert {name for names in SECTIONS.values() for name in names} <= known
+
+
+def test_the_section_of_robot_and_goal_is_the_same_in_every_command():
+    assert SECTIONS["Robot and goal"] == tuple(one.name for one in RobotOverrides.declared())
 
 
 @pytest.mark.parametrize("topic", TOPICS)

@@ -9,11 +9,6 @@ import click
 SECTIONS: dict[str, tuple[str, ...]] = {
     "Runs": ("motion", "task", "steps", "time_step", "vary", "detour", "oracles"),
     "Robot and goal": (
-        "robots",
-        "robot_radius",
-        "robot_speed",
-        "radius",
-        "speed",
         "footprint",
         "drive",
         "turning_radius",
@@ -44,7 +39,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "sarif",
         "summary",
     ),
-    "Sets of worlds": ("count", "metrics", "where", "difficulty"),
+    "Sets of worlds": ("count", "blocked", "metrics", "where", "difficulty"),
 }
 """Names of the options in each section below the first, by its title."""
 
