@@ -76,34 +76,41 @@ def doubtful_frame(
 
     Returns:
         A message if they fit better in the map's frame, or if most of their poses, the first one
-        too, are outside the world. None if they begin at the world's start.
+        too, are outside the world. Poses that begin at the world's start are only in the map's frame
+        if they have no finding there.
     """
     wrong = _wrong(audits)
-    if not wrong or any(_is_at_start(world, robot, own) for robot, own in here.items()):
+    if not wrong:
         return None
+    is_at_start = any(_is_at_start(world, robot, own) for robot, own in here.items())
     clear, inside, count = _counts(world, here)
     frame = MapFrame.of(world)
     if frame != MapFrame():
         there = {robot: frame.into_world(own) for robot, own in here.items()}
         clear_there, inside_there, _ = _counts(world, there)
         own = {robot: judge(_alone(world, robot), one) for robot, one in there.items()}
-        if (clear_there, -_wrong(own)) > (clear, -wrong) and 2 * inside_there >= count:
+        wrong_there = _wrong(own)
+        is_better = (clear_there, -wrong_there) > (clear, -wrong) and 2 * inside_there >= count
+        # A start may have been taken from the log, without its frame.
+        if is_better and not (is_at_start and wrong_there):
             return Message(
                 "map-frame",
-                "{clear} of {count} poses are free in the world's frame, and {there} in its map's, in "
-                "which the world's (0, 0) is ({left:g}, {low:g}) m",
+                "in the world's frame {clear} of {count} poses are free, with {wrong} findings; in its "
+                "map's, in which the world's (0, 0) is ({left:g}, {low:g}) m, {there}, with {fewer}",
                 "add {needs!l}, or --frame=corner to judge the poses as they are",
                 at_terminal=True,
                 needs=["--frame=map"],
                 clear=clear,
                 count=count,
                 there=clear_there,
+                wrong=wrong,
+                fewer=wrong_there,
                 left=frame.x,
                 low=frame.y,
             )
     width, height = world.width * world.cell_size, world.height * world.cell_size
     is_out = not any(_is_inside(world, own)[0] for own in here.values())
-    if is_out and 2 * inside < count:
+    if is_out and 2 * inside < count and not is_at_start:
         return Message(
             "other-frame",
             "{outside} of {count} poses are outside the world, which is {width:g} x {height:g} m from "

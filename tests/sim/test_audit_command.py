@@ -275,9 +275,9 @@ def imported(tmp_path):
     ("log", "options", "code", "message"),
     [
         ("corner", [], 0, "possible"),
-        ("map", [], 2, "0 of 3 poses are free in the world's frame, and 3 in its map's"),
+        ("map", [], 2, "in the world's frame 0 of 3 poses are free"),
         ("map", ["--frame", "map"], 0, "possible"),
-        ("map", ["--frame", "corner"], 1, "note: 0 of 3 poses are free"),
+        ("map", ["--frame", "corner"], 1, "note: in the world's frame 0 of 3 poses are free"),
         ("corner", ["--frame", "map"], 1, "1 way outside"),
         ("lost", [], 2, "3 of 3 poses are outside the world, which is 9 x 7 m"),
     ],

@@ -73,8 +73,8 @@ def grid_of(text: str) -> Grid:
     """
     head, found, cells = text.partition("\n%cells\n")
     magic, _, header = head.partition("\n")
-    if not found or not magic.startswith("%worldgen-grid 1"):
-        raise ValueError("this is not a .grid file of version 1")
+    if not found or magic.split() not in (["%worldgen-grid", "1"], ["%worldgen-grid", "2"]):
+        raise ValueError("this is not a .grid file of version 1 or 2")
     table = tomllib.loads(header)
     if "cell_size" not in table:
         raise ValueError("its cell_size is missing")

@@ -21,7 +21,11 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float32
 from std_srvs.srv import Trigger
-from tf2_ros import TransformBroadcaster
+
+try:
+    from tf2_ros import TransformBroadcaster
+except ModuleNotFoundError:  # ROS from Python packages has no tf2
+    TransformBroadcaster = None
 
 from worldgen_ros2_bridge.lockstep import Situation
 from worldgen_ros2_bridge.messages import Grid, Pose, Scan, Twist, quaternion, stamp
@@ -70,7 +74,9 @@ class RosPorts:
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)
-        self._transforms = TransformBroadcaster(node)
+        self._transforms = None if TransformBroadcaster is None else TransformBroadcaster(node)
+        if self._transforms is None:
+            node.get_logger().warning("there is no tf2_ros, so nothing is published on /tf")
         node.create_subscription(
             TwistStamped if stamped else TwistMessage, "/cmd_vel", self._hear, 1
         )
@@ -102,8 +108,10 @@ class RosPorts:
         self._drop_what_is_late()
         self._now = situation.time
         self._clock.publish(Clock(clock=_time(situation.time)))
-        self._transforms.sendTransform(_transform(MAP, ODOM, situation.odom_in_map, situation.time))
-        self._transforms.sendTransform(_transform(ODOM, BASE, situation.odometry, situation.time))
+        if self._transforms is not None:
+            now = situation.time
+            self._transforms.sendTransform(_transform(MAP, ODOM, situation.odom_in_map, now))
+            self._transforms.sendTransform(_transform(ODOM, BASE, situation.odometry, now))
         # The goal is sent once per episode, as navigation stacks expect it.
         if self._goal_is_due:
             self._goal.publish(_pose_stamped(situation.target, situation.time))
