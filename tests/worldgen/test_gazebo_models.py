@@ -452,8 +452,9 @@ TWICE = [
     ],
     ids=["itself", "bomb of nodes", "entity", "other root", "no such corner", "unit"],
 )  # fmt: skip
-def test_a_mesh_of_collada_that_means_harm_is_one_sentence(data, expected, tmp_path):
+def test_a_mesh_of_collada_that_means_harm_is_one_sentence(data, expected, tmp_path, monkeypatch):
     pytest.importorskip("collada", reason="pip install 'worldgen[collada]'")
+    monkeypatch.setattr("worldgen.interop.readers.collada_tree._MOST_PLACED", 2000)
     with raises(FormatError, expected):
         read_map(put_down(tmp_path, data))
 
