@@ -130,6 +130,29 @@ OF_ONE = {
         "numbers": b'{"type": "map", "width": 1e999999, "height": ' + b"9" * 100_000 + b"}",
         "deep": b'{"type": "map", "layers": ' + b"[" * 200_000,
     },
+    "svg": {
+        "points": b'<svg><polyline stroke="red" points="' + b"1 1 " * (LARGE // 4) + b'"/></svg>',
+        "shapes": b"<svg>" + b'<circle r="9"/>' * (LARGE // 512) + b"</svg>",
+        "rules": b"<svg><style>" + b".a{fill:red}" * (LARGE // 12) + b"</style></svg>",
+        "commands": b'<svg><path d="' + b"A1 1 0 1 1 .1 .1" * (LARGE // 16) + b'"/></svg>',
+    },
+    "dxf": {
+        "lines": b"0\nSECTION\n2\nENTITIES\n" + b"0\nLINE\n8\n0\n" * (LARGE // 12),
+        "tags": b"0\nSECTION\n" + b"999\nx\n" * (LARGE // 6),
+    },
+    "geojson": {
+        "points": b'{"type": "LineString", "coordinates": ['
+        + b"[1,2]," * (LARGE // 6)
+        + b"[3,4]]}",
+        "rings": b'{"type": "Polygon", "coordinates": ['
+        + b"[[1,2],[2,2],[2,3]]," * (LARGE // 20)
+        + b"[]]}",
+    },
+    "building": {
+        "walls": b"levels:\n  L1:\n    vertices: [[0, 0], [1, 1]]\n    walls:\n"
+        + b"      - [0, 1]\n" * (LARGE // 15),
+        "laughs": b"levels:\n" + LAUGHS.encode(),
+    },
     "png": PICTURES,
 }
 

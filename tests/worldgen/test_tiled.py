@@ -206,3 +206,135 @@ def test_what_tiled_would_not_write_is_refused(tmp_path, text, code):
     (tmp_path / "m.tmj").write_bytes(text)
     with raises(FormatError, code):
         read_map(tmp_path / "m.tmj")
+
+
+def tmx(body, attributes='width="4" height="3"'):
+    return (
+        f'<?xml version="1.0"?><map orientation="orthogonal" tilewidth="16" tileheight="16" '
+        f"{attributes}>{body}</map>"
+    )
+
+
+def grid(name, rows, attributes=""):
+    csv = ",".join(number for row in rows.split() for number in row.split(","))
+    return (
+        f'<layer name="{name}" width="4" height="3" {attributes}>'
+        f'<data encoding="csv">{csv}</data></layer>'
+    )
+
+
+def objects(name, body, attributes=""):
+    return f'<objectgroup name="{name}" {attributes}>{body}</objectgroup>'
+
+
+# A set whose first tile collides in its upper left quarter, its second as a whole, its third never.
+SET = (
+    '<tileset firstgid="1" tilewidth="16" tileheight="16"><tile id="0"><objectgroup><object x="1" '
+    'y="1" width="6" height="6"/></objectgroup></tile><tile id="1"><properties><property '
+    'name="solid" type="bool" value="true"/></properties></tile><tile id="2"/></tileset>'
+)
+NONE = "0,0,0,0 0,0,0,0 0,0,0,0"
+NO_TILES = grid("Walls", NONE)
+
+
+def shape(x, y, width=0, height=0, inner="", more=""):
+    sides = f'width="{width}" height="{height}"' if width else ""
+    return f'<object x="{x}" y="{y}" {sides} {more}>{inner}</object>'
+
+
+def wall(*given, **more):
+    return NO_TILES + objects("collision", shape(*given, **more))
+
+
+H, V, D = 1 << 31, 1 << 30, 1 << 29
+SHIFTED = grid("a", "1,1,0,0 0,0,0,0 0,0,0,0", 'offsetx="8"')
+TWO = grid("Walls", "1,0,0,0 0,0,0,0 0,0,0,0") + grid(
+    "a", "0,0,0,0 0,0,0,0 0,0,5,0", 'class="collision"'
+)
+COLLIDES = '<properties><property name="collides" type="bool" value="true"/></properties>'
+TILES = shape(16, 32, 32, 32, more='gid="1"') + shape(
+    16, 48, 16, 16, more=f'gid="{2 | H}" rotation="-90"'
+)
+POLYGON = '<polygon points="0,0 30,0 0,30"/>'
+# Each map's body, the cells to a tile, and the solid cells from the top.
+DRAWN = {
+    "tmx": (grid("walls", "1,0,0,1 0,0,0,0 0,0,0,2"), 1, "#..# .... ...#"),
+    "two layers": (TWO, 1, "#... .... ..#."),
+    "group and offset": (
+        f'<group offsetx="16"><group name="solid" offsety="16">{SHIFTED}</group></group>',
+        1,
+        ".... .### ....",
+    ),
+    "rectangle": (wall(16, 16, 32, 16), 1, ".... .##. ...."),
+    "turned": (wall(48, 16, 32, 16, more='rotation="90"'), 1, ".... ..#. ..#."),
+    "ellipse": (wall(16, 0, 32, 32, "<ellipse/>"), 2, "..####.. " * 4 + "........ " * 2),
+    "polygon": (
+        wall(16, 16, inner=POLYGON),
+        2,
+        "........ ........ ..####.. ..###... ..##.... ..#.....",
+    ),
+    "by property": (
+        objects("a", shape(0, 0, 16, 16, COLLIDES) + shape(20, 20) + shape(0, 0, inner="<point/>")),
+        1,
+        "#... .... ....",
+    ),
+    "tiles that collide": (
+        SET + grid("deco", "1,2,3,0 0,0,0,0 0,0,0,0"),
+        2,
+        "#.##.... ..##.... " + "........ " * 4,
+    ),
+    "flips": (
+        SET + grid("deco", f"{1 | H},{1 | V},{1 | D},{1 | H | V} 0,0,0,0 0,0,0,0"),
+        2,
+        ".#..#... ..#....# " + "........ " * 4,
+    ),
+    "tile objects": (SET + objects("deco", TILES), 1, ".#.. .... #..."),
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_walls_are_read_as_people_draw_them(tmp_path, name):
+    body, detail, rows = DRAWN[name]
+    (tmp_path / "m.tmx").write_text(tmx(body))
+    found = read_map(tmp_path / "m.tmx", f"tiled+detail={detail}")
+    assert [
+        "".join(".#"[int(cell)] for cell in row) for row in found.walls[::-1]
+    ] == rows.split() and found.unread == ()
+    assert found.cell_size == pytest.approx(0.1 / detail)
+
+
+def test_layers_are_walls_or_free_as_the_user_says(tmp_path):
+    body = grid("a", "1,1,1,1 0,0,0,0 0,0,0,0") + grid("b", "0,1,0,0 0,0,0,0 0,0,0,1")
+    (tmp_path / "m.tmx").write_text(tmx(body))
+    with raises(FormatError, "ambiguous-layer", known=["'a'", "'b'"]):
+        read_map(tmp_path / "m.tmx")
+    found = read_map(tmp_path / "m.tmx", None, {"layer": "a"})
+    assert found.walls.sum() == 4 and found.unread == () and "'b'" in " ".join(found.notes)
+    assert read_map(tmp_path / "m.tmx", None, {"layer": "*"}).walls.sum() == 5
+    door = read_map(tmp_path / "m.tmx", None, {"layer": "a", "free": "B"})
+    assert door.walls[2].tolist() == [True, False, True, True]
+
+
+def test_an_infinite_map_is_as_large_as_its_tiles(tmp_path):
+    chunks = "".join(
+        f'<chunk x="{x}" y="{y}" width="2" height="2">{numbers}</chunk>'
+        for x, y, numbers in ((-16, -8, "0,0,0,1"), (-14, -8, "0,0,1,1"), (-16, -6, "0,2,0,0"))
+    )
+    layer = f'<layer name="walls" width="2" height="2"><data encoding="csv">{chunks}</data></layer>'
+    robot = objects("o", '<object name="start" x="-200" y="-104"><point/></object>')
+    (tmp_path / "m.tmx").write_text(tmx(layer + robot, 'width="9" height="9" infinite="1"'))
+    found = read_map(tmp_path / "m.tmx")
+    assert found.walls.tolist() == [[True, False, False], [True, True, True]]
+    assert found.robot.start == pytest.approx((0.25, 0.1, 0.0), abs=0.051)
+
+
+def test_a_set_of_tiles_beside_the_map_counts(tmp_path):
+    named = '<tileset firstgid="1" source="t.tsx"/>'
+    body = (
+        named + grid("walls", "0,0,0,0 0,0,0,0 0,0,0,0") + grid("Ground", "1,2,3,3 3,3,3,3 3,3,3,3")
+    )
+    (tmp_path / "m.tmx").write_text(tmx(body))
+    assert read_map(tmp_path / "m.tmx").unread == ("1 layer of tiles besides 'walls'",)
+    (tmp_path / "t.tsx").write_text(SET.replace(' firstgid="1"', ""))
+    found = read_map(tmp_path / "m.tmx")
+    assert found.unread == () and found.walls.sum() == 2

@@ -48,7 +48,7 @@ NO_LAYER = "no layer"
 # Segments of a full turn; the chord is then within 1e-4 of the radius.
 TURN = 256
 _MOST_PARTS = 400_000
-_MOST_POINTS = 10_000_000
+_MOST_POINTS = 6_000_000
 # Corners of one shape.
 _MOST_CORNERS = 1_000_000
 # Neighbouring segments meet, so even a plain outline has a few pairs for each.
@@ -56,6 +56,7 @@ _MOST_MEETINGS = 400_000
 _MOST_ERASED = 300_000
 # Lines with fewer corners are quick even if all of them cross.
 _FEW = 200
+_BOXES = 16
 _FARTHEST = 1e15
 _USUAL_CELL = Fraction(1, 20)
 _COARSER: list[Fraction] = [
@@ -444,8 +445,9 @@ def check_crossings(lines: Iterable[Any]) -> None:
     )  # fmt: skip
     tree = shapely.STRtree(boxes)
     meetings = 0
-    for at in range(0, len(boxes), _FEW):
-        meetings += tree.query(boxes[at : at + _FEW]).shape[1]
+    # A few at a time, because each may meet all others.
+    for at in range(0, len(boxes), _BOXES):
+        meetings += tree.query(boxes[at : at + _BOXES]).shape[1]
         if meetings > _MOST_MEETINGS + 8 * at:
             raise FormatError(
                 "crosses-itself",
