@@ -19,7 +19,7 @@ from worldgen import generate, write_world
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
-STILL = 1500  # ms until nothing on the page moves
+STILL = 3000  # ms until nothing on the page moves
 
 # The walk's pictures: taken when the step is done.
 ON_THE_WALK = {2: "studio-cut", 6: "studio-draw", 8: "studio-play", 14: "studio-beside"}

@@ -15,6 +15,7 @@ from fuzz.studio.requests.protocol import (
     DrawnWorld,
     Files,
     Generate,
+    Goal,
     ListedFile,
     Measure,
     Metric,
@@ -43,8 +44,10 @@ from worldgen.files.worlds import is_world_file, read_whole_world
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
 from worldgen.reach import BLOCKED, REACHABLE, Decision, check_certificate, decide
+from worldgen.robot import DEFAULT_ROBOT_RADIUS
+from worldgen.robot_overrides import RobotOverrides
 from worldgen.timeline import Timeline
-from worldgen.world import Cut, JointWitness, Value, World
+from worldgen.world import Cut, JointWitness, Target, Value, World
 
 _TRIES = 500  # most worlds that a search generates, as on the command line
 _PREVIEW_SIDE = 24  # cells per side in a preview of a family: enough to recognise it
@@ -133,6 +136,25 @@ def _decision(world: World) -> Decision:
 def _widest(request: Widest, opened: Opened, part: object) -> float | None:
     world = world_of(request.world)
     return None if world.is_dynamic else bottleneck(world, world.walls)
+
+
+@answer.register
+def _with_goal(request: Goal, opened: Opened, part: object) -> WorldMessage:
+    world = restored(request.world).bare
+    robot = world.robots[0]
+    overrides = RobotOverrides(
+        footprint=request.footprint or None,
+        target_heading=request.heading or None,
+        arrival=request.arrival or None,
+        waypoints=request.waypoints or None,
+    )
+    if not world.is_fleet:
+        goal = Target(robot.target.x, robot.target.y, robot.target.radius)
+        # The radius of a body follows from it, and says nothing about a disc.
+        radius = robot.radius if robot.is_disc else DEFAULT_ROBOT_RADIUS
+        plain = replace(robot, footprint=(), waypoints=(), target=goal, radius=radius)
+        world = replace(world, robots=(plain,))
+    return message_of(overrides.applied_to(world))
 
 
 @answer.register

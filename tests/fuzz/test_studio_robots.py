@@ -6,8 +6,10 @@ import pytest
 
 from sim import simulate
 from sim.scenario import Scenario
-from tests.helpers.studio import message_of, page_of, studio_of
-from worldgen.files.grid import read_world
+from tests.helpers.raising import raises
+from tests.helpers.studio import Answers, message_of, page_of, studio_of
+from worldgen.errors import InvalidParameter
+from worldgen.files.grid import loads, read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
@@ -40,6 +42,23 @@ def run(page, controllers, **changes):
 def digest(label):
     world, scenario = read_world(CONFIG_5), Scenario.parse(label, motion="stepped", time_step=0.015)
     return simulate(world, scenario.controller, scenario.options(world, 500)).trace_digest
+
+
+def test_a_robot_gets_a_body_and_goals_by_the_options_of_the_command_line(tmp_path):
+    world = read_world(CONFIG_5)
+    server = Answers(tmp_path)
+
+    def goal(sent, **texts):
+        empty = dict.fromkeys(("footprint", "heading", "arrival", "waypoints"), "")
+        return server.ask("goal", world=sent, **(empty | texts))
+
+    given = goal(message_of(world), footprint="0.2x0.1", heading="1.5:0.1", waypoints="1.0,1.0")
+    (robot,) = loads(given["source"].encode()).robots
+    assert (len(robot.footprint), robot.target.heading, len(robot.waypoints)) == (4, 1.5, 1)
+    back = loads(goal(given)["source"].encode())
+    assert back.robots == world.robots
+    with raises(InvalidParameter, "no-places"):
+        goal(message_of(world), waypoints="2")
 
 
 @pytest.mark.gate

@@ -637,6 +637,8 @@ interface Messages {
   widest: { request: { world: WorldMessage; }; part: never; answer: number | null };
   /** Return the signal that the thesis's robot reads, cell by cell. */
   signal: { request: { world: WorldMessage; noise: boolean; }; part: never; answer: string };
+  /** Return the world with another body and other goals of its robot. */
+  goal: { request: { world: WorldMessage; footprint: string; heading: string; arrival: string; waypoints: string; }; part: never; answer: WorldMessage };
   /** Return the difficulty of a world by every applicable metric. */
   measure: { request: { world: WorldMessage; }; part: never; answer: Metric[] };
   /** Return a world of a family; with a difficulty or a condition, search for one. */

@@ -243,6 +243,23 @@ class Signal(Request):
     noise: bool
 
 
+class Goal(Request):
+    """Return the world with another body and other goals of its robot.
+
+    Args:
+        footprint: As the option ``--footprint``; empty for the disc, and so for the other texts.
+        heading: As ``--target-heading``.
+        arrival: As ``--arrival``.
+        waypoints: As ``--waypoints``, places only.
+    """
+
+    world: WorldMessage
+    footprint: str
+    heading: str
+    arrival: str
+    waypoints: str
+
+
 class Measure(Request):
     """Return the difficulty of a world by every applicable metric."""
 
@@ -511,7 +528,7 @@ class Know(Request):
 REQUESTS: dict[str, type[Request]] = {
     str(kind.__struct_config__.tag): kind
     for kind in (
-        Hello, Files, Open, Before, Save, Bring, Export, Decide, Widest, Signal, Measure, Generate,
+        Hello, Files, Open, Before, Save, Bring, Export, Decide, Widest, Signal, Goal, Measure, Generate,
         Preview, Shift, Run, Picture, Drive, Check, Core, Recipe, Compare, Edits, Campaigns, Begin, Command,
         Resume, Watch, Stop, Elite, Failures, Look, Snippet, Know, Cancel,
     )

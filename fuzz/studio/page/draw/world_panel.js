@@ -5,7 +5,9 @@ import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isGood, labelled, number, words } from "#studio/shared/fields.js";
 import { round } from "#player/edit/model.js";
+import { kindOf } from "#player/edit/drawn_world.js";
 import { radiusSlider } from "#player/edit/radius.js";
+import { goalPart } from "#studio/draw/goal_form.js";
 import { messageOf } from "#studio/shared/world_message.js";
 import { LOOKING, isWidestByHand } from "#studio/draw/proof.js";
 import { Refused } from "#studio/shared/refusals.js";
@@ -21,15 +23,17 @@ const TURN = { low: -360, high: 360 }; // degrees
 export function makeWorldPanel(studio, draw) {
   const { model } = studio,
     parts = { lengths: [] },
+    goal = goalPart(studio),
     hard = hardPart(studio);
   const element = el(
     "div",
     {},
     el("h2", {}, "Robot"),
-    radiusPart(studio, parts),
+    (parts.disc = radiusPart(studio, parts)),
     speedPart(studio, parts),
     el("h2", {}, "Start and target"),
     placePart(studio, parts),
+    goal.element,
     el("h2", {}, "Size"),
     sizePart(studio, draw, parts),
     hard.element,
@@ -40,6 +44,7 @@ export function makeWorldPanel(studio, draw) {
       if (studio.limits) setBounds(studio.limits, parts);
       refresh(model.world, parts);
       showWidest(studio, parts);
+      goal.refresh();
       hard.forget();
     },
   };
@@ -210,6 +215,7 @@ function refresh(world, parts) {
     x.max = round(world.width * world.cell_size);
     y.max = round(world.height * world.cell_size);
   }
+  parts.disc.hidden = Boolean(kindOf(world).footprint); // a body has no radius to set
   parts.showRadius();
   show(parts.radiusNumber, world.robot_radius, world);
   show(parts.speed, world.robot_speed, world);

@@ -1,0 +1,40 @@
+"""Body, goal and waypoints of the robot on the page Draw: by the texts of the command line's options."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+
+pytestmark = pytest.mark.gate
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder: Path = tmp_path_factory.mktemp("goal")
+    with studio_of(folder) as gate:
+        yield gate
+
+
+def fill(page, name, words):
+    page.get_by_label(name).fill(words)
+    page.get_by_label(name).press("Enter")
+
+
+def test_a_body_a_heading_and_waypoints_are_given_proved_drawn_and_undone(browser, gate):
+    with opened(browser, gate) as page:
+        page.locator("#goal summary").click()
+        fill(page, "Waypoints", "1.0,2.0 2.0,1.0")
+        page.locator("#proof.good", has_text="reachable").wait_for()
+        fill(page, "Footprint", "0.3x0.2")
+        fill(page, "Heading at the target", "1.57:0.2")
+        page.get_by_label("To arrive").select_option("stop")
+        page.locator("#proof.good", has_text="reachable").wait_for()
+        assert page.get_by_label("Footprint").input_value() == "0.3x0.2"
+        fill(page, "Footprint", "wide")
+        page.locator("#goal .bad", has_text="footprint").wait_for()
+        fill(page, "Footprint", "")
+        page.locator("#goal .bad").wait_for(state="hidden")
+        assert page.get_by_label("Waypoints").input_value().startswith("1.0,2.0")
+        assert page.complaints == []
