@@ -35,9 +35,11 @@ export function goalPart(studio) {
     fault,
   );
 
-  let asked = 0; // only the newest texts count, whatever is drawn meanwhile
+  let asked = 0, // only the newest texts count, whatever is drawn meanwhile
+    answered = 0;
   async function change() {
     asked += 1;
+    const own = asked;
     const values = Object.fromEntries(Object.entries(fields).map(([name, field]) => [name, field.value.trim()]));
     const wrong = (words) => {
       fault.hidden = !words;
@@ -45,10 +47,13 @@ export function goalPart(studio) {
     };
     try {
       const { source, robot_radius } = await askAbout(studio.connection, () => asked, "goal", /** @type {any} */ ({ world: messageOf(model.world), ...values }));
+      answered = own;
       wrong("");
       model.change("goal", { source, robot_radius });
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;
+      if (own !== asked) return; // a newer one is on its way
+      answered = own;
       wrong(error.message);
     }
   }
@@ -57,8 +62,8 @@ export function goalPart(studio) {
   const refresh = () => {
     const texts = textsOf(model.world.source ?? ""),
       now = JSON.stringify(texts);
-    // What a user types stays until the world's own texts change.
-    if (now === shown) return;
+    // What a user types stays until it is answered, and the world's own texts change.
+    if (now === shown || asked !== answered) return;
     shown = now;
     for (const [name, field] of Object.entries(fields)) field.value = texts[name];
     if (Object.values(texts).some(Boolean)) element.open = true;
