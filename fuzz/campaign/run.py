@@ -241,7 +241,9 @@ class Campaign(Goal[Progress]):
             return None
         # Nothing is to be shrunk until the first failure comes.
         deadline = self._schedule.deadline(shrinks=bool(self.state.finds))
-        call = partial(run_unit, self.config, unit, self._known[epoch], deadline)
+        before = self._store and self._store.cut_unit(unit)
+        screened = before.screened if before else {}
+        call = partial(run_unit, self.config, unit, self._known[epoch], deadline, screened)
         return Work(call, partial(self._merge, unit))
 
     def _merge(self, unit: int, result: UnitResult) -> Iterator[Progress]:
@@ -266,8 +268,7 @@ class Campaign(Goal[Progress]):
             state.effort += result.effort
             self._units_now += 1
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
-            if result.cut:
-                result = self._more_of(unit, result)
+            result = self._more_of(unit, result)
             # A unit with too little knowledge counts as cut, because it must be done again.
             if unit // self.config.units_of_a_round >= self._knows_too_little:
                 state.too_early += not result.cut
@@ -358,11 +359,15 @@ class Campaign(Goal[Progress]):
         )
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """Return a unit's result, or an earlier run's if that got further with the unit."""
+        """Return a unit's result with an earlier run's part, or that if it got further."""
         before = self._store and self._store.cut_unit(unit)
-        if not before or before.worlds <= result.worlds:
+        if not before:
             return result
-        return replace(before, interrupted=result.interrupted, stored_at=None)
+        # Lines that only runs of the earlier part reached have run, too.
+        lines = before.lines | result.lines
+        if result.cut and before.worlds > result.worlds:
+            result = replace(before, interrupted=result.interrupted, stored_at=None)
+        return replace(result, lines=lines)
 
     def _take_shrunk(
         self, job: ShrinkJob, result: Shrinking, *, is_stored: bool = False

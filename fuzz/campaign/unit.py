@@ -5,13 +5,16 @@ Any worker can do any of them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from fuzz.search.plan import planned_strategy
 from fuzz.search.registry import strategy_of
 from fuzz.search.task import SearchTask
 from fuzz.triage.triage import Triage
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import NO_DEADLINE, Deadline
-from fuzz.unit.result import SearchState, UnitResult
+from fuzz.unit.result import ScreenedRun, SearchState, UnitResult
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import OutOfTime, check_time, stopping_when
 from sim.controllers.catalogue.renewal import as_loaded
@@ -23,6 +26,7 @@ def run_unit(
     unit: int,
     memory: SearchState | None = None,
     deadline: Deadline = NO_DEADLINE,
+    screened: Mapping[int, ScreenedRun] = MappingProxyType({}),
 ) -> UnitResult:
     """Do one unit: draw, run, prove, classify.
 
@@ -33,6 +37,7 @@ def run_unit(
         unit: Number of the unit.
         memory: Findings of the units up to the epoch before the last; none if omitted.
         deadline: When to end with the results so far; the result then has ``cut`` set.
+        screened: Runs that it made before it was cut short, which are not made again.
     """
     began = Effort.so_far()
     known = SearchState() if memory is None else memory
@@ -44,7 +49,7 @@ def run_unit(
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
-            strategy_of(name)(SearchTask(name, config, unit, known, triage))
+            strategy_of(name)(SearchTask(name, config, unit, known, triage, screened))
     except OutOfTime:
         result.cut = True
     except KeyboardInterrupt:

@@ -148,7 +148,7 @@ def fuzz(
             "use --scheduler or --workers, not both: a cluster has its own workers"
         )
     # Begin or continue the campaign.
-    with store.errors_recorded(resume or begun["out"]):
+    with store.errors_recorded(resume or begun["out"], begins=resume is None):
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
         known = read_corpus(baseline).entries
@@ -160,6 +160,7 @@ def fuzz(
             campaign_run = store.resume(
                 resume, None if units is None and budget is None else run_budget
             )
+    with store.errors_recorded(campaign_run.store.out):
         if campaign_run.done:
             note(
                 f"continues the campaign in {campaign_run.store.out}: seed "

@@ -539,7 +539,6 @@ def explained(
                 effort=1.0 if is_bounded else EFFORT,
                 most_steps=math.inf if is_bounded else most_steps,
                 most_runs=MOST_CELLS / failure.world.walls.size,
-                in_haste=is_bounded,
             )
     except (WorldgenError, OutOfTime):
         return None

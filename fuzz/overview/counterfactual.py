@@ -33,7 +33,6 @@ from fuzz.failure import Failure
 from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue import own_words
-from sim.controllers.instances import origin_of
 from sim.controllers.learning import LEARNED
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
@@ -55,7 +54,7 @@ _REACH_OF_NUMBERS = 512
 # The kinds of changes in the order of a report.
 _ORDER = ("cell", "memory", "event", "option", "field", *_AXES)
 
-# The witness's times of an early run in haste, and limits on the cells and on the other changes
+# The witness's times of an early run, and limits on the cells and on the other changes
 # that get one: together these runs take as long as four that do not arrive in the full budget.
 _EARLY = 8.0
 _MOST_EARLY = 12
@@ -244,10 +243,12 @@ def counterfactuals(
     effort: float = 1.0,
     most_steps: float = math.inf,
     most_runs: float = math.inf,
-    in_haste: bool = False,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
+
+    Short runs with the changes that tell most come first, and what they leave open last, because
+    time may run out before a slow controller has run with each change.
 
     Deterministic, unless :func:`sim.clock.stopping.stopping_when` ends it before all changes are
     tried: equal failures give equal answers, on every machine.
@@ -257,9 +258,6 @@ def counterfactuals(
         effort: Fraction of the usual number of steps that it may take.
         most_steps: Limit on these steps, for a slow controller.
         most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
-        in_haste: Whether time may run out before a slow controller has run with each change. Then
-            short runs with the changes that tell most come first, and what they leave open last;
-            without such an end, the answer is the same.
         progress: Called after each run with the number of runs so far, and about how many are made
             in all.
 
@@ -282,15 +280,11 @@ def counterfactuals(
     tries: list[_Try] = []
     is_complete = False
     with contextlib.suppress(_OutOfStepsError, OutOfTime):
-        episode = failure.run()
-        origin = origin_of(CONTROLLERS.get(subject.scenario.controller))
-        is_slow = origin is not None and origin.answers.is_trusted
-        tries = [*_tries(subject, episode)] if in_haste and is_slow else []
-        makes = _changes_in_haste(search, tries) if tries else _changes(search, episode)
-        for change in makes:
+        tries = [*_tries(subject, failure.run())]
+        for change in _changes(search, tries):
             changes.append(change)
         is_complete = not search.is_cut
-    # In haste, the order of a report is not that of the runs.
+    # The order of a report is not that of the runs.
     order = [one.change for one in tries]
     changes.sort(key=lambda one: (_ORDER.index(one.what), order.index(one) if one in order else 0))
     return Counterfactuals(tuple(changes), search.runs, is_complete)
@@ -409,21 +403,14 @@ class _ChangedRuns:
 
 
 class _Try(NamedTuple):
-    """A change to try: the robot may arrive in the changed scenario."""
+    """A change to try, with the scenario in which the robot may arrive."""
 
     change: Change
     subject: Subject
 
 
-def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
-    """Yield the changes after which the robot arrives, in the order of a report."""
-    yield from _helpful(search, _tries(search.subject, episode))
-    yield from _field_changes(search)
-    yield from _boundaries(search)
-
-
-def _changes_in_haste(search: _ChangedRuns, tries: Sequence[_Try]) -> Iterator[Change]:
-    """Yield the same changes, those first that cost little and tell most."""
+def _changes(search: _ChangedRuns, tries: Sequence[_Try]) -> Iterator[Change]:
+    """Yield the changes after which the robot arrives, those first that cost little and tell most."""
     cells = [one for one in tries if one.change.what == "cell"]
     restarts = [one for one in tries if one.change.what == "memory"]
     others = [one for one in tries if one.change.what not in ("cell", "memory")]

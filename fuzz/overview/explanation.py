@@ -130,7 +130,7 @@ def explain_failure(
         known = replace(known, facts=run_facts(failure, episode, with_code=with_code))
         end = time.monotonic() + seconds
         with stopping_when(lambda: time.monotonic() >= end):
-            why = counterfactuals(failure, in_haste=True, progress=progress)
+            why = counterfactuals(failure, progress=progress)
             return replace(known, why=why)
     except WorldgenError as error:
         return replace(known, problem=str(error))

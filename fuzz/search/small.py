@@ -27,6 +27,7 @@ from fuzz.search.task import SearchTask
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.triage import UNDECIDED, first_look
 from fuzz.unit.config import CampaignConfig
+from fuzz.unit.result import ScreenedRun
 from sim.clock.stopping import check_time
 from sim.controllers.lines_run import report_lines, watch_lines
 from sim.episode import Episode, episode_of, prepare
@@ -302,18 +303,27 @@ class _Unit:
             genome: The genome of a grown world.
         """
         options = scenario.options(world)
+        before = self._task.screened.get(number)
         trial = _Trial(world, scenario, options, prepare(world, self._task.controller, options))
+        if before is not None:
+            self._take_before(trial, number, before)
+            return
         steps = max(_FIRST_LOOK * trial.witness_steps, _FIRST_STEPS)
         while True:
             steps = min(steps, options.steps)
             outcome = self._run(trial, steps)
             if outcome.ending != LIMIT or steps == options.steps:
+                if first_look(outcome) == Verdict.REACHED and genome is None:
+                    self._keep(number, ScreenedRun(outcome.steps, complete=outcome.complete))
                 self._take(trial, outcome, is_new=self._is_new(trial, outcome, genome))
                 break
             episode = trial.episode(outcome)
             symptom = symptom_of(world, episode)
             if symptom is not None:
                 cause = cause_of_run(world, episode)
+                if genome is None:
+                    seen = ScreenedRun(steps, cause.value, int(symptom), outcome.complete)
+                    self._keep(number, seen)
                 # In a grown world, the longest history comes first: the others have been tried.
                 price = options.steps * (1 + symptom) if genome is None else -steps
                 is_new = self._is_new(trial, outcome, genome)
@@ -321,6 +331,22 @@ class _Unit:
                 break
             steps *= 2
         self._spent += outcome.steps * self._pace.step + self._pace.reset + _OWN
+
+    def _keep(self, number: int, run: ScreenedRun) -> None:
+        """Keep a run for the case that the unit is cut short, unless an oracle has to see it."""
+        if not self._task.config.oracles:
+            self._triage.result.screened[number] = run
+
+    def _take_before(self, trial: _Trial, number: int, run: ScreenedRun) -> None:
+        """Do with a run that was made before the unit was cut short what was done then."""
+        self._keep(number, run)
+        self._finds_loops &= run.complete
+        self._spent += run.steps * self._pace.step + self._pace.reset + _OWN
+        if run.cause:
+            price = trial.options.steps * (1 + run.symptom)
+            self._suspect(Cause(run.cause), _Suspect(price, number, run.steps, trial))
+        else:
+            self._triage.count(Verdict.REACHED, run.steps)
 
     def _is_new(self, trial: _Trial, outcome: Outcome, genome: bytes | None) -> bool:
         """Return True if a run in a grown world has an extreme; keep its world if it arrives."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from fuzz.triage.triage import Triage
 from fuzz.unit.config import CampaignConfig
-from fuzz.unit.result import SearchState
+from fuzz.unit.result import ScreenedRun, SearchState
 from sim.controllers import CONTROLLERS, Controller
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
@@ -23,6 +24,7 @@ class SearchTask:
         unit: Number of the unit.
         memory: State of the search after earlier units.
         triage: Counts runs and collects failures.
+        screened: Runs that the unit made before it was cut short, by the numbers of their worlds.
     """
 
     strategy: str
@@ -30,6 +32,7 @@ class SearchTask:
     unit: int
     memory: SearchState
     triage: Triage
+    screened: Mapping[int, ScreenedRun] = field(default_factory=dict)
 
     @cached_property
     def controller(self) -> Controller:

@@ -58,6 +58,22 @@ class FirstMet(NamedTuple):
         return self.worlds, -self.seconds_left
 
 
+class ScreenedRun(NamedTuple):
+    """A run of a slow controller that its unit need not repeat if it is cut short.
+
+    Args:
+        steps: Steps that it took.
+        cause: Cause of the failure that it seems to be; empty if it arrived.
+        symptom: Why it seems so (:class:`fuzz.search.suspects.Symptom`).
+        complete: False if the controller hid some of its memory.
+    """
+
+    steps: UnitCount
+    cause: str = ""
+    symptom: UnitCount = 0
+    complete: bool = True
+
+
 @dataclass
 class UnitResult:
     """The result of one unit.
@@ -76,6 +92,7 @@ class UnitResult:
             not to be any.
         met: Number of examined failures, by group and verdict.
         elites: Candidates for the archive, by cell.
+        screened: Runs that need not be repeated, by the numbers of their worlds.
         lines: First lines of statements in the controller's file that ran, unless an earlier unit of
             the same process has reported them.
         cut: Whether time ran out before its work was done; the other fields hold the results until
@@ -96,6 +113,7 @@ class UnitResult:
     first_met: dict[FailureKey, FirstMet] = field(default_factory=dict, compare=False)
     met: Counter[tuple[str, str]] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
+    screened: dict[int, ScreenedRun] = field(default_factory=dict, compare=False)
     lines: frozenset[int] = field(default=frozenset(), compare=False)
     cut: bool = False
     interrupted: bool = False

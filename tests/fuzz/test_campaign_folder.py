@@ -161,7 +161,7 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met(tmp_path, monkeypatch
     out = tmp_path / "out"
     at = SimpleNamespace(now=0.0)
 
-    def cut_where_it_failed(config, unit, known, _):
+    def cut_where_it_failed(config, unit, known, *_):
         result = run_unit(config, unit, known)
         if result.failures:
             at.now = 1_000.0
@@ -177,7 +177,7 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met(tmp_path, monkeypatch
 
 
 def test_units_that_lack_the_findings_of_a_cut_one_are_counted_apart(monkeypatch):
-    def cut_the_second(config, unit, known, _):
+    def cut_the_second(config, unit, known, *_):
         return replace(run_unit(config, unit, known), cut=unit == 1)
 
     monkeypatch.setattr("fuzz.campaign.run.run_unit", cut_the_second)

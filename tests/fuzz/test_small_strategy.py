@@ -1,6 +1,7 @@
 """Slow controllers are searched in small worlds, in runs that end early and claim nothing."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -223,6 +224,21 @@ class SoonOver(Deadline):
 def test_a_unit_that_is_cut_counts_its_suspects():
     result = run_unit(config(f"{HERE}:Counting"), 0, deadline=SoonOver())
     assert result.cut and result.verdicts["undecided"] == result.worlds == 1
+
+
+def test_a_unit_that_was_cut_ends_as_a_whole_one_without_repeating_its_runs(monkeypatch):
+    name = f"{HERE}:Straight"
+    whole = run_unit(config(name), 0)
+    SoonOver.looks = -40
+    cut = run_unit(config(name), 0, deadline=SoonOver())
+    assert cut.cut and 0 < cut.worlds < whole.worlds
+    assert len(cut.screened) == cut.worlds
+    runs = Counter()
+    monkeypatch.setattr(Straight, "reset", lambda self: runs.update(["resets"]) or ())
+    resumed = run_unit(config(name), 0, screened=cut.screened)
+    some = runs.pop("resets")
+    assert run_unit(config(name), 0) == resumed == whole
+    assert some < runs["resets"]
 
 
 def run(controller, steps):

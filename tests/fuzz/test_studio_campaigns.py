@@ -509,6 +509,12 @@ def test_a_record_that_no_campaign_wrote_is_passed_over(stored, changes):
     assert store.read_error(stored) is None
 
 
+def test_a_command_that_could_not_begin_another_campaign_there_leaves_no_record(stored):
+    with raises(OutputError, "another-campaign"), store.errors_recorded(stored, begins=True):
+        raise OutputError("another-campaign", "{out} holds another campaign", "", out=stored)
+    assert store.read_error(stored) is None
+
+
 def test_a_folder_without_a_campaign_gets_no_record(tmp_path):
     give_up(tmp_path)
     assert list(tmp_path.iterdir()) == []

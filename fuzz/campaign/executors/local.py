@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from ctypes import c_double
 from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
 from typing import Any, ParamSpec, Self, TypeVar
 
 from fuzz.campaign.executors.executor import Executor, WorkersLost
@@ -30,6 +31,9 @@ T = TypeVar("T")
 
 # Units waiting for a worker, so that none is idle.
 _WAITING = 1
+
+# In a worker: passed once every worker has loaded the controller.
+_all_loaded: list[Barrier] = []
 
 
 def local_executor(workers: int) -> Executor:
@@ -136,6 +140,7 @@ class ProcessExecutor:
         with current_folder_hidden():
             self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
             self._counters = get_context("spawn").Array(c_double, 3)
+            self._all_loaded = get_context("spawn").Barrier(workers)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Submit it to the next free process."""
@@ -143,7 +148,7 @@ class ProcessExecutor:
 
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Start all processes, and load it in each."""
-        return [self.submit(load, scenarios) for _ in range(self._workers)]
+        return [self.submit(_load_with_others, scenarios) for _ in range(self._workers)]
 
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came."""
@@ -163,7 +168,9 @@ class ProcessExecutor:
 
     def __enter__(self) -> Self:
         """Prepare to start processes, the first when it is needed."""
-        self._pool = WorkerPool(self._workers, _begin, self._stopped_at, self._counters)
+        self._pool = WorkerPool(
+            self._workers, _begin, self._stopped_at, self._counters, self._all_loaded
+        )
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
@@ -214,8 +221,20 @@ def load(scenarios: Sequence[Scenario]) -> float:
     return began.since().own
 
 
-def _begin(stopped_at: c_double, counters: Any) -> None:
+def _load_with_others(scenarios: Sequence[Scenario]) -> float:
+    """Load it, and wait until all other processes have loaded it.
+
+    Otherwise the first process might do it twice, and the last one start in the campaign's time.
+    """
+    try:
+        return load(scenarios)
+    finally:
+        _all_loaded[0].wait()
+
+
+def _begin(stopped_at: c_double, counters: Any, all_loaded: Barrier) -> None:
     """End a worker's work when the main process requests it, and count its runs."""
+    _all_loaded[:] = [all_loaded]
     stop_from(lambda: stopped_at.value)
     count_in(counters)
     begin_lines()

@@ -12,14 +12,20 @@ Contents:
     errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
         other programs.
     Summary, Status, Find, Archive, read_summary: The numbers in ``summary.json``.
-    MEMORY: Name of the store's folder in a campaign's folder.
+    MEMORY, MARK: Name of the store's folder in a campaign's folder, and of a studio's mark there.
 
 ``docs/reference/campaign-files.md`` describes it for users.
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
 from fuzz.campaign.store.folder import Budget, FolderStore, stored_elites
-from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
+from fuzz.campaign.store.last_error import (
+    MARK,
+    errors_recorded,
+    forget_error,
+    read_error,
+    record_error,
+)
 from fuzz.campaign.store.opening import (
     CampaignRun,
     begin,
@@ -40,6 +46,7 @@ from fuzz.campaign.store.summary import (
 )
 
 __all__ = [
+    "MARK",
     "MEMORY",
     "OVERVIEW_FILE",
     "SUMMARY",

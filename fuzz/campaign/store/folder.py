@@ -20,6 +20,7 @@ from fuzz.campaign.store.fingerprint import Fingerprint
 from fuzz.campaign.store.journal import Journal, ShownRecord, ShrunkRecord, StoredElite, UnitRecord
 from fuzz.campaign.store.last_error import forget_error
 from fuzz.campaign.store.summary import (
+    CAMPAIGN_FILE,
     MEMORY,
     OVERVIEW_FILE,
     SUMMARY,
@@ -63,7 +64,6 @@ class _Stored:
     goal: Budget
 
 
-_CAMPAIGN_FILE = "campaign.json"
 _CAMPAIGN = JsonFile(
     _Stored,
     version=3,
@@ -116,7 +116,7 @@ class FolderStore:
         Raises:
             FormatError: If it cannot be read.
         """
-        file = out / MEMORY / _CAMPAIGN_FILE
+        file = out / MEMORY / CAMPAIGN_FILE
         if not file.is_file():
             return None
         stored = _CAMPAIGN.read(file)
@@ -159,7 +159,7 @@ class FolderStore:
         with refused_writes(self._path):
             (self._path / _FAILURES).mkdir(exist_ok=True)
         stored = _Stored(dict(fingerprint.configuration), dict(fingerprint.code), budget)
-        _CAMPAIGN.write(self._path / _CAMPAIGN_FILE, stored)
+        _CAMPAIGN.write(self._path / CAMPAIGN_FILE, stored)
         self._read_journal(fingerprint.digest)
 
     def forget(self) -> None:
@@ -170,7 +170,7 @@ class FolderStore:
         """
         self._forget_journal()
         # The journal goes first: it must not name failures that are gone.
-        names = (_JOURNAL, *_EARLIER, _CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
+        names = (_JOURNAL, *_EARLIER, CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
         with refused_writes(self._path):
             for path in (self._path / name for name in names):
                 if path.is_dir():
@@ -228,7 +228,7 @@ class FolderStore:
     def save_unit(self, unit: int, result: UnitResult, seconds: float) -> None:
         """Store a unit: its failures first, then its record.
 
-        A continued campaign starts a cut unit again.
+        A continued campaign starts a cut unit again, with the runs that it need not repeat.
 
         Args:
             unit: Number of the unit.

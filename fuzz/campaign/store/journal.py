@@ -18,7 +18,7 @@ import msgspec
 
 from fuzz.failure import ID_DIGITS, Failure
 from fuzz.layouts.layout_bytes import SCENE_BYTES
-from fuzz.unit.result import Elite, FirstMet, Seconds, UnitCount, UnitResult
+from fuzz.unit.result import Elite, FirstMet, ScreenedRun, Seconds, UnitCount, UnitResult
 from worldgen.errors import FormatError
 from worldgen.files.whole import open_no_link, refused_writes
 
@@ -64,6 +64,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
     elites: Annotated[list[StoredElite], _Rows]
     tried: Annotated[dict[_Name, UnitCount], _Rows] = {}
     lines: Annotated[list[UnitCount], _Rows] = []
+    screened: Annotated[dict[UnitCount, ScreenedRun], _Rows] = {}
 
     @classmethod
     def of(cls, unit: int, result: UnitResult, seconds: float) -> UnitRecord:
@@ -86,6 +87,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
             ],
             tried=dict(result.tried),
             lines=sorted(result.lines),
+            screened=result.screened if result.cut else {},
         )
 
     def result(self, failure: Callable[[str], Failure]) -> UnitResult:
@@ -110,6 +112,7 @@ class UnitRecord(msgspec.Struct, frozen=True, kw_only=True, tag="unit"):
                 for cell, layout, quality, verdict in self.elites
             },
             lines=frozenset(self.lines),
+            screened=self.screened,
             cut=self.cut,
             stored_at=self.seconds,
         )

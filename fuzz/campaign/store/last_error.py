@@ -11,10 +11,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store.summary import MEMORY
+from fuzz.campaign.store.summary import CAMPAIGN_FILE, MEMORY
 from worldgen.errors import FormatError, Message, OutputError, WorldgenError
 from worldgen.files.locks import holder
 from worldgen.files.whole import read_text, write_bytes
+
+MARK = "studio.begins."
+"""Name of the mark, in the store, of a campaign that a studio is beginning.
+
+The number of the waiting process follows, since two studios may begin a campaign in one folder.
+"""
 
 _VERSION = 1
 # Limit on the characters of a template.
@@ -60,12 +66,20 @@ def record_error(out: Path, error: WorldgenError) -> None:
 
 
 @contextlib.contextmanager
-def errors_recorded(out: Path | None) -> Iterator[None]:
-    """Record an error raised in the block in a campaign's folder, and let it propagate."""
+def errors_recorded(out: Path | None, *, begins: bool = False) -> Iterator[None]:
+    """Record an error raised in the block in a campaign's folder, and let it propagate.
+
+    Args:
+        out: The campaign's folder.
+        begins: Whether the block begins a campaign. A campaign that the folder already holds has
+            nothing to do with its errors, so they are recorded there only for a studio that waits
+            for them and removes them.
+    """
+    holds_one = begins and out is not None and (out / MEMORY / CAMPAIGN_FILE).is_file()
     try:
         yield
     except WorldgenError as error:
-        if out is not None:
+        if out is not None and (not holds_one or any((out / MEMORY).glob(f"{MARK}*"))):
             record_error(out, error)
         raise
 

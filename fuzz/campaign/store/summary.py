@@ -14,6 +14,7 @@ from worldgen.files.json_file import JsonFile
 
 # Name of the store's folder in a campaign's folder.
 MEMORY = ".campaign"
+CAMPAIGN_FILE = "campaign.json"
 SUMMARY_FILE = "summary.json"
 OVERVIEW_FILE = "overview.json"  # written and read by fuzz.overview
 _MOST_ROWS = 100_000

@@ -14,7 +14,7 @@ from typing import Any
 
 import msgspec
 
-from fuzz.campaign.store import MEMORY, FolderStore, Status, Summary, read_error, read_summary
+from fuzz.campaign.store import MARK, MEMORY, FolderStore, Status, Summary, read_error, read_summary
 from fuzz.overview.answer import CampaignAnswer, answer_of
 from fuzz.overview.result import read_overview
 from fuzz.studio.requests.edits import digest_of_file
@@ -28,10 +28,6 @@ from worldgen.files.json_file import converted, plain
 from worldgen.files.locks import holder
 from worldgen.files.worlds import is_world_file
 from worldgen.support.paths import expanded
-
-# Name of the mark of a campaign that is about to begin. The number of the waiting process follows,
-# since two studios may begin a campaign in one folder.
-_MARK = "studio.begins."
 
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
@@ -202,7 +198,7 @@ def beginning(memory: Path) -> Iterator[Path]:
     Args:
         memory: The store, which must exist.
     """
-    mark = memory / f"{_MARK}{os.getpid()}"
+    mark = memory / f"{MARK}{os.getpid()}"
     mark.touch()
     try:
         yield mark
@@ -213,7 +209,7 @@ def beginning(memory: Path) -> Iterator[Path]:
 def end_beginnings(folder: Path) -> bool:
     """End all campaigns that are about to begin in a folder; return True if there were any."""
     memory = folder / MEMORY
-    marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
+    marks = list(memory.glob(f"{MARK}*")) if memory.is_dir() else []
     for mark in marks:
         mark.unlink(missing_ok=True)
     return bool(marks)
