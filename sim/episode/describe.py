@@ -27,6 +27,10 @@ _BLOCKED = "the target cannot be reached in this world, whatever the controller 
 _BLOCKED_TOUR = (
     "the target cannot be reached through its waypoints in this world, whatever the controller does"
 )
+_BLOCKED_CAR = (
+    "the target cannot be reached in this world by a car that only its wheels move, whatever the "
+    "controller does"
+)
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
 _UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
@@ -41,12 +45,15 @@ def describe_unreachable(world: World, *, undecided: bool, proof: str = "") -> s
     Args:
         world: The world.
         undecided: True if it is not proved either that the robots cannot all arrive.
-        proof: One word for the proof, used only for several robots; empty to omit it.
+        proof: One word for the proof; empty if it is not known. A confinement of a car says
+            nothing about drift and pushes.
     """
     if undecided:
         return _UNDECIDED_TOGETHER if world.is_fleet else _UNDECIDED
     # One robot's note does not name the proof: it is a cut unless the world changes.
     if not world.is_fleet:
+        if proof == "confinement" and world.robots[0].drive.is_car:
+            return _BLOCKED_CAR
         return _BLOCKED_TOUR if world.robots[0].waypoints else _BLOCKED
     return f"{_BLOCKED_TOGETHER} (proved by a {proof})" if proof else _BLOCKED_TOGETHER
 

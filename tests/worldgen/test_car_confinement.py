@@ -1,10 +1,13 @@
 """Cars that never reverse are confined, and a checker that refuses proofs that do not hold."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from sim import Command, simulate
+from sim.episode.describe import describe_unreachable
 from worldgen import Drive, Pose, Robot, Target, World, generate
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, decide
 from worldgen.reach.car.confine import confine_car
@@ -111,3 +114,25 @@ def test_a_confinement_holds_for_its_own_car_only(proof):
 
 def test_without_a_wish_for_proofs_of_blocked_none_is_looked_for():
     assert decide(dead_end(0.8), cut=False).result == UNDECIDED
+
+
+class Straight:
+    """Drives ahead slowly."""
+
+    senses = ("x",)
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(0.1, 0.0), memory
+
+
+@pytest.mark.gate
+def test_what_is_said_of_a_confined_car_leaves_out_what_else_moves_it():
+    world = dead_end(1.2, 0.5)
+    assert decide(world).result == BLOCKED
+    pushes = (0.5, 0.0, 0.0, math.pi)
+    assert simulate(world, Straight(), steps=2000, time_step=0.1, pushes=pushes).arrived
+    said = describe_unreachable(world, undecided=False, proof="confinement")
+    assert "by a car that only its wheels move" in said
