@@ -211,11 +211,17 @@ class Drawing:
                 f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of "
                 f"{float(cell):g} m are only partly covered; a smaller --cell is more accurate"
             )
+        warnings = []
+        if raster.solid.all():
+            warnings.append(
+                "every cell is solid; name the layers of walls with --layer, or, if rooms are drawn as "
+                "areas, make walls of their outlines with +areas=outline"
+            )
         given = {name: value for name, value in choice._asdict().items() if value}
         origin = float(left) + self.origin[0], float(low) + self.origin[1]
         return ForeignMap(
             raster.solid, float(cell), {**given, **(params or {})}, (*self.notes, *notes),
-            robots=(self.robot,), origin=origin, is_picture=self.page is not None,
+            tuple(warnings), robots=(self.robot,), origin=origin, is_picture=self.page is not None,
         )  # fmt: skip
 
     def _unit(self, choice: Choice) -> float:

@@ -197,20 +197,29 @@ class _Reader:
             name: own[name] for name in _INHERITED if own.get(name, "inherit") != "inherit"
         }
         matrix = above.matrix @ _transform(own.get("transform", ""))
-        names, own_id = _names(element)
-        is_group = element.name in _GROUPS
         style = _Style(
             {**above.values, **inherited},
             above.opacity * _opacity(own.get("opacity")),
             matrix,
             above.clip,
-            (*names, *own_id, *above.layers)
-            if is_group
-            else (*(names or above.layers[:1] or (NO_LAYER,)), *above.layers, *own_id),
+            self._layers(element, above),
         )
         if own.get("clip-path", "none") != "none":
             style = self._clipped(style, own["clip-path"])
         return style, own
+
+    def _layers(self, element: XmlElement, above: _Style) -> tuple[str, ...]:
+        """Return the names by which a user may choose an element; the first is listed."""
+        attributes = element.attributes
+        labels = [attributes.peek("inkscape:label") or attributes.peek("data-name")]
+        ids = [] if element is self.root else [attributes.peek("id")]
+        classes = str(attributes.peek("class", "")).split()
+        if element.name in _GROUPS:
+            found = (*labels, *ids, *classes, *above.layers)
+        else:
+            nearest = () if any(labels) else (*above.layers[:1], *classes, NO_LAYER)[:1]
+            found = (*labels, *nearest, *above.layers, *classes, *ids)
+        return tuple(dict.fromkeys(str(name) for name in found if name))
 
     def _clipped(self, style: _Style, value: str) -> _Style:
         found = self._referred(value)
@@ -618,15 +627,6 @@ def _declarations(text: str) -> dict[str, str]:
         if colon and name in _PROPERTIES:
             values[name] = re.sub(r"\s*!important", "", value).strip()
     return values
-
-
-def _names(element: XmlElement) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the names by which an element can be chosen as a layer, and its id."""
-    attributes = element.attributes
-    label = attributes.peek("inkscape:label") or attributes.peek("data-name")
-    words = [label, *str(attributes.peek("class", "")).split()]
-    own_id = attributes.peek("id")
-    return tuple(str(word) for word in words if word), (str(own_id),) if own_id else ()
 
 
 def _text(element: XmlElement, name: str) -> str:
