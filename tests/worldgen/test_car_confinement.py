@@ -133,6 +133,8 @@ def test_what_is_said_of_a_confined_car_leaves_out_what_else_moves_it():
     world = dead_end(1.2, 0.5)
     assert decide(world).result == BLOCKED
     pushes = (0.5, 0.0, 0.0, math.pi)
-    assert simulate(world, Straight(), steps=2000, time_step=0.1, pushes=pushes).arrived
+    assert (
+        simulate(world, Straight(), steps=2000, time_step=0.1, pushes=pushes).verdict == "reached"
+    )
     said = describe_unreachable(world, undecided=False, proof="confinement")
     assert "by a car that only its wheels move" in said
