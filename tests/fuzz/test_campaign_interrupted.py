@@ -185,7 +185,7 @@ def cut_a_unit(out, chance, patch):
     doomed = units_done(out) + chance.randrange(3)
     looks, by_ctrl_c = chance.randint(1, 9), chance.randrange(2) > 0
 
-    def run_or_cut(config, unit, known, deadline):
+    def run_or_cut(config, unit, known, *_):
         if unit != doomed:
             return run_unit(config, unit, known)
         result = run_unit(config, unit, known, Deadline(begin=looks))
