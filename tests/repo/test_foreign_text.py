@@ -218,6 +218,7 @@ def runs_of(folder):
         "controllers": [["./raises.py:Robot"], [TEXT], [f"./raises{NAME}.py:Robot"]],
         "behaviours": [[TEXT], [f"behaviours:{TEXT}"]],
         "formats": [[TEXT]],
+        "help": [[TEXT]],
         "families": [[], [TEXT]],
         "oracles": [[], [TEXT]],
         "watchdog": [

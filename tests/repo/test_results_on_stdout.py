@@ -138,6 +138,7 @@ COMMANDS = {
     "formats": None,
     "fuzz": (*SEARCH, "again", "--workers", "2", "--oracle", "./noisy.py:oracle"),
     "import": None,
+    "help": None,
     "init": (*MINE, "--units", "1"),
     "measure": None,
     "new-controller": None,

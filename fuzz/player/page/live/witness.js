@@ -93,7 +93,7 @@ export const proofOfPath = (witness, words) => ({
 });
 
 /** @param {Witness} path */
-export const lengthOf = ({ x, y }) => x.slice(1).reduce((sum, at, k) => sum + Math.hypot(at - x[k], y[k + 1] - y[k]), 0);
+const lengthOf = ({ x, y }) => x.slice(1).reduce((sum, at, k) => sum + Math.hypot(at - x[k], y[k + 1] - y[k]), 0);
 
 /**
  * Returns a number with some digits, as Python's ``.4g`` does.

@@ -76,7 +76,7 @@ export function goalPart(studio) {
  * @param {string} source
  * @returns {Record<"footprint" | "heading" | "arrival" | "waypoints", string>}
  */
-export function textsOf(source) {
+function textsOf(source) {
   const table = source.startsWith("%worldgen-grid 2") ? (source.slice(0, source.indexOf("%cells")).split("[[robot]]")[1] ?? "") : "";
   const value = (name) => new RegExp(`^${name} = (.*)$`, "m").exec(table)?.[1] ?? "";
   const join = (...parts) => parts.filter(Boolean).join(":");
