@@ -3,6 +3,7 @@
 import importlib
 import json
 import math
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -13,8 +14,9 @@ import pytest
 
 from sim import Command, ProcessController, simulate
 from tests.helpers import fake_ros
+from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World, generate
-from worldgen.files.grid import dumps
+from worldgen.files.grid import dumps, write_world
 from worldgen.world import Provenance
 
 FOLDER = Path(__file__).parents[2] / "examples" / "ros2"
@@ -307,3 +309,50 @@ def test_a_map_that_is_none_ends_the_bridge_with_a_sentence(text, message, tmp_p
         and message in done.stderr
     )
     assert done.stderr.count("\n") == 1
+
+
+PARAMS = """
+controller_server:
+  ros__parameters:
+    controller_frequency: 10.0
+    general_goal_checker:
+      plugin: "nav2_controller::StoppedGoalChecker"
+      xy_goal_tolerance: 0.2
+      yaw_goal_tolerance: 0.3
+      trans_stopped_velocity: 0.1
+local_costmap:
+  local_costmap:
+    ros__parameters:
+      footprint: "[]"
+      robot_radius: 0.11
+global_costmap:
+  global_costmap:
+    ros__parameters:
+      footprint: "[[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]]"
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "remark"),
+    [
+        (
+            PARAMS,
+            ["--time-step=0.1", "--footprint=0.1,0.06 0.1,-0.06 -0.1,-0.06 -0.1,0.06",
+             "--arrival=stop:0.1:0.25", "--target-heading=0:0.3"],
+            "--target X,Y,0.2",
+        ),
+        ("local_costmap: {robot_radius: 0.22}", ["--time-step=0.05"], "--radius 0.22"),
+        ("plugin: nav2_controller/SimpleGoalChecker", ["--time-step=0.05", "--arrival=step", "--target-heading=0:0.25"],
+         "--target X,Y,0.25"),
+    ],
+)  # fmt: skip
+def test_parameters_of_nav2_become_options_that_a_run_takes(text, options, remark, tmp_path):
+    params = tmp_path / "nav2_params.yaml"
+    params.write_text(text)
+    command = [sys.executable, FOLDER / "nav2_options.py", params, "0"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert shlex.split(done.stdout) == options
+    assert done.stderr == f"for worldgen import: {remark}\n"
+    write_world(room(), tmp_path / "w.grid")
+    ended = worldgen("run", tmp_path / "w.grid", "--controller", "bug2", *options)
+    assert ended.code in (0, 1), ended.err
