@@ -11,6 +11,7 @@ import trimesh
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.interop import ImportedRobot, import_world, read_map
+from worldgen.interop.readers.gazebo_models import Model
 
 SDF = "<sdf version='1.9'>{}</sdf>"
 WORLD = "<sdf version='1.9'><world name='w'>{}</world></sdf>"
@@ -206,7 +207,16 @@ SAME = {
         ).replace("<world", "<xacro:arg name='headless' default='1'/><world"),
         **IN_FOLDER,
     },
+    "what looks like a comment": {
+        "w.sdf": WORLD.format(
+            "<plugin filename='libgazebo_ros_x'><![CDATA[ <!-- ]]></plugin>"
+            + include("room")
+            + "<!-- -- --><plugin filename='libgazebo_ros_x'><![CDATA[ --> ]]></plugin>"
+        ),
+        **IN_FOLDER,
+    },
     "stl": of_mesh("stl", BOTH.export(file_type="stl")),
+    "glb": of_mesh("glb", BOTH.export(file_type="glb")),
     "obj in cm, mirrored": of_mesh("obj", MIRRORED.export(file_type="obj"), "0.01 -0.01 0.01"),
 }  # fmt: skip
 
@@ -247,10 +257,14 @@ def test_folders_of_models_can_be_listed_as_for_gazebo(tmp_path, monkeypatch):
 
 def test_what_is_missing_is_named_with_the_way_out(tmp_path, monkeypatch):
     monkeypatch.delenv("GZ_SIM_RESOURCE_PATH", raising=False)
-    world = WORLD.format(include("model://shelf") + include("model://sun") + model("a", link(WALL)))
+    usual = [
+        "model://sun", "model://ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane/2",
+    ]  # fmt: skip
+    others = ["model://walls/sun", "https://fuel.gazebosim.org/1.0/Me/models/Sun"]
+    world = WORLD.format("".join(map(include, [*usual, *others])) + model("a", link(WALL)))
     found = read_map(put_down(tmp_path, {"w.world": world}))
-    assert found.unread == ("1 model not found",)
-    assert "not found: model://shelf; put" in found.warnings[0] and "sun" not in found.warnings[0]
+    assert found.unread == ("2 models not found",)
+    assert f"not found: {', '.join(others)}; put" in found.warnings[0]
 
 
 def test_a_wall_in_an_included_model_blocks(tmp_path):
@@ -307,6 +321,46 @@ def test_a_tilted_cylinder_is_what_is_seen_of_it_from_above(raster, tmp_path):
     assert found.walls.reshape(-1).tolist() == wanted
 
 
+def test_what_a_state_or_gravity_moves_is_reported(tmp_path):
+    """A body falls unless it is fixed, joined to another that stands, or has no gravity."""
+    high = link(WALL, "0 0 3 0 0 0")
+    joint = "<joint name='j' type='fixed'><parent>{}</parent><child>l</child></joint>"
+    loose = f"<model name='a'>{high}{{}}</model>"
+    state = "<state><model name='a'><link name='{}'><pose>0 0 0 0 0 0</pose></link></model></state>"
+    falls, moved = ("1 body above 2 m that may fall",), ("1 link moved by <state>",)
+    inner = model("i", high)
+    cases = {
+        model("a", high): (),
+        model("a", high) + state.format("l"): moved,
+        model("a", inner) + state.format("i::l"): moved,
+        loose.format(""): falls,
+        loose.format(link(POST, "0 0 0.5 0 0 0", "low")): falls,
+        loose.format(link(POST, "0 0 0.5 0 0 0", "low") + joint.format("low")): (),
+        loose.format(link(POST, "0 0 3 0 0 0", "low") + joint.format("low")): falls,
+        loose.format(joint.format("world")): (),
+        loose.format("").replace("</link>", "<gravity>0</gravity></link>"): (),
+    }
+    for inside, expected in cases.items():
+        path = put_down(tmp_path, {"w.sdf": WORLD.format(model("b", link(WALL)) + inside)})
+        assert read_map(path).unread == expected, inside
+
+
+def test_the_place_of_a_frame_is_found_once(tmp_path, monkeypatch):
+    found = []
+    find = Model._find_frame
+    monkeypatch.setattr(
+        Model,
+        "_find_frame",
+        lambda self, name, *more: found.append(name) or find(self, name, *more),
+    )
+    frames = "<frame name='f0'/>" + "".join(
+        f"<frame name='f{n}' attached_to='f{n - 1}'/>" for n in range(1, 5)
+    )
+    links = "".join(f"<link name='l{n}'><pose relative_to='f4'/>{WALL}</link>" for n in range(5))
+    read_map(put_down(tmp_path, {"w.sdf": WORLD.format(model("a", frames + links))}))
+    assert len(found) == len(set(found))
+
+
 BOMB = {f"m{n}/model.sdf": SDF.format(model("m", include(f"m{n + 1}") * 12)) for n in range(12)} | {
     "m12/model.sdf": BARE
 }
@@ -337,6 +391,13 @@ HARMFUL = {
     ),
     "expression of xacro": (
         {"w.sdf": WORLD.format(model("a", link(WALL), "${x} 0 0 0 0 0"))}, {"code": "unsupported"},
+    ),
+    "wall between attributes like a comment": (
+        {"w.sdf": WORLD.format(model("a' b='<!--", "") + ROOM + model("c' d='-->", ""))},
+        {"code": "not-xml"},
+    ),
+    "comments without an end": (
+        {"w.sdf": "<sdf>" + "<!--" * 100_000}, {"code": "not-xml"},
     ),
     "mesh of another kind": (
         of_mesh("stl", b"hello " * 30), {"code": "no-triangles"},

@@ -17,6 +17,8 @@ from worldgen.errors import FormatError, InvalidParameter
 from worldgen.families import maze
 from worldgen.files.grid import read_world
 from worldgen.interop import export_world, import_world, read_map
+from worldgen.interop.account import accounting
+from worldgen.interop.readers.mesh_file import load_mesh
 from worldgen.reach import REACHABLE, decide
 
 KINDS = ["stl", "obj", "glb", "gltf", *({"dae"} - LACKING)]
@@ -249,6 +251,53 @@ def test_meshes_that_an_extension_places_are_refused_with_a_way_out(tmp_path):
     document = {"asset": {"version": "2.0"}, "extensionsUsed": ["EXT_mesh_gpu_instancing"]}
     with raises(FormatError, "instanced"):
         read_map(put(tmp_path, "b.gltf", json.dumps(document).encode()))
+
+
+_CORNERS = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+_SQUARE = [[0, 1, 2], [0, 2, 3]]
+
+
+@pytest.mark.parametrize(
+    ("faces", "expected"),
+    [
+        (b"f\t1\t2\t3\t4", _SQUARE),
+        (b" \tf 1 2 3 4", _SQUARE),
+        (b"\x0cf 1 2 3 4 # a face", _SQUARE),
+        (b"f 1 2\\\r\n3\\\n 4", _SQUARE),
+        (b"f 1 2 3 4 1 2\nf 1/1 2/2 4/4", [*_SQUARE, [0, 3, 0], [0, 0, 1], [0, 1, 3]]),
+        (b"f -4 -3 -2\nv 5 5 5\nf -5 -3//1 -2//1", _SQUARE),
+    ],
+    ids=["tabs", "leading blanks", "form feed", "continued", "mixed", "relative"],
+)
+def test_the_faces_of_an_obj_file_are_read_however_they_are_spelled(faces, expected, tmp_path):
+    found = load_mesh(put(tmp_path, "b.obj", _CORNERS + faces), "obj")
+    assert found.faces.tolist() == expected
+
+
+@pytest.mark.parametrize("word", [b"0", b"-5", b"9", b"1_0", b"x"])
+def test_a_corner_that_is_not_there_is_refused(word, tmp_path):
+    with pytest.raises(FormatError):
+        load_mesh(put(tmp_path, "b.obj", _CORNERS + b"f 1 2 " + word), "obj")
+
+
+_FACET = b"facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 endloop endfacet"
+
+
+@pytest.mark.parametrize(
+    ("data", "unread"),
+    [
+        (b"solid a\r" + _FACET.replace(b" ", b"\r\t") + b"\rendsolid a", ()),
+        (b"solid vertex 1 2 3\n" + _FACET.upper() + b"\nendsolid\n", ()),
+        (b"solid a\n" + _FACET + b" vertex\nendsolid a", ("1 word besides facets",)),
+        (b"solid a " + _FACET + b"\n" + _FACET + b"\nendsolid", ("1 facet",)),
+    ],
+    ids=["one word a line", "name like a vertex", "another word", "facet in the name"],
+)
+def test_a_facet_of_text_is_read_or_reported(data, unread, tmp_path):
+    with accounting() as account:
+        found = load_mesh(put(tmp_path, "b.stl", data), "stl")
+    assert found.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+    assert account.total(()) == unread
 
 
 def test_points_without_triangles_are_refused(tmp_path):

@@ -40,7 +40,7 @@ class Account:
     """The trees of the files that one reader parses, and what parsers report as unread."""
 
     def __init__(self) -> None:
-        self.trees: list[Tree] = []
+        self.trees: list[tuple[Tree, Collection[str] | None]] = []
         self.unread: Counter[str] = Counter()
 
     def total(self, harmless: Collection[str]) -> tuple[str, ...]:
@@ -48,18 +48,18 @@ class Account:
 
         Args:
             harmless: Names of elements, such as ``"color"`` or ``"layers/color"``, that cannot be
-                obstacles.
+                obstacles, in trees that were registered without any.
         """
-
-        def is_harmless(path: Names) -> bool:
-            return any("/".join(path[at:]) in harmless for at in range(len(path)))
-
         found = Counter(self.unread)
-        for tree in self.trees:
-            found.update(tree.left_over((), is_harmless))
+        for tree, own in self.trees:
+            found.update(tree.left_over((), _listed_in(harmless if own is None else own)))
         named = [_counted(count, what) for what, count in sorted(found.items())]
         rest = sum(count for _, count in sorted(found.items())[_MOST_NAMED:])
         return (*named[:_MOST_NAMED], *([f"{rest} other elements"] if rest else []))
+
+
+def _listed_in(harmless: Collection[str]) -> IsHarmless:
+    return lambda path: any("/".join(path[at:]) in harmless for at in range(len(path)))
 
 
 _OPEN: ContextVar[Account | None] = ContextVar("_OPEN", default=None)
@@ -76,11 +76,17 @@ def accounting() -> Iterator[Account]:
         _OPEN.reset(token)
 
 
-def account_for(tree: _Tree) -> _Tree:
-    """Register a parsed file, and return it."""
+def account_for(tree: _Tree, harmless: Collection[str] | None = None) -> _Tree:
+    """Register a parsed file, and return it.
+
+    Args:
+        tree: The file.
+        harmless: Names of its elements that cannot be obstacles, if files of other formats may
+            name it; by default those of the format that is read.
+    """
     account = _OPEN.get()
     if account is not None:
-        account.trees.append(tree)
+        account.trees.append((tree, harmless))
     return tree
 
 
@@ -172,8 +178,8 @@ def _left_in(value: Any, path: Names, is_harmless: IsHarmless) -> Iterator[str]:
                 yield from _left_in(item, path, is_harmless)
 
 
-def parse_json(text: bytes | str) -> Any:
-    """Parse JSON whose objects are :class:`NamedParts`, and register it.
+def parse_json(text: bytes | str, harmless: Collection[str] | None = None) -> Any:
+    """Parse JSON whose objects are :class:`NamedParts`, and register it as by :func:`account_for`.
 
     Raises:
         FormatError: If an object has a key twice.
@@ -181,7 +187,7 @@ def parse_json(text: bytes | str) -> Any:
     """
     parsed = json.loads(text, object_pairs_hook=_parts)
     if isinstance(parsed, NamedParts):
-        account_for(parsed)
+        account_for(parsed, harmless)
     return parsed
 
 

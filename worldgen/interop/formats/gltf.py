@@ -15,7 +15,6 @@ from typing import Any, SupportsFloat, TypeAlias
 from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, held_values
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
-from worldgen.interop.readers.gltf_tree import GLTF_HARMLESS
 from worldgen.interop.readers.mesh_slice import metric_reader
 from worldgen.render.marks import hue, rgb
 from worldgen.world import Value, World
@@ -89,7 +88,6 @@ glb = Format(
     holds=PLAIN_FACTS,
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
-    harmless=GLTF_HARMLESS,
 )
 
 # The text form is only read, because the binary form is one file.
@@ -100,7 +98,6 @@ gltf = Format(
     read=metric_reader("gltf"),
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
-    harmless=GLTF_HARMLESS,
 )
 
 

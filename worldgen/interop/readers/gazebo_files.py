@@ -37,7 +37,12 @@ _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):/{0,2}(.*)", re.DOTALL)
 # The description of a model, new and old.
 _CONFIGS = ("model.config", "manifest.xml")
 _MOST_CONFIG = 1 << 20
-_COMMENT = re.compile(rb"(?s)<!--(?:(?!-->).)*+-->")
+# A comment, a text that may look like one, or a tag. What has no end reaches to the end of the file,
+# so that every byte is looked at once.
+_MARKUP = re.compile(
+    rb"(?s)(?P<comment><!--.*?-->)|(?P<text><!--.*|<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z))"
+    rb"|<(?:[^\"'<>]++|\"[^\"]*+\"?|'[^']*+'?)*+"
+)
 _LISTED = re.compile(rb"<sdf\b([^<>]*)>([^<>]*)</sdf\s*>")
 # The newest SDFormat that exists.
 _NEWEST = (1, 12)
@@ -125,9 +130,7 @@ class ModelFiles:
                 data = read_bounded(path, self._left)
                 self._left -= len(data)
                 self.sizes[path] = len(data)
-                # Gazebo's parser takes a declaration after a comment, and -- inside of one.
-                plain = _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), data)
-                self._read[path] = read_xml(_LATE_DECLARATION.sub(rb"\1", plain, 1))
+                self._read[path] = _read_leniently(data)
         return self._read[path]
 
     def _places(self, uri: XmlElement, home: Home) -> Iterator[Home]:
@@ -165,7 +168,7 @@ class ModelFiles:
         """Return the file of the newest version of SDFormat that a description lists."""
         with naming(config):
             # Gazebo's parser forgives what XML forbids, such as a bare & in the description.
-            data = _COMMENT.sub(b"", read_bounded(config, _MOST_CONFIG))
+            data = _without("comment", "text", data=read_bounded(config, _MOST_CONFIG))
             listed = [(_version(found), found[2]) for found in _LISTED.finditer(data)]
             listed = [one for one in listed if one[0] <= _NEWEST]
             if not listed:
@@ -186,6 +189,28 @@ class ModelFiles:
                 name=quote(name, 80),
                 map=config.name,
             )
+
+
+def _read_leniently(data: bytes) -> XmlElement:
+    """Return the root of a file that may break two rules of XML, as Gazebo's parser allows.
+
+    They are no ``--`` inside a comment, and no declaration after one.
+    """
+    try:
+        return read_xml(data)
+    except FormatError as error:
+        if error.code != "not-xml":
+            raise
+        return read_xml(_LATE_DECLARATION.sub(rb"\1", _without("comment", data=data), 1))
+
+
+def _without(*kinds: str, data: bytes) -> bytes:
+    """Return a file without its markup of some kinds, each line in its place."""
+
+    def kept(found: re.Match[bytes]) -> bytes:
+        return b"\n" * found[0].count(b"\n") if found.lastgroup in kinds else found[0]
+
+    return _MARKUP.sub(kept, data)
 
 
 def _name(folder: Path) -> str:

@@ -43,8 +43,11 @@ GAZEBO_HARMLESS = frozenset({
 _SYSTEM = re.compile(
     r"(lib)?(gz|ignition)[-_:]+(sim|gazebo)[-_:\d]*|(gz|ignition)::(sim|gazebo)::|libgazebo_ros_|gazebo_ros_|__default__"
 )
-# Models that Gazebo brings along and that stop nobody.
-_GROUND = ("sun", "ground_plane")
+# Models that Gazebo or its server's owner has and that stop nobody.
+_GROUND = re.compile(
+    r"(?i)((model:/{0,2}|file:/{0,2}models/)?|https?://[^/]+/[0-9.]+/openrobotics/models/)"
+    r"(sun|ground( |_|%20)plane)(/([0-9]+|tip))?/?"
+)
 # Limits on models in models; real worlds have a few hundred, three deep.
 _MOST_MODELS = 20_000
 _MOST_DEPTH = 64
@@ -77,6 +80,7 @@ class Model:
     is_static: bool = False
     depth: int = 0
     models: list[Model] = field(default_factory=list)
+    _frames: dict[str, BodyPose] = field(default_factory=dict)
 
     @functools.cached_property
     def _by_name(self) -> dict[str, Model]:
@@ -119,6 +123,11 @@ class Model:
 
     def _frame(self, name: str, line: int, asked: tuple[str, ...]) -> BodyPose:
         """Return the pose of a frame, by its name, as seen from this model."""
+        if name not in self._frames:
+            self._frames[name] = self._find_frame(name, line, asked)
+        return self._frames[name]
+
+    def _find_frame(self, name: str, line: int, asked: tuple[str, ...]) -> BodyPose:
         if name in ("__model__", "world", ""):
             return BodyPose()
         if name in asked or len(asked) > _MOST_DEPTH:
@@ -222,8 +231,7 @@ class ModelTree:
         found = None if uri is None else self._files.model(uri, parent.home)
         if found is None:
             include.pass_over()
-            last = include.word("uri").rstrip("/").rpartition("/")[2]
-            if last.lower().replace(" ", "_") in _GROUND:
+            if _GROUND.fullmatch(include.word("uri")):
                 self._files.missing.pop(include.word("uri"), None)
             else:
                 self.unread["models not found"] += 1

@@ -77,6 +77,7 @@ class GazeboScene:
     unread: Counter[str] = field(default_factory=Counter)
     _meshes: dict[Path, Bodies] = field(default_factory=dict)
     _placed: int = 0
+    _lowest: float = math.inf
 
     @property
     def is_empty(self) -> bool:
@@ -85,13 +86,30 @@ class GazeboScene:
 
     def add(self, model: Model, pose: BodyPose, tree: ModelTree) -> None:
         """Add the shapes of a model, and of the models in it."""
+        joined = {
+            part.text.strip()
+            for joint in model.element.all("joint")
+            for end in ("parent", "child")
+            for part in joint.all(end)
+        }
+        # The lowest point of each body: a link, or all that are joined.
+        lowest = {"": -math.inf if "world" in joined else math.inf}
         for link in model.element.all("link"):
             model.pose(link)  # a link without shapes has a place too
+            self._lowest = math.inf
             for collision in link.all("collision"):
                 at = pose.then(model.pose(collision, link))
                 for geometry in collision.all("geometry"):
                     with naming(model.path):
                         self._add_geometry(geometry, at, model.home)
+            if link.word("gravity") in ("0", "false"):
+                continue
+            name = link.attributes.get("name", "")
+            body = "" if name in joined else name
+            lowest[body] = min(lowest.get(body, math.inf), self._lowest)
+        if not model.is_static:
+            hovering = [low for low in lowest.values() if self.floor + ABOVE <= low < math.inf]
+            self.unread[f"bodies above {ABOVE} m that may fall"] += len(hovering)
         for joint in model.element.all("joint"):
             moves = not model.is_static and joint.attributes.get("type", "") != "fixed"
             self.unread["joints with motion"] += moves
@@ -157,6 +175,7 @@ class GazeboScene:
         corners = at.moved(np.concatenate([np.hstack([flat, -half]), np.hstack([flat, half])]))
         # All edges between corners of a convex body stay in it, so their ends are enough.
         seen = _between(corners, float(self.floor + FLOOR), float(self.floor + ABOVE))
+        self._lowest = min(self._lowest, float(corners[:, 2].min()))
         if len(seen) == 0:
             self.low_or_high += 1
         else:
@@ -221,7 +240,7 @@ class GazeboScene:
                 most=_MOST_PLACED,
             )
         vertices = at.moved(bodies.vertices * sides)
-        low, high = vertices[:, 2].min(), vertices[:, 2].max()
+        is_beyond = self._is_beyond(vertices[:, 2].min(), vertices[:, 2].max())
         section = cut(bodies._replace(vertices=vertices), float(self.floor) + self.slice_height)
         if sides.prod() < 0:
             # A mirror turns bodies inside out.
@@ -229,7 +248,7 @@ class GazeboScene:
         if len(section.closed) or len(section.sheets):
             self.sections.append(section)
             self.open_bodies += bodies.open_count
-        elif self._is_beyond(low, high):
+        elif is_beyond:
             self.low_or_high += 1
         else:
             self.off_plane += 1
@@ -255,6 +274,7 @@ class GazeboScene:
 
     def _is_beyond(self, low: float | Fraction, high: float | Fraction) -> bool:
         """Return True if nothing between these heights can touch a robot on the floor."""
+        self._lowest = min(self._lowest, float(low))
         return high <= self.floor + FLOOR or low >= self.floor + ABOVE
 
     def _pass_over(self, shape: XmlElement, what: str) -> None:

@@ -226,23 +226,25 @@ def _number(world: XmlElement, name: str) -> float | None:
 
 
 def _add_models(scene: GazeboScene, world: Model, tree: ModelTree, *, is_own: bool) -> None:
-    states = {
-        model.attributes.get("name", ""): model
-        for model in world.element.all("state", "model") if model.first("pose") is not None
-    }  # fmt: skip
+    states: dict[str, list[XmlElement]] = {}
+    for state in world.element.all("state", "model"):
+        states.setdefault(state.attributes.get("name", ""), []).append(state)
     for model in world.models:
-        state = states.pop(model.name, None)
-        own = world.pose_of(model)
-        pose = own if state is None else world.pose(state)
+        changes = states.pop(model.name, [])
+        pose = world.pose_of(model)
+        for state in changes:
+            if state.first("pose") is not None:
+                pose = world.pose(state)
         scene.models[model.name] = pose
-        if state is not None:
-            _check_state(scene, state, model, pose)
+        links = dict(_links(model, pose)) if changes else {}
+        for state in changes:
+            _check_state(scene, state, links)
         if is_own and _ROBOT.fullmatch(model.name):
             model.element.pass_over()
         else:
             scene.add(model, pose, tree)
     # A state of something else, such as a light, is not that of a shape read here.
-    for state in states.values():
+    for state in itertools.chain.from_iterable(states.values()):
         state.pass_over()
     for what, found in (
         ("populations of models", world.element.all("population")),
@@ -253,18 +255,27 @@ def _add_models(scene: GazeboScene, world: Model, tree: ModelTree, *, is_own: bo
             element.pass_over()
 
 
-def _check_state(scene: GazeboScene, state: XmlElement, model: Model, pose: BodyPose) -> None:
+def _links(model: Model, pose: BodyPose, prefix: str = "") -> Iterator[tuple[str, BodyPose]]:
+    """Yield the names and places of a model's links, and of those of the models in it."""
+    for link in model.element.all("link"):
+        yield prefix + link.attributes.get("name", ""), pose.then(model.pose(link))
+    for inner in model.models:
+        at = pose.then(model.pose_of(inner))
+        yield from _links(inner, at, f"{prefix}{inner.name}::")
+
+
+def _check_state(scene: GazeboScene, state: XmlElement, links: dict[str, BodyPose]) -> None:
     """Report what a state changes besides the model's pose: its scale, and its links' places."""
     scale = state.first("scale")
     if scale is not None and any(value != 1 for value in numbers(scale, 3)):
         scene.unread["models scaled by <state>"] += 1
-    links = {link.attributes.get("name", ""): link for link in model.element.all("link")}
     for moved in state.all("link"):
-        link = links.get(moved.attributes.get("name", ""))
-        # Poses of links are in the world's frame here, and rounded.
-        if link is None or moved.first("pose") is None:
+        here = links.get(moved.attributes.get("name", ""))
+        # What is not here cannot move, and other parts of a state are no places.
+        if here is None or moved.first("pose") is None:
             continue
-        there, here = own_pose(moved)[0], pose.then(model.pose(link))
+        # Poses of links are in the world's frame here, and rounded.
+        there = own_pose(moved)[0]
         off = [float(a - b) for a, b in zip(there.place, here.place, strict=True)]
         off += [
             a - b

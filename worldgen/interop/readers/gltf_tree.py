@@ -39,13 +39,13 @@ _READ = {
     "bufferViews": ("buffer", "byteOffset", "byteLength", "byteStride"),
     "buffers": ("uri", "byteLength"),
 }
-GLTF_HARMLESS = frozenset({
+# What a glTF file has besides surfaces.
+_NO_SURFACES = frozenset({
     "asset", "name", "extras", "cameras", "camera", "images", "materials", "material", "samplers", "textures",
     "accessors/max", "accessors/min", "accessors/normalized", "bufferViews/target",
     "attributes/NORMAL", "attributes/TANGENT",
     *(f"attributes/{kind}_{n}" for kind in ("TEXCOORD", "COLOR") for n in range(8)),
 })  # fmt: skip
-"""Names of what a glTF file has besides surfaces."""
 _PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
@@ -68,7 +68,7 @@ def gltf_json(data: bytes) -> dict[str, Any]:
         text = data[20 : 20 + size]
         _account_for_chunks(data, 20 + size)
     try:
-        document = parse_json(text)
+        document = parse_json(text, _NO_SURFACES)
     except FormatError:
         raise
     except (ValueError, RecursionError) as error:

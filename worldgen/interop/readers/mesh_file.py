@@ -1,6 +1,7 @@
 """Load the triangles of a mesh file, all in one frame.
 
-trimesh reads the file; this module checks its input and output.
+trimesh reads binary files and COLLADA; this module checks its input and output, and reads texts, of
+which trimesh skips what is spelled unusually.
 """
 
 from __future__ import annotations
@@ -8,13 +9,14 @@ from __future__ import annotations
 import base64
 import importlib.util
 import io
+import itertools
 import logging
 import re
 import struct
 import tomllib
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,10 +38,13 @@ _HELD_LINE = re.compile(rb"^# (\w+ = .{1,200})$", re.MULTILINE)
 _OBJ = frozenset(
     b"v vn vt f o g s mtllib usemtl usemap maplib d_interp c_interp lod shadow_obj".split()
 )
-_STL_TEXT = re.compile(
-    rb"(?im)^[ \t]*(?:end)?solid\b[^\r\n]*|\bfacet\s+normal(?:\s+\S+){3}\s+outer\s+loop(?:\s+vertex(?:\s+\S+){3}){3}"
-    rb"\s+endloop\s+endfacet\b"
+_STL_SOLID = rb"^[ \t]*(end)?solid\b[^\r\n]*"
+_STL_FACET = (
+    rb"\bfacet\s+normal(?:\s+\S+){3}\s+outer\s+loop"
+    + rb"\s+vertex\s+(\S+)\s+(\S+)\s+(\S+)" * 3
+    + rb"\s+endloop\s+endfacet\b"
 )
+_STL_TEXT = re.compile(rb"(?im)" + _STL_SOLID + rb"|" + _STL_FACET)
 _STL_FRAME = re.compile(
     rb"worldgen: m, z up; size (\d+) (\d+); "
     rb"(?:cell (\S+); origin (\S+) (\S+)|bits ([A-Za-z0-9+/]{32})) *"
@@ -97,34 +102,95 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
         if (kind == "obj" and b"\0" in data[:4]) or not data.strip():
             raise FormatError("empty", "holds no mesh", "use a file with triangles")
         held = _held(data, kind)
-    scene = _loaded(data, kind, path)
-    if kind == "dae":
-        report_unread("surfaces of COLLADA", max(surfaces - len(scene.graph.nodes_geometry), 0))
-    vertices, faces, left_out = _in_one_frame(scene)
-    if kind == "dae":
-        vertices = vertices * unit
-    _report_other_words(data, kind, len(faces))
-    report_unread("parts other than surfaces, such as points and lines", left_out)
+    if kind == "obj":
+        vertices, faces = _obj_triangles(data)
+    elif kind == "stl" and not _is_binary_stl(data):
+        vertices, faces = _stl_triangles(data)
+    else:
+        scene = _loaded(data, kind, path)
+        if kind == "dae":
+            report_unread("surfaces of COLLADA", max(surfaces - len(scene.graph.nodes_geometry), 0))
+        vertices, faces, left_out = _in_one_frame(scene)
+        if kind == "dae":
+            vertices = vertices * unit
+        report_unread("parts other than surfaces, such as points and lines", left_out)
     _check_arrays(vertices, faces)
     return RawMesh(up, vertices, faces, held)
 
 
-def _report_other_words(data: bytes, kind: str, faces: int) -> None:
-    """Report what trimesh skips in silence: curves, lines and points, and what it does not know."""
-    if kind == "obj":
-        lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
-        words = Counter(line.split(None, 1)[0] for line in lines if line.strip())
-        for word in sorted(
-            word for word in words if word not in _OBJ and not word.startswith(b"#")
-        ):
-            report_unread(f"lines {quote(word, 20)}", words[word])
-    elif kind == "stl":
-        own = len(data) - 84 - 50 * faces
-        if own != 0:
-            # A text; what is left without its facets and names is of no known kind.
-            rest = _STL_TEXT.sub(b"", data)
-            report_unread("words besides facets", len(rest.split()))
-            report_unread("facets", data.lower().count(b"endfacet") - faces)
+def _obj_triangles(data: bytes) -> tuple[Floats, Ints]:
+    """Return the corners and triangles of an OBJ file, and report its other lines.
+
+    trimesh silently drops faces after a tab, counts relative corners from the end of the file, and
+    takes all faces for as many corners as the first line has.
+    """
+    places: list[float] = []
+    triangles: list[tuple[int, int, int]] = []
+    others: Counter[bytes] = Counter()
+    plain = data.removeprefix(b"\xef\xbb\xbf").replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    with _reading("obj"):
+        for line in plain.splitlines():
+            words = line.partition(b"#")[0].split()
+            word = words[0] if words else b""
+            if word == b"v":
+                if len(words) < 4:
+                    raise FormatError(
+                        "wrong-count", "has vertices without three coordinates", "export it again"
+                    )
+                places += map(_number, words[1:4])
+            elif word == b"f":
+                triangles += _fan(words[1:], len(places) // 3)
+                _check_face_count(len(triangles))
+            elif word and word not in _OBJ:
+                others[word] += 1
+    for word in sorted(others):
+        report_unread(f"lines {quote(word, 20)}", others[word])
+    if max((max(corners) for corners in triangles), default=-1) >= len(places) // 3:
+        raise _no_corner()
+    return (
+        np.array(places, np.float64).reshape(-1, 3),
+        np.array(triangles, np.int64).reshape(-1, 3),
+    )
+
+
+def _fan(words: list[bytes], count: int) -> Iterator[tuple[int, int, int]]:
+    """Yield the triangles of a face whose corners count from 1, or back from the last vertex."""
+    if len(words) < 3:
+        raise FormatError("wrong-count", "has a face of fewer than 3 corners", "export it again")
+    found = [int(_number(word.partition(b"/")[0], int)) for word in words]
+    corners = [number - 1 if number > 0 else count + number for number in found]
+    if 0 in found or min(corners) < 0:
+        raise _no_corner()
+    for one, other in itertools.pairwise(corners[1:]):
+        yield corners[0], one, other
+
+
+def _number(word: bytes, kind: Callable[[bytes], float] = float) -> float:
+    # Python allows 1_000 for 1000.
+    if b"_" in word:
+        raise ValueError(f"{word.decode(errors='replace')} is not a number")
+    return kind(word)
+
+
+def _is_binary_stl(data: bytes) -> bool:
+    return len(data) >= 84 and len(data) == 84 + 50 * struct.unpack_from("<I", data, 80)[0]
+
+
+def _stl_triangles(data: bytes) -> tuple[Floats, Ints]:
+    """Return the corners and triangles of an STL file of text, and report its other words."""
+    data = data.replace(b"\r", b"\n")
+    found = [*_STL_TEXT.finditer(data)]
+    facets = [one.groups()[1:] for one in found if one[2] is not None]
+    ends = sum(one[1] is not None for one in found)
+    if 2 * ends != len(found) - len(facets):
+        raise FormatError("ends-early", "has a solid without its endsolid", "export it again")
+    _check_face_count(len(facets))
+    with _reading("stl"):
+        numbers = [_number(word) for words in facets for word in words]
+    report_unread("words besides facets", len(_STL_TEXT.sub(b"", data).split()))
+    # A facet in the line of a solid's name counts as its name.
+    report_unread("facets", data.lower().count(b"endfacet") - len(facets))
+    return np.array(numbers, np.float64).reshape(-1, 3), np.arange(3 * len(facets)).reshape(-1, 3)
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
@@ -191,21 +257,14 @@ def _quiet() -> Iterator[None]:
             logger.disabled = was_disabled
 
 
-def _loaded(data: bytes, kind: str, path: Path) -> Any:
-    """Return the scene that trimesh makes of a file; any exception is the file's fault."""
+@contextmanager
+def _reading(kind: str) -> Iterator[None]:
+    """Turn any exception inside into a fault of the file, because that is what it is."""
     try:
-        with _quiet():
-            return trimesh.load_scene(
-                io.BytesIO(data),
-                file_type=kind,
-                # The only other files that COLLADA names are pictures.
-                resolver=None if kind == "dae" else _Beside(path),
-                process=False,
-                skip_materials=True,
-            )
+        yield
     except WorldgenError:
         raise
-    # A damaged file can make trimesh raise anything.
+    # A damaged file can make a library raise anything.
     except Exception as error:
         raise FormatError(
             "unreadable-mesh",
@@ -214,6 +273,19 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
             kind=kind,
             reason=damage(error),
         ) from error
+
+
+def _loaded(data: bytes, kind: str, path: Path) -> Any:
+    """Return the scene that trimesh makes of a file."""
+    with _reading(kind), _quiet():
+        return trimesh.load_scene(
+            io.BytesIO(data),
+            file_type=kind,
+            # The only other files that COLLADA names are pictures.
+            resolver=None if kind == "dae" else _Beside(path),
+            process=False,
+            skip_materials=True,
+        )
 
 
 def _in_one_frame(scene: Any) -> tuple[Floats, Ints, int]:
@@ -231,22 +303,15 @@ def _in_one_frame(scene: Any) -> tuple[Floats, Ints, int]:
             left_out += 1
             continue
         faces += len(part.faces)
-        if faces > MOST_FACES:
-            raise FormatError(
-                "too-large",
-                "has more than {most} triangles",
-                "simplify it, or export a part of it",
-                most=MOST_FACES,
-            )
+        _check_face_count(faces)
         vertices = np.asarray(part.vertices, np.float64)
         corners = np.asarray(part.faces, np.int64)
-        # A damaged OBJ file may have vertices of one or two numbers.
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise FormatError(
                 "wrong-count", "has vertices without three coordinates", "export it again"
             )
         if corners.min() < 0 or corners.max() >= len(vertices):
-            raise FormatError("out-of-range", "has a triangle without vertices", "export it again")
+            raise _no_corner()
         # Move the part into place; a mirror turns its triangles inside out.
         with np.errstate(all="ignore"):
             # Round each product and sum once, so that every machine gets the same bits.
@@ -256,6 +321,20 @@ def _in_one_frame(scene: Any) -> tuple[Floats, Ints, int]:
         triangles.append((corners[:, ::-1] if mirrored else corners) + count)
         count += len(vertices)
     return np.concatenate(places), np.concatenate(triangles), left_out
+
+
+def _no_corner() -> FormatError:
+    return FormatError("out-of-range", "has a triangle without vertices", "export it again")
+
+
+def _check_face_count(count: int) -> None:
+    if count > MOST_FACES:
+        raise FormatError(
+            "too-large",
+            "has more than {most} triangles",
+            "simplify it, or export a part of it",
+            most=MOST_FACES,
+        )
 
 
 def _check_arrays(vertices: Floats, faces: Ints) -> None:
