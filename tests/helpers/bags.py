@@ -93,8 +93,11 @@ def drive(through=False):
     return found
 
 
-def write_bag(path, messages, kind="mcap"):
-    """Write messages (topic, type, time in s, fields) as a bag; return the file, or the folder."""
+def write_bag(path, messages, kind="mcap", compression=""):
+    """Write messages (topic, type, time in s, fields) as a bag; return the file, or the folder.
+
+    The compression is ``bz2`` or ``lz4`` of ROS 1, or ``file``, ``message`` or ``storage`` of ROS 2.
+    """
     from rosbags import rosbag1, rosbag2
     from rosbags.rosbag2 import StoragePlugin
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -109,6 +112,11 @@ def write_bag(path, messages, kind="mcap"):
         plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
         writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
         encode = store.serialize_cdr
+    if compression and kind == "bag":
+        writer.set_compression(writer.CompressionFormat[compression.upper()])
+    elif compression:
+        mode = rosbag2.CompressionMode[compression.upper()]
+        writer.set_compression(mode, rosbag2.CompressionFormat.ZSTD)
     with writer:
         connections = {}
         for topic, name, time, fields in messages:
@@ -118,7 +126,7 @@ def write_bag(path, messages, kind="mcap"):
             writer.write(connections[topic], DATE * SECOND + round(time * SECOND), data)
     if kind == "bag":
         return path.with_suffix(".bag")
-    return next(path.glob("*.mcap")) if kind == "mcap" else path
+    return next(path.glob("*.mcap")) if kind == "mcap" and not compression else path
 
 
 def _built(store, name, fields):

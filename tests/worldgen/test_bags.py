@@ -1,6 +1,7 @@
 """ROS bags: a world and a trajectory from one file, and damaged ones."""
 
 import math
+import os
 import struct
 import sys
 
@@ -28,6 +29,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import FormatError, InvalidParameter, read_world
 from worldgen.interop import import_world
+from worldgen.logs import bag
 from worldgen.logs.bag import is_bag, read_bag
 from worldgen.logs.reading import read_log
 
@@ -176,6 +178,45 @@ def test_a_damaged_bag_is_one_sentence(tmp_path, kind):
     (tmp_path / "bad.mcap").write_bytes(damaged(bag.read_bytes(), kind))
     done = worldgen("import", tmp_path / "bad.mcap", "--out", tmp_path / "w.grid")
     assert done.code == 2 and len(done.err.strip().splitlines()) == 1, done.err
+
+
+@pytest.mark.gate
+@needs_rosbags
+@pytest.mark.parametrize(
+    ("kind", "compression"),
+    [
+        ("bag", "bz2"),
+        ("bag", "lz4"),
+        ("db3", "file"),
+        ("db3", "message"),
+        ("mcap", "message"),
+        ("mcap", "storage"),
+    ],
+)
+def test_a_compressed_bag_is_read_unless_it_becomes_too_large(
+    tmp_path, monkeypatch, kind, compression
+):
+    path = write_bag(tmp_path / "run", drive(), kind, compression)
+    assert read_bag(path).grid_topic() == "/map"
+    monkeypatch.setattr(bag, "_MOST_OF_A_CHUNK", 2000)
+    monkeypatch.setattr(bag, "_MOST_OF_A_FILE", 2000)
+    with raises(FormatError, "wrong-length", most=2000):
+        read_bag(path)
+
+
+@pytest.mark.gate
+@needs_rosbags
+def test_the_list_and_the_files_of_a_bag_are_checked_before_they_are_opened(tmp_path):
+    path = write_bag(tmp_path / "run", drive(), "db3")
+    database = next(path.glob("*.db3"))
+    database.unlink()
+    os.mkfifo(database)
+    with raises(FormatError, "damaged-bag", name=database.name):
+        read_bag(path)
+    with (path / "metadata.yaml").open("a") as metadata:
+        metadata.write("deep: " + 1000 * "[")
+    with raises(FormatError, "damaged-bag", name="metadata.yaml"):
+        read_bag(path)
 
 
 @pytest.mark.gate

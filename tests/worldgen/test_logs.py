@@ -174,6 +174,30 @@ def test_what_cannot_be_read_rightly_is_refused(text, columns, code):
         parse_log(text, "log", columns=columns)
 
 
+MANY = 20_000
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("t,x" + MANY * "(" + ",y\n0,1,1\n", "too-few-samples"),
+        (f"t,{MANY // 10 * 'x,y,'}z\n", "ambiguous-columns"),
+        (f"{20 * 'time,'}x,y\n{20 * '0,'}1,1\n", "ambiguous-columns"),
+        ("t,x,y\n" + 10 * MANY * "1", "too-few-samples"),
+        ("t,x,y\n0,1,1\n1,1," + 10 * MANY * "a" + "\n", "invalid-csv"),
+    ],
+    ids=["brackets", "columns of positions", "columns of times", "a long line", "a long field"],
+)
+def test_a_table_beyond_measure_is_refused_at_once(text, code):
+    with raises(FormatError, code):
+        parse_log(text, "log")
+
+
+def test_a_long_line_is_read_if_its_fields_are_short():
+    path = "0,0,map," + ",".join(f"0,0,,{x},3,0,0,0,0,1" for x in range(7000)) + "\n"
+    assert len(path) > 131_072 and len(parse_log(path, "log").trajectories[1].x) == 7000
+
+
 @pytest.mark.parametrize("columns", ["x", "x=1", "speed=3", "t=", "x=1;y=2"])
 def test_choices_in_another_form_are_refused(columns):
     with pytest.raises(InvalidParameter):

@@ -6,7 +6,10 @@ is only data. ``rosbags`` is an extra, ``worldgen[bags]``; it is imported when a
 
 from __future__ import annotations
 
+import bz2
+import itertools
 import math
+import re
 import struct
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -14,7 +17,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,9 +32,17 @@ MAGIC = rb"\x89MCAP0\r\n|#ROSBAG V2\.0|SQLite format 3\0|\s*rosbag2_bagfile_info
 _HEADS = {b"\x89MCAP0\r\n": ".mcap", b"#ROSBAG V2.0": ".bag", b"SQLite format 3\0": ".db3"}
 _METADATA = "metadata.yaml"
 
-# Of MCAP: the record that holds other records, compressed, and the largest one that is read, bytes.
+_MCAP = b"\x89MCAP0\r\n"
+_ZSTD = b"\x28\xb5\x2f\xfd"
+# The kind of MCAP's record that holds other records, compressed.
 _CHUNK = 6
-_MOST_OF_A_CHUNK = 1 << 30
+# The most that compressed parts become: chunks and messages, and files, bytes.
+_MOST_OF_A_CHUNK = 1 << 29
+_MOST_OF_A_FILE = 1 << 30
+# The list of a bag's files: its most characters and its deepest lists.
+_MOST_OF_METADATA = 1 << 22
+_DEEPEST = 50
+_BRACKETS = re.compile(r"[\[{\]}]")
 _MOST_CELLS = 1 << 28
 
 _GRID = "nav_msgs/msg/OccupancyGrid"
@@ -271,14 +282,13 @@ def _opened(path: Path) -> Iterator[Iterator[_Message]]:
 
     path = path.parent if path.name == _METADATA else path
     with ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        _check_files(path, folder)
         if path.is_file():
             with path.open("rb") as stream:
                 suffix = _suffix(stream.read(64))
-                if suffix == ".mcap":
-                    _check_chunks(stream, path.stat().st_size)
             # rosbags goes by the name.
             if path.suffix != suffix:
-                folder = stack.enter_context(tempfile.TemporaryDirectory())
                 named = Path(folder) / f"bag{suffix}"
                 named.symlink_to(path.resolve())
                 path = named
@@ -289,17 +299,97 @@ def _opened(path: Path) -> Iterator[Iterator[_Message]]:
             if name not in store.types:
                 store.register(get_types_from_msg(definition, name))
         parse = store.deserialize_ros1 if is_first else store.deserialize_cdr
+        unpack = _limit_unpacking(reader)
         wanted = [one for one in reader.connections if one.msgtype in _Collector.TYPES]
 
         def messages() -> Iterator[_Message]:
             # No connections would mean all of them.
             for one, time, data in reader.messages(wanted) if wanted else ():
-                yield _Message(one.topic, one.msgtype, time, partial(parse, data, one.msgtype))
+                whole = partial(parse, unpack(data), one.msgtype)
+                yield _Message(one.topic, one.msgtype, time, whole)
 
         yield messages()
 
 
-def _check_chunks(stream: BinaryIO, size: int) -> None:
+def _limit_unpacking(reader: Any) -> Callable[[bytes], bytes]:
+    """Let a reader unpack chunks of ROS 1 to a limit only, and return how to unpack its messages."""
+    for at, chunk in getattr(reader, "chunks", {}).items():
+        name = chunk.decompressor.__module__.partition(".")[0]
+        if name in ("bz2", "lz4"):
+            reader.chunks[at] = chunk._replace(decompressor=partial(_unpacked, name))
+    if getattr(reader, "compression_mode", None) != "message":
+        return bytes
+    # Unpacked here, not by the reader, which knows no limit.
+    reader.storage.metadata = reader.storage.metadata._replace(compression_mode=None)
+    return partial(_unpacked, "zstd")
+
+
+def _check_files(path: Path, folder: str) -> None:
+    """Refuse a bag that is dangerous to open: rosbags reads all files at once and to any size.
+
+    Args:
+        path: The bag.
+        folder: A folder for temporary files.
+
+    Raises:
+        FormatError: If a file is a pipe or a device, or becomes too large.
+    """
+    if path.is_file():
+        return _check_file(path, folder)
+    with (path / _METADATA).open(encoding="utf-8", errors="replace") as lines:
+        text = lines.read(_MOST_OF_METADATA)
+    depths = itertools.accumulate(1 if mark in "[{" else -1 for mark in _BRACKETS.findall(text))
+    if len(text) == _MOST_OF_METADATA or max(depths, default=0) > _DEEPEST:
+        raise FormatError(
+            "damaged-bag",
+            "{name} is no list of a bag's files: it is too long or too deep",
+            "repair it with ros2 bag reindex",
+            name=_METADATA,
+        )
+    for inner in sorted(path.iterdir()):
+        if not inner.is_dir():
+            _check_file(inner, folder)
+
+
+def _check_file(path: Path, folder: str) -> None:
+    """Refuse a file of a bag that is not an ordinary one, or becomes too large."""
+    if not path.is_file():
+        raise FormatError(
+            "damaged-bag",
+            "{name} is not an ordinary file",
+            "remove it, or repair the bag with ros2 bag reindex",
+            name=path.name,
+        )
+    with path.open("rb") as stream:
+        head = stream.read(8)
+        if head == _MCAP:
+            _check_chunks(stream, path.stat().st_size)
+        if not head.startswith(_ZSTD):
+            return
+        stream.seek(0)
+        with tempfile.TemporaryFile(dir=folder) as plain:
+            # Another bag may be in it, so unpack it as rosbags does, but no further than allowed.
+            unpacked = _zstd().open(stream, "rb")
+            while block := unpacked.read(1 << 20):
+                if plain.tell() + len(block) > _MOST_OF_A_FILE:
+                    raise _too_large(_MOST_OF_A_FILE)
+                plain.write(block)
+            size = plain.tell()
+            plain.seek(0)
+            if plain.read(8) == _MCAP:
+                _check_chunks(plain, size)
+
+
+def _too_large(most: int) -> FormatError:
+    return FormatError(
+        "wrong-length",
+        "the bag has a compressed part that becomes more than {most} bytes, or other than it says",
+        "decompress the bag with ros2 bag convert or rosbag decompress, or record it again",
+        most=most,
+    )
+
+
+def _check_chunks(stream: IO[bytes], size: int) -> None:
     """Refuse an MCAP file with a chunk that becomes too large, before anything decompresses it.
 
     Raises:
@@ -317,40 +407,45 @@ def _check_chunks(stream: BinaryIO, size: int) -> None:
             )
         if kind == _CHUNK:
             unpacked, _, named = struct.unpack("<QII", stream.read(32)[16:])
-            compression = stream.read(min(named, 8))
+            compression = stream.read(min(named, 8)).decode("ascii", "replace")
             (packed,) = struct.unpack("<Q", stream.read(8))
             is_true = unpacked <= _MOST_OF_A_CHUNK and packed <= size and named <= 8
             if is_true and compression:
-                is_true = _unpacked(compression, stream.read(packed), unpacked + 1) == unpacked
+                is_true = len(_unpacked(compression, stream.read(packed))) == unpacked
             if not is_true:
-                raise FormatError(
-                    "wrong-length",
-                    "the bag has a chunk of {unpacked} bytes; it must be at most {most}, and as many as "
-                    "the file says",
-                    "record it again",
-                    unpacked=unpacked,
-                    most=_MOST_OF_A_CHUNK,
-                )
+                raise _too_large(_MOST_OF_A_CHUNK)
         at += 9 + length
 
 
-def _unpacked(compression: bytes, data: bytes, most: int) -> int:
-    """Return how many bytes a chunk becomes, counting no further than ``most``."""
-    if compression == b"zstd":
-        try:
-            from compression import zstd  # noqa: PLC0415 - Python 3.14
-        except ImportError:
-            from backports import zstd  # noqa: PLC0415
+def _zstd() -> Any:
+    try:
+        from compression import zstd  # noqa: PLC0415 - Python 3.14
+    except ImportError:
+        from backports import zstd  # noqa: PLC0415
+    return zstd
 
-        decompressor: Any = zstd.ZstdDecompressor()
-    elif compression == b"lz4":
+
+def _unpacked(compression: str, data: bytes) -> bytes:
+    """Return what a chunk or a message becomes.
+
+    Raises:
+        FormatError: If that is too large, there is more after it, or the compression is unknown.
+    """
+    decompressor: Any
+    if compression == "zstd":
+        decompressor = _zstd().ZstdDecompressor()
+    elif compression == "lz4":
         from lz4 import frame  # noqa: PLC0415
 
         decompressor = frame.LZ4FrameDecompressor()
+    elif compression == "bz2":
+        decompressor = bz2.BZ2Decompressor()
     else:
-        return -1
-    found = len(decompressor.decompress(data, max_length=most))
-    return -1 if decompressor.unused_data else found
+        raise _too_large(_MOST_OF_A_CHUNK)
+    found: bytes = decompressor.decompress(data, max_length=_MOST_OF_A_CHUNK + 1)
+    if not decompressor.eof or decompressor.unused_data or len(found) > _MOST_OF_A_CHUNK:
+        raise _too_large(_MOST_OF_A_CHUNK)
+    return found
 
 
 class _Collector:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 from worldgen.errors import FormatError, InvalidParameter
@@ -78,7 +79,8 @@ _HEADINGS = ("heading", "yaw", "theta", "psi", "hdg", "th", "orientation", "angl
 _AXES: Mapping[str, str] = {"easting": "x", "northing": "y", **{axis: axis for axis in "xyzw"}}
 
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
-_IN_BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
+# Opening brackets inside would make the search quadratic.
+_IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _CONTEXT = (
     "t|p|pos|pose|position|trans|translation|loc|coord|point|robot|base|odom|map|world|utm|"
     "q|quat|ori|rot|orientation|quaternion"
@@ -107,7 +109,7 @@ class Name:
         """Split a name into words: ``pose_posX [m]`` into pose, pos and x, and its unit, m."""
         plain = text.translate(_SPELLED)
         inside = _IN_BRACKETS.search(plain)
-        unit = inside[1].lower() if inside else ""
+        unit = inside[1].strip().lower() if inside else ""
         words = [word.lower() for word in _WORDS.findall(_IN_BRACKETS.sub(" ", plain))]
         if not unit and words:
             # A single s, m or t is a name.
@@ -278,18 +280,13 @@ def _position(known: Sequence[Name]) -> tuple[Name, Name]:
         raise no_column(missing[0] if missing else "y", names)
     best = min(_rank(xs[0]) for xs, _ in pairs)
     likely = [(xs, ys) for xs, ys in pairs if _rank(xs[0]) == best]
-    every = [(x, y) for xs, ys in likely for x in xs for y in ys]
+    # The message names three pairs at most, and there are as many as columns squared.
+    every = list(islice(((x, y) for xs, ys in likely for x in xs for y in ys), 3))
     if len(every) > 1:
-        # Of two columns with the same name, only the number tells which.
-        names = [name.column.name for name in known]
-        labels = {
-            name: name.column.name
-            if names.count(name.column.name) == 1
-            else str(name.column.place + 1)
-            for name in known
-        }
-        shown = [f"columns {labels[x]} and {labels[y]}" for x, y in every[:3]]
-        first, second = (f"x={labels[x]},y={labels[y]}" for x, y in every[:2])
+        xs = label_columns([x.column for x, _ in every])
+        ys = label_columns([y.column for _, y in every])
+        shown = [f"columns {x} and {y}" for x, y in zip(xs, ys, strict=True)]
+        first, second = (f"x={x},y={y}" for x, y in zip(xs[:2], ys[:2], strict=True))
         raise ambiguous(f"the positions may be in {' or in '.join(shown)}", (first, second))
     return every[0]
 
@@ -308,19 +305,18 @@ def _times(known: Sequence[Name]) -> list[dict[str, Column]]:
     found: list[dict[str, Column]] = []
     taken: set[int] = set()
     times = [name for name in known if name.is_time]
+    nanoseconds: dict[tuple[str, ...], Column] = {}
+    for name in times:
+        if TIME_UNITS.get(name.column.unit) == 1e-9:
+            nanoseconds.setdefault(name.words, name.column)
     for name in times:
         if name.column.place in taken:
             continue
         own = {"t": name.column}
-        rest = [
-            other.column
-            for other in times
-            if other.words == name.words and TIME_UNITS.get(other.column.unit) == 1e-9
-        ]
         # A stamp's seconds and nanoseconds have the same name but for the unit.
-        if TIME_UNITS.get(name.column.unit) == 1.0 and rest:
-            own["nanosec"] = rest[0]
-            taken.add(rest[0].place)
+        if TIME_UNITS.get(name.column.unit) == 1.0 and name.words in nanoseconds:
+            own["nanosec"] = nanoseconds[name.words]
+            taken.add(own["nanosec"].place)
         found.append(own)
     kept = [own for own in found if "nanosec" in own or own["t"].place not in taken]
     return sorted(kept, key=lambda own: not is_sure(own["t"]))
@@ -348,6 +344,17 @@ def _heading(known: Sequence[Name], x: Name) -> dict[str, Column]:
     if not complete:
         return {}
     return complete[max(complete, key=lambda stem: (not set(stem) & _OTHERS, shared(stem)))]
+
+
+def label_columns(columns: Sequence[Column]) -> list[str]:
+    """Return what ``--columns`` calls columns: of several with a name, only the number tells which."""
+    places: dict[str, set[int]] = {}
+    for column in columns:
+        places.setdefault(column.name.lower(), set()).add(column.place)
+    return [
+        column.name if len(places[column.name.lower()]) == 1 else str(column.place + 1)
+        for column in columns
+    ]
 
 
 def no_column(axis: str, names: Sequence[str]) -> FormatError:

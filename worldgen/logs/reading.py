@@ -23,6 +23,7 @@ from worldgen.logs.columns import (
     find_columns,
     is_frame,
     is_sure,
+    label_columns,
     no_column,
     parse_columns,
 )
@@ -45,6 +46,8 @@ _CHOSEN = "a table without a header"
 _TURNS = ("yaw", "qx", "qy", "qz", "qw")
 # Lines by which a table without a header is recognised.
 _ROWS = 20
+# Columns of times that are compared: each one costs a reading of the whole table.
+_MOST_TIMES = 16
 # Durations in two columns of times that are the same one, as a ratio.
 _SAME = 0.01
 _OURS = "%worldgen-grid"
@@ -332,8 +335,8 @@ def _kind_of(names: Sequence[str]) -> str:
 
 def _check_frames(table: Table, places: Sequence[int]) -> None:
     """Refuse poses of several frames in one table, such as all of ROS's /tf."""
-    for place in places:
-        frames = sorted(table.texts(place))
+    for values in table.texts(places):
+        frames = sorted(values)
         if len(frames) > 1:
             raise FormatError(
                 "several-frames",
@@ -358,26 +361,31 @@ def _timed(table: Table, ways: Sequence[Mapping[str, Column]]) -> Mapping[str, C
     Raises:
         FormatError: If two columns of times differ in more than their units.
     """
-    spans = []
-    for way in ways:
+    first: Mapping[str, Column] = ways[0]
+    span: float | None = None
+    for count, way in enumerate(ways):
+        if count == _MOST_TIMES:
+            raise _several_times(first, way)
         try:
             times = table.numbers({"t": way["t"].place})["t"]
         except FormatError:
             continue
         # A stamp that nobody set stays at 0.
-        if len(times) < 2 or times.min() < times.max():
-            spans.append((way, float(np.ptp(times)) if len(times) else 0.0))
-    if not spans:
-        return ways[0]
-    first, span = spans[0]
-    for way, other in spans[1:]:
-        if not is_sure(first["t"]) and not _differ_by_unit(span, other):
-            names = first["t"].name, way["t"].name
-            raise ambiguous(
-                f"the times may be in {names[0]} or in {names[1]}",
-                (f"t={names[0]}", f"t={names[1]}"),
-            )
+        if len(times) > 1 and times.min() == times.max():
+            continue
+        other = float(np.ptp(times)) if len(times) else 0.0
+        if span is None:
+            first, span = way, other
+            if is_sure(first["t"]):
+                break
+        elif not _differ_by_unit(span, other):
+            raise _several_times(first, way)
     return first
+
+
+def _several_times(way: Mapping[str, Column], other: Mapping[str, Column]) -> FormatError:
+    own, rival = label_columns([way["t"], other["t"]])
+    return ambiguous(f"the times may be in {own} or in {rival}", (f"t={own}", f"t={rival}"))
 
 
 def _differ_by_unit(span: float, other: float) -> bool:

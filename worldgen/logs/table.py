@@ -110,10 +110,17 @@ class Table:
             columns = self._line_by_line(places)
         return dict(zip(places, columns, strict=True))
 
-    def texts(self, place: int) -> set[str]:
-        """Return the different values in a column of texts."""
-        rows = (split(line, self.delimiter) for _, line in self.lines())
-        return {fields[place] for fields in rows if len(fields) > place}
+    def texts(self, places: Sequence[int]) -> list[set[str]]:
+        """Return the different values in each of some columns of texts."""
+        found: list[set[str]] = [set() for _ in places]
+        if not places:
+            return found
+        for _, line in self.lines():
+            fields = split(line, self.delimiter)
+            for values, place in zip(found, places, strict=True):
+                if len(fields) > place:
+                    values.add(fields[place])
+        return found
 
     def rows(self, most: int) -> list[list[str]]:
         """Return the fields of the first samples."""
@@ -172,17 +179,21 @@ class Table:
 
 
 def split(line: str, delimiter: str | None, *, strict: bool = False) -> list[str]:
-    """Return the fields of a line.
+    """Return the fields of a line; the whole line if it has none, as its fields are too long.
 
     Raises:
-        csv.Error: If ``strict``, and a quotation mark is never closed.
+        csv.Error: If ``strict``, and a quotation mark is never closed, or a field is too long.
     """
     if delimiter is None:
         return line.replace('"', " ").split()
-    rows = csv.reader(
-        [line.strip(" \n")], delimiter=delimiter, strict=strict, skipinitialspace=True
-    )
-    return [field.strip() for field in next(rows, [])]
+    line = line.strip(" \n")
+    rows = csv.reader([line], delimiter=delimiter, strict=strict, skipinitialspace=True)
+    try:
+        return [field.strip() for field in next(rows, [])]
+    except csv.Error:
+        if strict:
+            raise
+        return [line]
 
 
 def number_of(text: str, *, is_time: bool = False) -> float | None:
