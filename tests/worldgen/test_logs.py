@@ -61,6 +61,9 @@ TIMED = {
     + lines("{i},0,odom,base_link,{x},3,0,0,0,0,1"),
     "a row of units": lines("{i},{x},3", "time,x,y\n[s],[m],[m]\n"),
     "three columns, the first one dates": lines("160000000{i}.5 {x} 3"),
+    "Chinese": lines("{i},{x},3", "时间,x坐标,y坐标\n"),
+    "a clock in brackets": lines("{i},{x},3", "Time (UTC),x,y\n"),
+    "units below the names": lines("{i}000,{x}000,3000", "time,x,y\n[ms],[mm],[mm]\n"),
     "comments among numbers": "t,x,y\n0,2,3\n# half way\n\n1,3,3\n2,4,3\n",
 }  # fmt: skip
 PLANS = {
@@ -119,13 +122,19 @@ NORTH = "\n0,2,2,{0}\n1,2,3,{0}\n2,2,4,{0}\n"
         ("t,x,y,yaw_deg" + NORTH.format(90), "yaw_deg in degrees"),
         ("t,x,y,heading" + NORTH.format(90), "heading in degrees"),
         ("t,x,y,psi" + NORTH.format(0), "psi counted from the y axis"),
+        ("t,x,y,yaw\n0,2,2,90\n1,2,3,-270\n2,2,3,90\n", "yaw in degrees"),
+        (
+            "t,x,y,heading\n0,2,2,{0}\n1,3,2,{0}\n2,4,2,{0}\n".format(math.pi / 2),
+            "heading in rad, although degrees fit the moves; choose --columns yaw=heading:deg if it is in degrees",
+        ),
         ("t,x,y,qz,qw" + NORTH.format(f"{HALF},{HALF}"), ""),
         ("t,x,y,q_x,q_y,q_z,q_w" + NORTH.format(f"0,0,{HALF},{HALF}"), ""),
     ],
 )
 def test_headings_are_turned_into_radians_from_the_x_axis(text, remark):
     log = parse_log(text, "log", with_headings=True)
-    assert list(log.trajectories[1].headings) == pytest.approx([math.pi / 2] * 3)
+    turned = [heading % (2 * math.pi) for heading in log.trajectories[1].headings]
+    assert turned == pytest.approx([math.pi / 2] * 3)
     assert log.read_as.endswith(remark)
 
 
@@ -149,7 +158,16 @@ def test_chosen_columns_take_the_place_of_recognised_ones():
         ("0,2,3\n1,3,3\n", "t=1,x=2,y=3"),
         ("wall_time,sim_time,x,y\n0,0,1,1\n3,1,1,1\n", "t=wall_time"),
         ("time,x,y\n0,0,0\n20,0.6,0\n40,1.2,0\n", "t=time:ms"),
+        ("time,x,y\n0.25,0,0\n20.25,0.1,0\n40.25,0.2,0\n", "t=time:ms"),
+        ("time,x,y\n0,0,0\n5,0.005,0\n10,0.01,0\n", "t=time:ms"),
         ("x,y,turn_angle\n2,2,100\n3,2,200\n", "yaw=turn_angle:deg"),
+        ("t,x,y,yaw\n0,2,2,0.1\n1,2,2,4\n2,2,2,8\n", "yaw=yaw:deg"),
+        ("t,x,y,heading\n0,2,2,90\n1,3,2,91\n", "yaw=heading:deg"),
+        ("t,x,y,yaw\n0,2,2,44\n1,3,2,44\n", "yaw=yaw:deg"),
+        ("t,x,y,yaw\n0,2,2,-0.6\n1,3,1.99,0\n2,4,1.99,0.6\n3,5,2,0\n", "yaw=yaw:deg"),
+        ("0 2 3 0 1 0 0 0\n1 3 3 0 0.9801 0 0 0.1987\n", "qw=5,qx=6,qy=7,qz=8"),
+        ("t,goal_x,goal_y\n0,1,1\n", "x=goal_x,y=goal_y"),
+        ("t,x,y,robot_x,robot_y\n0,1,1,1,1\n", "x=x,y=y"),
     ],
 )
 def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first):
@@ -166,6 +184,10 @@ def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first)
         (lines("{i},0,odom,base,{x},3,0,0,0,0,1") + "3,0,map,base,4,3,0,0,0,0,1\n", "", "several-frames"),
         ("t,x,y\n0,5,1,25,2,0\n1,5,1,25,2,0\n", "", "wrong-count"),
         ("1,2,3,4,5\n2,2,3,4,5\n", "", "ambiguous-columns"),
+        ("t [min],x,y\n0,1,1\n", "", "unknown-unit"),
+        ("t_h,x,y\n0,1,1\n", "t=t_h", "unknown-unit"),
+        ("t,x_ft,y_ft\n0,1,1\n", "", "unknown-unit"),
+        ("t,x [km],y [km]\n0,1,1\n", "x=2,y=3", "unknown-unit"),
         ("0,0,map" + ",0,0,,1,1,0,0,0,0,1" * 128 + ",...\n", "", "line-too-short"),
     ],
 )  # fmt: skip
@@ -196,6 +218,33 @@ def test_a_table_beyond_measure_is_refused_at_once(text, code):
 def test_a_long_line_is_read_if_its_fields_are_short():
     path = "0,0,map," + ",".join(f"0,0,,{x},3,0,0,0,0,1" for x in range(7000)) + "\n"
     assert len(path) > 131_072 and len(parse_log(path, "log").trajectories[1].x) == 7000
+
+
+def test_headings_of_two_robots_are_counted_for_each():
+    text = "t,robot,x,y,heading\n0,1,1,1,6\n0,2,2,2,0\n1,1,1,1,8\n1,2,2,2,0\n"
+    found = parse_log(text, "log", 2, with_headings=True).trajectories
+    assert [list(found[robot].headings) for robot in (1, 2)] == [[6.0, 8.0], [0.0, 0.0]]
+
+
+def test_numbers_of_columns_keep_the_units_in_their_names():
+    found = parse_log("t,x_mm,y_mm\n0,1000,1\n1,2000,1\n", "log", columns="x=2,y=3").trajectories[1]
+    assert list(found.x) == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "remark"),
+    [
+        ("when,x,y\n0.5,2,3\n1.5,3,3\n3.5,4,3\n", "", "choose --columns t=1 if it holds the times"),
+        ("0 2 3 0 1 0 0 0\n1 3 3 0 1 0 0 0\n", "qx=5,qy=6,qz=7,qw=8", "seen from above"),
+        ("t,x,y,yaw\n0,2,2,90\n1,2,3,60\n2,2.5,3.87,90\n", "yaw=yaw:rad", ""),
+        ("t,x,y,hdg\n0,2,2,0\n1,2,3,45\n2,2.71,3.71,90\n3,3.71,3.71,90\n", "yaw=hdg:deg",
+         "convert it if it is a compass's"),
+    ],
+    ids=["unknown times", "a camera", "chosen", "a compass"],
+)  # fmt: skip
+def test_what_is_only_doubtful_is_said(text, columns, remark):
+    log = parse_log(text, "log", with_headings=True, columns=columns)
+    assert log.read_as.endswith(remark)
 
 
 @pytest.mark.parametrize("columns", ["x", "x=1", "speed=3", "t=", "x=1;y=2"])

@@ -33,6 +33,15 @@ ANGLE_UNITS: Mapping[str, float] = {
     **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), 0.017453292519943295),
 }
 
+# Units that are not read, as words at the end of a name: they say what a number is not.
+_OTHER_UNITS = frozenset((
+    "km", "ft", "feet", "foot", "in", "inch", "inches", "yd", "yards", "mi", "miles", "dm",
+    "min", "mins", "minute", "minutes", "h", "hr", "hrs", "hour", "hours", "day", "days",
+    "grad", "gon", "mrad", "turns", "revs",
+))  # fmt: skip
+# In brackets, these say which clock or frame it is, not which unit.
+_NO_UNITS = frozenset(("utc", "gmt", "unix", "epoch", "posix", "ros", "sim", "iso", "local", "gps"))
+
 TOPIC = "topic"
 QUANTITIES = ("t", "nanosec", "x", "y", "yaw", "qx", "qy", "qz", "qw", "robot", TOPIC)
 """What a column may hold: ``t`` in s or another unit, ``nanosec`` to add to it, a quaternion.
@@ -48,7 +57,8 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
 }  # fmt: skip
 
 _TIMES = frozenset((
-    "t", "ts", "time", "timestamp", "stamp", "clock", "elapsed", "epoch", "zeit", "temps", "tiempo",
+    "t", "ts", "time", "timestamp", "stamp", "clock", "elapsed", "epoch", "zeit", "zeitstempel",
+    "temps", "tiempo", "tempo", "czas", "tid", "время", "时间", "時間", "时间戳", "時刻", "시간",
 ))  # fmt: skip
 _NO_TIMES = frozenset((
     "dt", "delta", "diff", "delay", "timeout", "duration", "cpu", "compute", "computation",
@@ -73,12 +83,18 @@ _OTHERS = frozenset((
     "waypoint", "next", "lookahead", "start", "initial", "init", "obstacle", "obs", "human",
     "person", "ped", "pedestrian", "other", "camera", "cam", "lidar", "laser", "landmark",
 ))  # fmt: skip
+# Of these, the first are surely not the robot's, and the second surely are.
+_NOT_ROBOTS = frozenset((
+    "goal", "obstacle", "obs", "human", "person", "ped", "pedestrian", "camera", "cam", "lidar",
+    "laser", "landmark",
+))  # fmt: skip
+_OWNERS = frozenset(("robot", "base", "ego", "agent"))
 _ROTATIONS = frozenset(("q", "quat", "quaternion", "orientation", "ori", "rotation", "rot"))
 # The likeliest first.
 _HEADINGS = ("heading", "yaw", "theta", "psi", "hdg", "th", "orientation", "angle", "phi")
 _AXES: Mapping[str, str] = {"easting": "x", "northing": "y", **{axis: axis for axis in "xyzw"}}
 
-_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°|[^\W\d_A-Za-z]+")
 # Opening brackets inside would make the search quadratic.
 _IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _CONTEXT = (
@@ -86,7 +102,9 @@ _CONTEXT = (
     "q|quat|ori|rot|orientation|quaternion"
 )
 _FUSED = re.compile(rf"({_CONTEXT})([xyzw])|([xyzw])({_CONTEXT})")
-_SPELLED = str.maketrans({"θ": "theta", "ψ": "psi", "µ": "u", "μ": "u"})
+_SPELLED = str.maketrans(
+    {"θ": "theta", "ψ": "psi", "µ": "u", "μ": "u", "Δ": "delta ", "δ": "delta "}
+)
 
 
 class Column(NamedTuple):
@@ -110,10 +128,12 @@ class Name:
         plain = text.translate(_SPELLED)
         inside = _IN_BRACKETS.search(plain)
         unit = inside[1].strip().lower() if inside else ""
+        unit = "" if unit in _NO_UNITS else unit
         words = [word.lower() for word in _WORDS.findall(_IN_BRACKETS.sub(" ", plain))]
         if not unit and words:
             # A single s, m or t is a name.
-            is_unit = any(words[-1] in units for units in (TIME_UNITS, LENGTH_UNITS, ANGLE_UNITS))
+            every = (TIME_UNITS, LENGTH_UNITS, ANGLE_UNITS, _OTHER_UNITS)
+            is_unit = any(words[-1] in units for units in every)
             if is_unit and (len(words) > 1 or len(words[0]) > 1):
                 unit = words.pop()
         split: list[str] = []
@@ -140,6 +160,11 @@ class Name:
     @property
     def is_time(self) -> bool:
         """True if the column may hold times."""
+        return self.column.unit in ("", *TIME_UNITS) and self.names_time
+
+    @property
+    def names_time(self) -> bool:
+        """True if the column may hold times by its words, whatever its unit is."""
         if self.axis or self.has(_NO_TIMES):
             return False
         if not self.words:
@@ -150,11 +175,12 @@ class Name:
     @property
     def is_place(self) -> bool:
         """True if the column may hold an x or a y."""
-        return (
-            self.axis in ("x", "y")
-            and not self.has(_NO_PLACES | _ROTATIONS)
-            and self.column.unit in ("", *LENGTH_UNITS)
-        )
+        return self.column.unit in ("", *LENGTH_UNITS) and self.names_place
+
+    @property
+    def names_place(self) -> bool:
+        """True if the column may hold an x or a y by its words, whatever its unit is."""
+        return self.axis in ("x", "y") and not self.has(_NO_PLACES | _ROTATIONS)
 
     @property
     def is_rotation(self) -> bool:
@@ -218,11 +244,10 @@ def chosen_columns(chosen: Choice, names: Sequence[str], count: int) -> dict[str
             continue
         if lower.count(name.lower()) == 1:
             place = lower.index(name.lower())
-            own = Name.of(place, names[place]).column.unit
-            known = own if own in _UNITS.get(quantity, {}) else ""
-            found[quantity] = Column(place, names[place], unit or known)
-        elif name.isdecimal() and 1 <= int(name) <= count:
-            found[quantity] = Column(int(name) - 1, name, unit)
+            label = names[place]
+        elif name.isdecimal() and len(name) < 10 and 1 <= int(name) <= count:
+            place = int(name) - 1
+            label = name
         else:
             raise FormatError(
                 "columns-missing",
@@ -233,6 +258,11 @@ def chosen_columns(chosen: Choice, names: Sequence[str], count: int) -> dict[str
                 count=count,
                 shown=shown,
             )
+        own = Name.of(place, names[place]).column.unit if place < len(names) else ""
+        units = _UNITS.get(quantity, {})
+        if units and own and not unit and own not in units:
+            raise _unknown_unit({quantity: Column(place, names[place], own)})
+        found[quantity] = Column(place, label, unit or (own if units else ""))
     return found
 
 
@@ -275,11 +305,17 @@ def _position(known: Sequence[Name]) -> tuple[Name, Name]:
             by_stem.setdefault(name.stem, {}).setdefault(name.axis, []).append(name)
     pairs = [(found["x"], found["y"]) for found in by_stem.values() if len(found) == 2]
     if not pairs:
+        other = {name.axis: name.column for name in known if name.names_place}
+        if len(other) == 2 and other["x"].unit not in ("", *LENGTH_UNITS):
+            raise _unknown_unit({axis: other[axis] for axis in "xy"})
         missing = [axis for axis in "xy" if not any(axis in found for found in by_stem.values())]
         names = [name.column.name for name in known]
         raise no_column(missing[0] if missing else "y", names)
     best = min(_rank(xs[0]) for xs, _ in pairs)
     likely = [(xs, ys) for xs, ys in pairs if _rank(xs[0]) == best]
+    if best == 0:
+        # Plain x and y are hardly another thing's, unless other names claim the robot's.
+        likely += [(xs, ys) for xs, ys in pairs if 0 < _rank(xs[0]) < 3 and xs[0].has(_OWNERS)]
     # The message names three pairs at most, and there are as many as columns squared.
     every = list(islice(((x, y) for xs, ys in likely for x in xs for y in ys), 3))
     if len(every) > 1:
@@ -288,7 +324,18 @@ def _position(known: Sequence[Name]) -> tuple[Name, Name]:
         shown = [f"columns {x} and {y}" for x, y in zip(xs, ys, strict=True)]
         first, second = (f"x={x},y={y}" for x, y in zip(xs[:2], ys[:2], strict=True))
         raise ambiguous(f"the positions may be in {' or in '.join(shown)}", (first, second))
-    return every[0]
+    x, y = every[0]
+    if x.has(_NOT_ROBOTS):
+        raise FormatError(
+            "ambiguous-columns",
+            "the only positions, {x!q} and {y!q}, are hardly the robot's",
+            "if they are, choose them with {needs!l}",
+            at_terminal=True,
+            x=x.column.name,
+            y=y.column.name,
+            needs=[f"--columns=x={x.column.name},y={y.column.name}"],
+        )
+    return x, y
 
 
 def _rank(name: Name) -> int:
@@ -305,6 +352,10 @@ def _times(known: Sequence[Name]) -> list[dict[str, Column]]:
     found: list[dict[str, Column]] = []
     taken: set[int] = set()
     times = [name for name in known if name.is_time]
+    if not times:
+        for name in known:
+            if name.names_time:
+                raise _unknown_unit({"t": name.column})
     nanoseconds: dict[tuple[str, ...], Column] = {}
     for name in times:
         if TIME_UNITS.get(name.column.unit) == 1e-9:
@@ -355,6 +406,25 @@ def label_columns(columns: Sequence[Column]) -> list[str]:
         column.name if len(places[column.name.lower()]) == 1 else str(column.place + 1)
         for column in columns
     ]
+
+
+def _unknown_unit(columns: Mapping[str, Column]) -> FormatError:
+    """Return the error for columns, by quantity, of which the first has a unit that isn't read."""
+    quantity, column = next(iter(columns.items()))
+    factors = {factor: unit for unit, factor in reversed(list(_UNITS[quantity].items()))}
+    known = list(reversed(factors.values()))
+    ways = (f"{name}={own.place + 1}:{known[0]}" for name, own in columns.items())
+    return FormatError(
+        "unknown-unit",
+        "column {name!q} has the unit {unit!r}, which is not read; those of {quantity} are {known!l}",
+        "convert the numbers and the name, or say which unit it is, as in --columns {way}",
+        at_terminal=True,
+        name=column.name,
+        unit=column.unit,
+        quantity=quantity,
+        known=known,
+        way=",".join(ways),
+    )
 
 
 def no_column(axis: str, names: Sequence[str]) -> FormatError:

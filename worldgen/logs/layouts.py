@@ -59,6 +59,11 @@ class Layout:
         return all(any(abs(turn - length) < 0.01 for length in allowed) for turn in turns)
 
     @property
+    def is_message(self) -> bool:
+        """True if ROS wrote it, which always puts the parts of a quaternion in the same order."""
+        return self.name.startswith(_ECHO)
+
+    @property
     def frames(self) -> list[int]:
         """The places of the names of frames, of which a log has only one each."""
         return [at for at, kind in enumerate(self.fields) if kind in ("frame", "child")]

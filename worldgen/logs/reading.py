@@ -30,7 +30,7 @@ from worldgen.logs.columns import (
 from worldgen.logs.layouts import Layout, layout_of, named_path, path_of, unknown_layout
 from worldgen.logs.table import Table, number_of, split
 from worldgen.logs.trajectory import Trajectory
-from worldgen.logs.units import headings, metres, seconds
+from worldgen.logs.units import check_order, headings, metres, seconds
 from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import counted
 
@@ -180,7 +180,8 @@ def parse_log(
         if "needs" in error.facts and columns:
             way = error.facts["needs"][0].removeprefix("--columns=")
             error.facts["needs"] = [f"--columns={columns},{way}"]
-            error.facts["other"] = f"{columns},{error.facts['other']}"
+            if "other" in error.facts:
+                error.facts["other"] = f"{columns},{error.facts['other']}"
         raise
 
 
@@ -217,7 +218,12 @@ def _parsed(
         times, unit, date = seconds(values["t"], values.get("nanosec"), places["t"], x, y, rows)
     turned, remark = None, ""
     if "yaw" in values or {"qz", "qw"} <= values.keys():
-        turned, remark = headings(values, places, x, y)
+        if layout is not None and not layout.is_message and not chosen.keys() & set(_TURNS):
+            check_order(values, places)
+        turned, remark = headings(values, places, x, y, list(samples.values()))
+
+    if times is None and not kind and "t" not in chosen:
+        remark = "; ".join(filter(None, (remark, _unread_times(table, places))))
 
     # A fault in the numbers has the line of its sample.
     found = {}
@@ -240,6 +246,20 @@ def _parsed(
     if not kind and is_ours and unit in ("", "s") and not date and not remark:
         return Log(found)
     return Log(found, describe_log(kind or _described(places, unit), found, date, remark))
+
+
+def _unread_times(table: Table, places: Mapping[str, Column]) -> str:
+    """Return a remark if the first column of a plan may be times with an unknown name."""
+    if any(column.place == 0 for column in places.values()):
+        return ""
+    try:
+        steps = np.diff(table.numbers({"t": 0})["t"])
+    except FormatError:
+        return ""
+    # Ones are the steps of line numbers.
+    if not len(steps) or not (steps > 0.0).all() or (steps == 1.0).all():
+        return ""
+    return "column 1 rises from line to line: choose --columns t=1 if it holds the times"
 
 
 def _described(places: Mapping[str, Column], unit: str) -> str:
@@ -417,7 +437,7 @@ def _last_path(table: Table, layout: Layout) -> Trajectory:
     is_whole = all(len(turn) == len(x) for turn in turns.values())
     if not (is_whole and {"qz", "qw"} <= turns.keys()):
         return Trajectory.plan(x, y)
-    turned, _ = headings(turns, {}, x, y)
+    turned, _ = headings(turns, {}, x, y, ())
     return Trajectory.plan(x, y, None if np.isnan(turned).any() else turned)
 
 

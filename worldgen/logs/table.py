@@ -69,6 +69,11 @@ class Table:
 
     def names(self) -> Iterator[tuple[int, list[str]]]:
         """Yield ways to read the header, with its line: the likeliest first."""
+        for (line, text), (_, below) in itertools.pairwise(self.headers):
+            names, units = split(text, self.delimiter), split(below, self.delimiter)
+            in_brackets = [unit[:1] + unit[-1:] in ("[]", "()", "") for unit in units]
+            if len(names) == len(units) > 1 and all(in_brackets):
+                yield line, [f"{name} {unit}" for name, unit in zip(names, units, strict=True)]
         ways = [
             (line, split(text, delimiter), delimiter)
             for line, text in reversed(self.headers)

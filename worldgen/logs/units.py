@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from worldgen.errors import FormatError
 from worldgen.logs.columns import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS, Column, ambiguous
 from worldgen.support.arrays import Floats, Ints
 
@@ -19,10 +20,20 @@ _PERIODS = (("s", 10.0), ("ms", 1e4), ("us", 1e7), ("ns", 1e11))
 # milliseconds: it would otherwise drive faster than 50 m/s, or slower than 2 cm/s.
 _IN_SECONDS = 0.05
 _IN_MILLISECONDS = (5e-5, 0.02)
+# ms between samples from which on they may be in milliseconds: a robot is hardly logged more often.
+_OFTEN = 1.0
 # How well headings fit the directions of the moves if they are headings: 0.64 by chance, 1 at best.
 _FITS = 0.9
-# Columns that are in rad unless all tells otherwise: our own names.
-_OURS = ("heading", "yaw", "theta")
+# Parts of a quaternion below this are 0, and robots that lie in more of their samples lie.
+_FLAT = 0.05
+_SOME = 0.1
+# What is lost of a perfect fit if headings are 8 degrees off.
+_OFF = 0.01
+# Degrees, and rad that a heading turns at least if its moves tell from where it counts.
+_WHOLE = 360.0
+_TURNING = 0.1
+# Our own column, which is in rad unless all tells otherwise; other names are asked about.
+_OURS = "heading"
 
 
 def seconds(
@@ -81,20 +92,25 @@ def _unit_of(times: Floats, column: Column, x: Floats, y: Floats) -> str:
     for unit, _ in _PERIODS:
         if _is_date(float(times[0]) * TIME_UNITS[unit]) and period * TIME_UNITS[unit] < 1e5:
             return unit
-    # People write fractions of seconds, and whole numbers of anything smaller.
-    if not period or not (times == np.floor(times)).all():
+    if period < _OFTEN:
         return "s"
     unit = next((unit for unit, most in _PERIODS if period < most), "ns")
     speed = float(np.hypot(np.diff(x), np.diff(y)).sum()) / float(steps.sum())
-    if unit == "s" or speed >= _IN_SECONDS or not speed:
+    if not 0.0 < speed < _IN_SECONDS:
         return "s"
-    if unit != "ms" or _IN_MILLISECONDS[0] <= speed < _IN_MILLISECONDS[1]:
+    if unit in ("s", "ms") and speed < _IN_MILLISECONDS[0]:
+        return "s"
+    if unit == "s" and speed >= _IN_MILLISECONDS[1]:
+        return "s"
+    # People write fractions of seconds, and whole numbers of anything smaller.
+    is_whole = bool((times == np.floor(times)).all())
+    if is_whole and unit != "s" and (unit != "ms" or speed < _IN_MILLISECONDS[1]):
         return unit
-    if speed < _IN_MILLISECONDS[0]:
-        return "s"
+    other = "ms" if unit == "s" else unit
+    faster = speed / TIME_UNITS[other]
     raise ambiguous(
-        f"{column.name} may be in s, {speed:.2g} m/s on average, or in ms, {1000 * speed:.2g} m/s",
-        (f"t={column.name}:ms", f"t={column.name}:s"),
+        f"{column.name} may be in s, {speed:.2g} m/s on average, or in {other}, {faster:.2g} m/s",
+        (f"t={column.name}:{other}", f"t={column.name}:s"),
     )
 
 
@@ -105,7 +121,11 @@ def metres(values: Floats, column: Column) -> Floats:
 
 
 def headings(
-    values: Mapping[str, Floats], places: Mapping[str, Column], x: Floats, y: Floats
+    values: Mapping[str, Floats],
+    places: Mapping[str, Column],
+    x: Floats,
+    y: Floats,
+    robots: Sequence[Ints],
 ) -> tuple[Floats, str]:
     """Return headings in rad, counter-clockwise from the x axis.
 
@@ -114,6 +134,7 @@ def headings(
         places: The columns that they are from.
         x: (n,) m, positions.
         y: (n,) m.
+        robots: (k,) the samples of each robot.
 
     Raises:
         FormatError: If nobody can tell whether they are in rad.
@@ -123,40 +144,135 @@ def headings(
         from the x axis; empty otherwise.
     """
     if "yaw" in values:
-        return _angles(values["yaw"], places["yaw"], x, y)
+        yaw = values["yaw"]
+        # The robot that turned furthest tells most.
+        rows = max(robots, key=lambda own: np.abs(yaw[own]).max(initial=0.0))
+        factor, offset, remark = _conversion(yaw[rows], places["yaw"], x[rows], y[rows])
+        return yaw * factor + offset, remark
     zero = np.zeros(len(x))
     qx, qy, qz, qw = (values.get(name, zero) for name in ("qx", "qy", "qz", "qw"))
+    remark = ""
+    if _lies(qx, qy, qz, qw):
+        remark = (
+            "the quaternions say that the robot lies on its side or its back, as a camera may; its "
+            "heading is where its x axis points, seen from above"
+        )
     turned = np.arctan2(2.0 * (qw * qz + qx * qy), qw**2 + qx**2 - qy**2 - qz**2)
-    return np.where(qx**2 + qy**2 + qz**2 + qw**2 > 0.0, turned, np.nan), ""
+    return np.where(qx**2 + qy**2 + qz**2 + qw**2 > 0.0, turned, np.nan), remark
 
 
-def _angles(yaw: Floats, column: Column, x: Floats, y: Floats) -> tuple[Floats, str]:
-    """Return headings in rad. The directions of the moves tell what isn't said about them.
+def check_order(values: Mapping[str, Floats], places: Mapping[str, Column]) -> None:
+    """Refuse quaternions that are x, y, z, w only by their places, if w, x, y, z is as likely.
+
+    Args:
+        values: (n,) by quantity: ``qx``, ``qy``, ``qz`` and ``qw``.
+        places: The columns that they are from.
+
+    Raises:
+        FormatError: If nobody can tell which they are.
+    """
+    order = ("qx", "qy", "qz", "qw")
+    qx, qy, qz, qw = (values[name] for name in order)
+    # Robots on a floor turn about z only, so the two parts in the middle are 0 in the other order.
+    is_other = max(np.abs(part).max(initial=0.0) for part in (qy, qz)) < _FLAT
+    if not (is_other and np.abs(qx).max(initial=0.0) > _FLAT) and not _lies(qx, qy, qz, qw):
+        return
+    numbers = [places[name].place + 1 for name in order]
+    ways = [
+        ",".join(f"{name}={number}" for name, number in zip(names, numbers, strict=True))
+        for names in (("qw", "qx", "qy", "qz"), order)
+    ]
+    raise ambiguous(
+        f"the quaternions in columns {numbers[0]} to {numbers[-1]} may be w, x, y, z, or x, y, z, w of "
+        "a robot that lies on its side or its back",
+        (ways[0], ways[1]),
+    )
+
+
+def _lies(qx: Floats, qy: Floats, qz: Floats, qw: Floats) -> bool:
+    """Return True if a robot's z axis is more than 60 degrees off the vertical in some samples."""
+    size = qx**2 + qy**2 + qz**2 + qw**2
+    upright = size - 2.0 * (qx**2 + qy**2)
+    lying = (size > 0.0) & (upright < 0.5 * size)
+    return bool(np.count_nonzero(lying) > _SOME * len(qx))
+
+
+def _conversion(yaw: Floats, column: Column, x: Floats, y: Floats) -> tuple[float, float, str]:
+    """Return what headings are times, and then plus, to be in rad from the x axis, and a remark.
+
+    The directions of the moves tell what isn't said about them.
 
     Raises:
         FormatError: If nobody can tell whether they are in rad.
     """
-    degrees = yaw * ANGLE_UNITS["deg"]
+    remark = ""
     if column.unit:
         is_degrees = ANGLE_UNITS[column.unit] != 1.0
     else:
-        # Small numbers are rad; larger ones may be rad, too, that were counted on for several turns.
-        is_large = bool(np.nanmax(np.abs(yaw), initial=0.0) > 2.0 * math.pi)
-        in_radians = is_large and _fit(yaw, x, y) >= _FITS
-        is_degrees = is_large and not in_radians and _fit(degrees, x, y) >= _FITS
-        if is_large and not in_radians and not is_degrees and column.name.lower() not in _OURS:
-            raise ambiguous(
-                f"{column.name} may be in rad or in degrees",
-                (f"yaw={column.name}:deg", f"yaw={column.name}:rad"),
-            )
-    remark = f"{column.name} in degrees" if is_degrees else ""
-    yaw = degrees if is_degrees else yaw
+        is_degrees, remark = _are_degrees(yaw, column, x, y)
+    remark = f"{column.name} in degrees" if is_degrees else remark
+    factor = ANGLE_UNITS["deg"] if is_degrees else 1.0
+    yaw = yaw * factor
+    if _fit(yaw, x, y) >= _FITS:
+        return factor, 0.0, remark
     # Race lines of the Technical University of Munich count psi from the y axis.
-    if "psi" in column.name.lower():
-        turned = yaw + math.pi / 2.0
-        if _fit(yaw, x, y) < _FITS <= _fit(turned, x, y):
-            return turned, f"{column.name} counted from the y axis"
-    return yaw, remark
+    if "psi" in column.name.lower() and _fit(yaw + math.pi / 2.0, x, y) >= _FITS:
+        return factor, math.pi / 2.0, f"{column.name} counted from the y axis"
+    if _range(yaw) > _TURNING and _fit(math.pi / 2.0 - yaw, x, y) >= _FITS:
+        compass = (
+            f"{column.name} fits the moves as a compass's, clockwise from the y axis; it was read "
+            "counter-clockwise from the x axis: convert it if it is a compass's"
+        )
+        remark = f"{remark}; {compass}" if remark else compass
+    return factor, 0.0, remark
+
+
+def _range(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.ptp(known)) if len(known) else 0.0
+
+
+def _are_degrees(yaw: Floats, column: Column, x: Floats, y: Floats) -> tuple[bool, str]:
+    """Return True if angles without a unit are in degrees, and a remark if they may be.
+
+    Raises:
+        FormatError: If nobody can tell.
+    """
+    known = yaw[np.isfinite(yaw)]
+    if not len(known):
+        return False, ""
+    in_degrees = f"choose --columns yaw={column.name}:deg if it is in degrees"
+    largest = float(np.abs(known).max())
+    radians, degrees = _fit(yaw, x, y), _fit(yaw * ANGLE_UNITS["deg"], x, y)
+    if largest <= 2.0 * math.pi:
+        # Degrees are as small on a drive almost along the x axis.
+        if degrees < _FITS or 1.0 - radians <= max(_OFF, 4.0 * (1.0 - degrees)):
+            return False, ""
+        if column.name.lower() == _OURS:
+            return False, f"{column.name} in rad, although degrees fit the moves; {in_degrees}"
+        raise _either(column)
+
+    # Larger ones are rad only if they were counted on for several turns.
+    steps = np.abs(np.diff(known))
+    furthest = float(steps.max(initial=0.0))
+    is_counted = abs(float(known[0])) <= 2.0 * math.pi and furthest <= math.pi
+    if degrees >= _FITS and degrees > radians:
+        return True, ""
+    # Headings that never change fit by chance.
+    if radians >= _FITS and (is_counted or (degrees < _FITS and _range(yaw) > _TURNING)):
+        return False, ""
+    if largest <= _WHOLE and furthest >= 0.5 * _WHOLE:
+        return True, ""
+    if is_counted and column.name.lower() == _OURS:
+        return False, f"{column.name} in rad, counted on for several turns; {in_degrees}"
+    raise _either(column)
+
+
+def _either(column: Column) -> FormatError:
+    return ambiguous(
+        f"{column.name} may be in rad or in degrees",
+        (f"yaw={column.name}:deg", f"yaw={column.name}:rad"),
+    )
 
 
 def _fit(yaw: Floats, x: Floats, y: Floats) -> float:
