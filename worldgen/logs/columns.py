@@ -329,11 +329,12 @@ def _position(known: Sequence[Name]) -> tuple[Name, Name]:
         raise FormatError(
             "ambiguous-columns",
             "the only positions, {x!q} and {y!q}, are hardly the robot's",
-            "if they are, choose them with {needs!l}",
+            "if they are, choose them with --columns {way}",
             at_terminal=True,
             x=x.column.name,
             y=y.column.name,
             needs=[f"--columns=x={x.column.name},y={y.column.name}"],
+            way=f"x={x.column.name},y={y.column.name}",
         )
     return x, y
 
@@ -450,10 +451,11 @@ def ambiguous(problem: str, ways: tuple[str, str]) -> FormatError:
     return FormatError(
         "ambiguous-columns",
         "{problem}",
-        "choose with {needs!l} or --columns={other}",
+        "choose with --columns {way} or --columns {other}",
         at_terminal=True,
         problem=problem,
         needs=[f"--columns={ways[0]}"],
+        way=ways[0],
         other=ways[1],
     )
 

@@ -178,10 +178,10 @@ def parse_log(
         error.source = error.source or source
         # The corrected command adds to the columns that were chosen.
         if "needs" in error.facts and columns:
-            way = error.facts["needs"][0].removeprefix("--columns=")
-            error.facts["needs"] = [f"--columns={columns},{way}"]
-            if "other" in error.facts:
-                error.facts["other"] = f"{columns},{error.facts['other']}"
+            for name in ("way", "other"):
+                if name in error.facts:
+                    error.facts[name] = f"{columns},{error.facts[name]}"
+            error.facts["needs"] = [f"--columns={error.facts['way']}"]
         raise
 
 
