@@ -57,6 +57,11 @@ SAME = [
     '</symbol><use href="#s" x="10" y="5" width="10" height="2"/>',
     '<svg x="10" y="5" width="10" height="2"><rect width="99" height="99"/></svg>',
     '<style>.w{fill:#333} rect{fill:none}</style><rect class="w" x="10" y="5" width="10" height="2"/>',
+    '<style>a{x:"/*"} b{x:url(;{/*)} .w{fill:#333!important} c{x:"*/}"} rect{fill:none}</style>'
+    '<rect class="w" style="fill:none" x="10" y="5" width="10" height="2"/>',
+    '<style>@charset "a;b"; /* {} */ {display:none} rect,{display:none} @font-face{src:url(x)}</style>'
+    '<style type="text/x">rect{display:none}</style>'
+    '<rect style="/*;fill:none;*/fill:#333" x="10" y="5" width="10" height="2"/>',
     '<clipPath id="c"><rect x="10" y="5" width="10" height="2"/></clipPath>'
     '<circle cx="15" cy="6" r="9" clip-path="url(#c)"/>',
     '<rect x="10" y="5" width="10" height="9"/><rect x="5" y="7" width="20" height="9" fill="#fff"/>',
@@ -74,6 +79,38 @@ def test_svg_is_read_as_it_is_drawn(tmp_path, body):
     found, rows = cells(tmp_path, "a.svg", svg(body))
     assert rows == box(EMPTY, 10, 5, 20, 7)
     assert found.unread == () and found.origin == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("style", "what"),
+    [
+        ("<style>@media all{rect{fill:#333}}</style>", "1 rule of <style> under a condition"),
+        ("<style>g{rect{fill:#333}}</style>", "1 rule of <style> under a condition"),
+        ("<style media='print'>rect{fill:#333}</style>", "1 rule of <style> under a condition"),
+        ("<style>@import 'a.css'</style>", "1 import of style sheets"),
+        ("<?xml-stylesheet href='a.css'?>", "1 import of style sheets"),
+    ],
+    ids=["medium", "nested", "print", "import", "instruction"],
+)
+def test_rules_of_style_that_are_not_applied_are_reported(style, what, tmp_path):
+    body = '<rect x="10" y="5" width="10" height="2"/>'
+    assert cells(tmp_path, "a.svg", svg(style + body))[0].unread == (what,)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f"<style>{'/*' * 50_000}</style>", f"<style>{'@import ' * 20_000}</style>",
+        f"<style>{'@' * 100_000}</style>", f"<rect x='{'1' * 100_000}!'/>",
+        f"<rect transform='{'a' * 100_000}'/>",
+        f"<path d='M0 0A1 1 0{' ' * 100_000}x'/>",
+    ],
+    ids=["comments", "imports", "rules", "digits", "words", "flags"],
+)  # fmt: skip
+def test_words_without_an_end_are_read_once(body, tmp_path):
+    """A rule for words that tries every beginning takes minutes here."""
+    wall = '<rect x="10" y="5" width="10" height="2"/>'
+    assert cells(tmp_path, "a.svg", svg(wall + body))[1] == box(EMPTY, 10, 5, 20, 7)
 
 
 def test_curves_of_svg_cover_their_area(tmp_path):

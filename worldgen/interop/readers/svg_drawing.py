@@ -45,8 +45,8 @@ _MOST_CLIPS = 5_000
 _MOST_RULES = 3_000
 _MOST_DEPTH = 60
 _CURVE = TURN // 8
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
+_NUMBER = re.compile(r"[-+]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][-+]?\d++)?")
+_LENGTH = re.compile(rf"\s*+({_NUMBER.pattern})\s*+([a-zA-Z%]*+)\s*+$")
 # CSS's pixels of an inch, and the length of each unit in pixels. Plans to scale also use m.
 _INCH = 96.0
 _PIXELS = {
@@ -54,9 +54,15 @@ _PIXELS = {
     "pt": _INCH / 72, "pc": _INCH / 6, "m": _INCH / 0.0254, "ft": _INCH * 12,
 }  # fmt: skip
 _ABSOLUTE = ("in", "cm", "mm", "q", "pt", "pc", "m", "ft")
-_TRANSFORM = re.compile(r"\s*,?\s*([a-zA-Z]+)\s*\(([^()]*)\)")
-_COMMAND = re.compile(r"[MmZzLlHhVvCcSsQqTtAa]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[^\s,]")
-_FLAGS = re.compile(r"\s*,?\s*([01])")
+_TRANSFORM = re.compile(r"(?<![a-zA-Z])([a-zA-Z]++)\s*+\(([^()]*+)\)")
+# A word in quotes, an address or a comment of CSS; the end of the text closes an open one.
+_CSS_WORD = re.compile(
+    r"""(?s)(?P<word>"(?:[^"\\\n]|\\.)*+"?|'(?:[^'\\\n]|\\.)*+'?|url\(\s*+[^"'()\s]++)"""
+    r"""|/\*.*?(?:\*/|\Z)|<!--|-->"""
+)
+_CSS_SIGN = re.compile(r"[{};,!@]|/\*")
+_CSS_TOKEN = re.compile(r"[{};]|[^{};]+")
+_FLAGS = re.compile(r"\s*+,?+\s*+([01])")
 _ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 _GROUPS = ("svg", "g", "a", "switch", "symbol")
 # Shown only where something uses them, or never.
@@ -99,6 +105,7 @@ class _Rule:
     selector: tuple[str, str, tuple[str, ...]]
     weight: tuple[int, int, int]
     values: dict[str, str]
+    important: dict[str, str]
 
 
 class _Reader:
@@ -135,20 +142,25 @@ class _Reader:
             waiting.extend(reversed(element.children))
 
     def _read_sheet(self, element: XmlElement) -> None:
-        text = re.sub(r"/\*.*?\*/|<!--|-->", "", element.text, flags=re.DOTALL)
-        text = re.sub(r"@(?:import|charset|namespace)[^;{}]*;", "", text)
-        while True:
-            # Rules for a medium or a font show nothing here.
-            shorter = re.sub(r"@[^{};]*\{(?:[^{}]|\{[^{}]*\})*\}", "", text)
-            if shorter == text:
-                break
-            text = shorter
-        for selectors, body in re.findall(r"([^{}]*)\{([^{}]*)\}", text):
-            values = _declarations(body)
-            for selector in selectors.split(","):
+        # Programs ignore style sheets in another language.
+        if _text(element, "type").strip().lower() not in ("", "text/css"):
+            return
+        is_limited = _text(element, "media").strip().lower() not in ("", "all", "screen")
+        for selectors, body in _css_rules(element.text):
+            if selectors.lower().startswith("@import"):
+                self.drawing.unread("imports of style sheets", ())
+                continue
+            values = _declarations(re.sub("[{}]", ";", body))
+            if is_limited or selectors.startswith("@") or "{" in body:
+                if any(values):
+                    self.drawing.unread("rules of <style> under a condition", ())
+                continue
+            # A selector that is wrong spoils the rule.
+            parts = selectors.split(",")
+            for selector in parts if all(map(str.strip, parts)) else ():
                 match = re.fullmatch(r"\s*([\w*-]*)((?:[.#][\w-]+)*)\s*", selector)
                 if match is None:
-                    if values.keys() & _PROPERTIES:
+                    if any(values):
                         self.drawing.unread("rules of <style> for elements inside others", ())
                     continue
                 names = re.findall(r"[.#][\w-]+", match[2])
@@ -159,7 +171,7 @@ class _Reader:
                     _Rule(
                         (kind, ids[0] if ids else "", classes),
                         (len(ids), len(classes), int(bool(kind))),
-                        values,
+                        *values,
                     )
                 )
         if len(self.rules) > _MOST_RULES:
@@ -179,6 +191,7 @@ class _Reader:
             name: str(attributes.peek(name)).strip() for name in attributes if name in _PROPERTIES
         }
         classes = set(str(attributes.peek("class", "")).split())
+        important: dict[str, str] = {}
         for rule in self.rules:
             kind, name, needed = rule.selector
             if (
@@ -187,8 +200,9 @@ class _Reader:
                 and classes.issuperset(needed)
             ):
                 values.update(rule.values)
-        values.update(_declarations(str(attributes.peek("style", ""))))
-        return values
+                important.update(rule.important)
+        own, own_important = _declarations(str(attributes.peek("style", "")))
+        return {**values, **own, **important, **own_important}
 
     def style(self, element: XmlElement, above: _Style) -> tuple[_Style, dict[str, str]]:
         """Return the style of an element, and its own properties."""
@@ -538,10 +552,13 @@ def read_svg_drawing(path: Path, choice: Choice, threshold: float, most_bytes: i
         FormatError: If it is not SVG, or has no walls.
     """
     check_between("threshold", threshold, 0.0, 1.0)
-    root = parse_xml(read_bounded(path, most_bytes), plain_entities=True)
+    data = read_bounded(path, most_bytes)
+    root = parse_xml(data, plain_entities=True)
     if root.name.removeprefix("svg:") != "svg":
         raise FormatError("unknown-format", "is XML, but not SVG", "save it as plain SVG")
     reader = _Reader(root, threshold)
+    if b"<?xml-stylesheet" in data:
+        reader.drawing.unread("imports of style sheets", ())
     reader.collect()
     own = _own_facts(root)
     reader.is_own = own is not None
@@ -618,15 +635,53 @@ def _set_page(reader: _Reader, root: XmlElement) -> None:
         drawing.unit_from = "the page's width and height"
 
 
-def _declarations(text: str) -> dict[str, str]:
-    """Return the properties of a style that matter here."""
-    values = {}
-    for word in text.split(";"):
+def _css_rules(text: str) -> Iterator[tuple[str, str]]:
+    """Yield what is before the braces of each rule of a style sheet, and what is in them.
+
+    A rule such as ``@import``, which has no braces, has no body.
+    """
+    before: list[str] = []
+    body: list[str] = []
+    depth = 0
+    for token in _CSS_TOKEN.findall(_without_css_comments(text)):
+        is_end = token == "}" and depth == 1
+        if token == ";" and not depth and before:
+            is_end = before[0].lstrip().startswith("@")
+        if is_end:
+            yield "".join(before).strip(), "".join(body)
+            before, body, depth = [], [], 0
+        elif token == "{" and not depth:
+            depth = 1
+        else:
+            (body if depth else before).append(token)
+            if depth and token in "{}":
+                depth += 1 if token == "{" else -1
+    # The end of the sheet closes what is open.
+    if before:
+        yield "".join(before).strip(), "".join(body)
+
+
+def _without_css_comments(text: str) -> str:
+    """Return CSS without comments, and without words whose signs would look like CSS."""
+
+    def kept(found: re.Match[str]) -> str:
+        word = found["word"] or ""
+        return '""' if _CSS_SIGN.search(word) else word
+
+    return _CSS_WORD.sub(kept, text)
+
+
+def _declarations(text: str) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the properties of a style that matter here, and those that are ``!important``."""
+    values: dict[str, str] = {}
+    important: dict[str, str] = {}
+    for word in _without_css_comments(text).split(";"):
         name, colon, value = word.partition(":")
         name = name.strip().lower()
         if colon and name in _PROPERTIES:
-            values[name] = re.sub(r"\s*!important", "", value).strip()
-    return values
+            value, mark, _ = value.partition("!")
+            (important if mark else values)[name] = value.strip()
+    return values, important
 
 
 def _text(element: XmlElement, name: str) -> str:
