@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 
 import numpy as np
 import pytest
@@ -245,6 +246,22 @@ def test_a_damaged_gltf_file_is_refused_in_words_about_the_file(part, code, word
     }  # fmt: skip
     with raises(FormatError, code, reason=words):
         read_map(put(tmp_path, "b.gltf", json.dumps(document | part).encode()))
+
+
+def test_each_node_is_placed_by_those_around_it(tmp_path, monkeypatch):
+    """In chains of nodes the time does not grow with each leaf's depth."""
+    monkeypatch.setattr("trimesh.scene.transforms.SceneGraph.get", None)
+    scene = trimesh.Scene()
+    scene.graph.update(
+        "turned", "world", matrix=trimesh.transformations.rotation_matrix(math.pi / 2, (0, 0, 1))
+    )
+    scene.graph.update("moved", "turned", matrix=np.diag([2.0, 1.0, 1.0, 1.0]))
+    scene.graph.update(
+        "leaf", "moved", matrix=trimesh.transformations.translation_matrix((3, 0, 0)), geometry="g"
+    )
+    scene.geometry["g"] = trimesh.Trimesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    found = load_mesh(put(tmp_path, "b.glb", scene.export(file_type="glb")), "glb")
+    assert found.vertices.round(9).tolist() == [[0, 6, 0], [0, 8, 0], [-1, 6, 0]]
 
 
 def test_meshes_that_an_extension_places_are_refused_with_a_way_out(tmp_path):
