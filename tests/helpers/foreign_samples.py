@@ -86,6 +86,18 @@ levels:
       - [3, 0, {}]
       - [4, 5, {}]
 """
+# An arena of 2 x 1 m inside its walls, with a wall that leaves a passage.
+WEBOTS = b"""#VRML_SIM R2023b utf8
+EXTERNPROTO "webots://projects/objects/floors/protos/RectangleArena.proto"
+WorldInfo { title "a # room" basicTimeStep 16 }
+Viewpoint { position 0 0 5 }
+RectangleArena { floorSize 2 1 wallThickness 0.1 wallHeight 0.3 }
+DEF WALL Solid {
+  translation 0 -0.2 0.1
+  children [ DEF LOOK Shape { appearance PBRAppearance { roughness 1 } geometry Box { size 0.1, 0.6, 0.2 } } ]
+  boundingObject USE LOOK
+}
+"""
 # Each sample is contents by file name, the map first. Readers without a writer need one here.
 AS_OTHERS_WRITE = {
     "movingai": [
@@ -99,6 +111,7 @@ AS_OTHERS_WRITE = {
     **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("dae", "glb", "gltf", "obj", "stl")},
     "dxf": [{"plan.dxf": DXF}],
     "building": [{"room.building.yaml": BUILDING}],
+    "webots": [{"room.wbt": WEBOTS}],
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 

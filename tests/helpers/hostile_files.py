@@ -153,6 +153,18 @@ OF_ONE = {
         + b"      - [0, 1]\n" * (LARGE // 15),
         "laughs": b"levels:\n" + LAUGHS.encode(),
     },
+    "webots": {
+        "deep": b"#VRML_SIM R2023b utf8\n" + b"Group { children [ " * (LARGE // 19),
+        "lists": b"#VRML_SIM R2023b utf8\nSolid { translation " + b"[ " * (LARGE // 2),
+        "strings": b"#VRML_SIM R2023b utf8\nWorldInfo { info [ " + b'"\\' * (LARGE // 2),
+        "numbers": b"#VRML_SIM R2023b utf8\nSolid { translation " + b"1 " * (LARGE // 2) + b"}",
+        "copies": b"#VRML_SIM R2023b utf8\nDEF A0 Group { }\n"
+        + b"".join(
+            b"DEF A%d Group { children [ %s] }\n" % (n, 9 * (b"USE A%d " % (n - 1)))
+            for n in range(1, 40)
+        ),
+        "boxes": b"#VRML_SIM R2023b utf8\n" + b"Shape{geometry Box{size 9 9 1}}" * (LARGE // 1024),
+    },
     "png": PICTURES,
 }
 

@@ -293,6 +293,33 @@ _BUILDING = {
 }
 
 
+# Webots
+
+_WEBOTS = {
+    "unknown PROTO": _appended(b"WoodenBox { size 0.2 0.2 0.2 }"),
+    "empty PROTO": _appended(b"Group { children [ E-puck { } ] }"),
+    "PROTO in a body": _replaced(b"boundingObject", b"children [ Chair { } ] boundingObject"),
+    "PROTO of the project with a known name": _replaced(b"webots://projects/objects/", b"../"),
+    "mesh": _appended(b'Shape { geometry Mesh { url "a.dae" } }'),
+    "mesh that bounds": _appended(b"Solid { boundingObject IndexedFaceSet { } }"),
+    "box without a size": _appended(b"Solid { boundingObject Box { } }"),
+    "field of a used shape": _replaced(b"size 0.1,", b"inflate 2 size 0.1,"),
+    "joint": _appended(b"HingeJoint { endPoint Solid { boundingObject Box { size 1 1 1 } } }"),
+    "moving body": _replaced(b"boundingObject", b"linearVelocity 1 0 0 boundingObject"),
+    "supervisor": _appended(b"Robot { supervisor TRUE }"),
+    "second robot": _appended(2 * b"Robot { children [ Camera { } ] }"),
+    "skewed": _appended(
+        b"Transform { scale 1 2 1 children [ Pose { rotation 0 0 1 0.5 children [ Shape { geometry Box "
+        b"{ size 0.1 0.1 0.1 } } ] } ] }"
+    ),
+    "plane on edge": _appended(b"Solid { rotation 1 0 0 1.5708 boundingObject Plane { } }"),
+    "floor below": _appended(b"Floor { translation 0 0 -0.2 }"),
+    "body that falls": _appended(
+        b"Solid { translation 0 0 3 boundingObject Sphere { radius 0.2 } physics Physics { } }"
+    ),
+    "box": _appended(b"Shape { geometry Box { size 0.2 0.2 0.4 } }"),
+}
+
 # glTF
 
 
@@ -461,6 +488,7 @@ INJECTIONS = {
     "geojson": (0, _GEOJSON),
     "dxf": (0, _DXF),
     "building": (0, _BUILDING),
+    "webots": (0, _WEBOTS),
     "glb": (
         0,
         _SCENE
@@ -599,6 +627,13 @@ INJECTIONS = {
 
 WITH_METADATA = {
     "saved by Gazebo": {"saved.world": _SAVED},
+    "Webots": {
+        "w.wbt": samples("webots")[0]["room.wbt"]
+        + b'TexturedBackground { texture "mountains" } TexturedBackgroundLight { }\n'
+        b"PointLight { location 0 0 1 } Floor { size 9 9 tileSize 1 1 appearance Parquetry { } }\n"
+        b'Robot { children [ DEF BODY Shape { geometry Mesh { url "r.dae" } } Camera { } ] '
+        b'boundingObject USE BODY name "mine" hidden position_0_0 1.5 controller "c" }\n'
+    },
     "Tiled": _json(_tiled_with_metadata)(samples("tiled")[0]),
     "glTF of Blender": _scene(_scene_with_metadata)(samples("gltf")[0]),
     "binary glTF of Blender": _scene(_scene_with_metadata)(samples("glb")[0]),

@@ -56,6 +56,21 @@ class BodyPose:
             return cls(*place, yaw=Fraction(math.atan2(turn[1][0], turn[0][0])))
         return cls(*place, tilt=turn)
 
+    @classmethod
+    def about(cls, place: Place, axis: tuple[float, float, float], angle: Fraction) -> BodyPose:
+        """Return a pose turned about an axis, whose length does not matter unless it is 0."""
+        x, y, z = (part / math.hypot(*axis) for part in axis)
+        if math.hypot(x, y) < _FLAT:
+            return cls(*place, yaw=angle if z > 0 else -angle)
+        cos, sin = _cos_sin(float(angle))
+        rest = 1 - cos
+        turn = (
+            (cos + rest * x * x, rest * x * y - sin * z, rest * x * z + sin * y),
+            (rest * x * y + sin * z, cos + rest * y * y, rest * y * z - sin * x),
+            (rest * x * z - sin * y, rest * y * z + sin * x, cos + rest * z * z),
+        )
+        return cls.of(place, turn)
+
     @property
     def turn(self) -> Turn:
         """The rotation as a matrix."""

@@ -59,6 +59,7 @@ class GazeboScene:
         slabs: Areas, m2, of large flat boxes that may be the floor, by the height of their top, m.
         lacks_collada: True if a mesh is not read because a package is missing.
         unread: What is not read, and how often.
+        lowest: Height of the lowest point added since it was set, m.
     """
 
     files: ModelFiles
@@ -75,9 +76,9 @@ class GazeboScene:
     slabs: dict[Fraction, Fraction] = field(default_factory=dict)
     lacks_collada: bool = False
     unread: Counter[str] = field(default_factory=Counter)
+    lowest: float = math.inf
     _meshes: dict[Path, Bodies] = field(default_factory=dict)
     _placed: int = 0
-    _lowest: float = math.inf
 
     @property
     def is_empty(self) -> bool:
@@ -96,7 +97,7 @@ class GazeboScene:
         lowest = {"": -math.inf if "world" in joined else math.inf}
         for link in model.element.all("link"):
             model.pose(link)  # a link without shapes has a place too
-            self._lowest = math.inf
+            self.lowest = math.inf
             for collision in link.all("collision"):
                 at = pose.then(model.pose(collision, link))
                 for geometry in collision.all("geometry"):
@@ -106,7 +107,7 @@ class GazeboScene:
                 continue
             name = link.attributes.get("name", "")
             body = "" if name in joined else name
-            lowest[body] = min(lowest.get(body, math.inf), self._lowest)
+            lowest[body] = min(lowest.get(body, math.inf), self.lowest)
         if not model.is_static:
             hovering = [low for low in lowest.values() if self.floor + ABOVE <= low < math.inf]
             self.unread[f"bodies above {ABOVE} m that may fall"] += len(hovering)
@@ -149,8 +150,19 @@ class GazeboScene:
         else:
             self._pass_over(shape, f"shapes of <{shape.name}>")
             return
-        is_round = shape.name != "box"
-        if at.tilt is None or shape.name == "sphere":
+        self.add_solid(shape.name, (x, y, tall), at)
+
+    def add_solid(self, kind: str, size: tuple[Fraction, Fraction, Fraction], at: BodyPose) -> None:
+        """Add a body whose middle is at a pose.
+
+        Args:
+            kind: box, cylinder, sphere or capsule; the axis of a round one is z.
+            size: Its length, width and height, m.
+            at: Its pose.
+        """
+        x, y, tall = size
+        is_round = kind != "box"
+        if at.tilt is None or kind == "sphere":
             top = at.z + tall / 2
             if self._is_beyond(at.z - tall / 2, top):
                 self.low_or_high += 1
@@ -160,8 +172,8 @@ class GazeboScene:
                 self.shapes.outline(_rectangle(x, y), (at.x, at.y), at.yaw)
                 if top <= self.floor + _SLAB_TOP and min(x, y) >= _SLAB_SIDE:
                     self.slabs[top] = max(self.slabs.get(top, x * y), x * y)
-        elif shape.name == "capsule":
-            self._pass_over(shape, "shapes of <capsule>, tilted")
+        elif kind == "capsule":
+            self.unread["shapes of <capsule>, tilted"] += 1
         else:
             rim = _rectangle(x, y)
             if is_round:
@@ -175,7 +187,7 @@ class GazeboScene:
         corners = at.moved(np.concatenate([np.hstack([flat, -half]), np.hstack([flat, half])]))
         # All edges between corners of a convex body stay in it, so their ends are enough.
         seen = _between(corners, float(self.floor + FLOOR), float(self.floor + ABOVE))
-        self._lowest = min(self._lowest, float(corners[:, 2].min()))
+        self.lowest = min(self.lowest, float(corners[:, 2].min()))
         if len(seen) == 0:
             self.low_or_high += 1
         else:
@@ -274,7 +286,7 @@ class GazeboScene:
 
     def _is_beyond(self, low: float | Fraction, high: float | Fraction) -> bool:
         """Return True if nothing between these heights can touch a robot on the floor."""
-        self._lowest = min(self._lowest, float(low))
+        self.lowest = min(self.lowest, float(low))
         return high <= self.floor + FLOOR or low >= self.floor + ABOVE
 
     def _pass_over(self, shape: XmlElement, what: str) -> None:

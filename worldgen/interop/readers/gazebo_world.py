@@ -41,7 +41,16 @@ from worldgen.plugins.installation import pip_install
 from worldgen.support.arrays import Bools
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["MAX_BYTES", "OURS", "grid_line", "read_gazebo_world"]
+__all__ = [
+    "MAX_BYTES",
+    "OURS",
+    "grid_line",
+    "read_gazebo_world",
+    "scene_notes",
+    "scene_warnings",
+    "solid_cells",
+    "world_frame",
+]
 
 # The models that drive, in our own files.
 _ROBOT = re.compile(r"robot(_[0-9]+)?")
@@ -141,8 +150,8 @@ def read_gazebo_world(
     tree.count_plugins(world)
     # Turn them into cells.
     barn = _is_barn(scene)
-    frame = _frame(scene, own, cell_size, barn=barn)
-    walls, notes = _cells(scene, frame, inner=raster == "inner")
+    frame = world_frame(scene, own, cell_size, barn=barn)
+    walls, notes = solid_cells(scene, frame, inner=raster == "inner")
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
     params: dict[str, Value] = {"raster": raster}
@@ -155,15 +164,18 @@ def read_gazebo_world(
     for what, count in scene.unread.items():
         report_unread(what, count)
     return ForeignMap(
-        walls, float(frame.cell_size), params, (*notes, *_notes(scene, tree)), _warnings(scene), None,
-        robots, origin,
+        walls, float(frame.cell_size), params, (*notes, *_included(tree), *scene_notes(scene)),
+        scene_warnings(scene), None, robots, origin,
     )  # fmt: skip
 
 
-def _notes(scene: GazeboScene, tree: ModelTree) -> Iterator[str]:
-    """Yield sentences about what was read, and how."""
+def _included(tree: ModelTree) -> Iterator[str]:
     if tree.included:
         yield f"models read from other files: {len(tree.included)}"
+
+
+def scene_notes(scene: GazeboScene) -> Iterator[str]:
+    """Yield sentences about what was read, and how."""
     if scene.low_or_high:
         yield f"{scene.low_or_high} shapes that lie flat on the floor, or above {ABOVE} m, are ignored"
     if scene.sections:
@@ -179,7 +191,7 @@ def _notes(scene: GazeboScene, tree: ModelTree) -> Iterator[str]:
     yield from dict.fromkeys(scene.shapes.notes)
 
 
-def _warnings(scene: GazeboScene) -> tuple[str, ...]:
+def scene_warnings(scene: GazeboScene) -> tuple[str, ...]:
     """Return sentences about likely mistakes."""
     found = []
     if scene.slabs:
@@ -301,7 +313,7 @@ def _is_barn(scene: GazeboScene) -> bool:
     )
 
 
-def _frame(scene: GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
+def world_frame(scene: GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
     """Return the part of the world to turn into cells.
 
     It comes from the file, or is BARN's own, or includes everything in the world.
@@ -328,7 +340,7 @@ def _frame(scene: GazeboScene, own: XmlElement | None, wanted: float, *, barn: b
             + ("; not read are {unread!l}" if +scene.unread else ""),
             "{warnings}",
             unread=sorted(+scene.unread),
-            warnings="; ".join(_warnings(scene)),
+            warnings="; ".join(scene_warnings(scene)),
         )
     bounds = [*_bounds(scene)]
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
@@ -363,7 +375,8 @@ def _shifted(box: RasterBox, left: Fraction, low: Fraction) -> RasterBox:
     return RasterBox(box.left - left, box.low - low, box.right - left, box.high - low)
 
 
-def _cells(scene: GazeboScene, frame: _Frame, *, inner: bool) -> tuple[Bools, list[str]]:
+def solid_cells(scene: GazeboScene, frame: _Frame, *, inner: bool) -> tuple[Bools, list[str]]:
+    """Return the cells that a scene makes solid, and sentences about them."""
     size = frame.cell_size
     # Paint all shapes, from the grid's corner.
     corner = np.array([frame.left, frame.low], np.float64)
