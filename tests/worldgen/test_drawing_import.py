@@ -280,6 +280,7 @@ HOSTILE = {
     "h.dxf": (dxf(LINE.format("1e13")), "wrong-size"),
     "d.dxf": (b"AC1032" + bytes(200), "unsupported"),
     "x.dxf": (b"0\nSECTION\nrubbish\n", "not-dxf"),
+    "r.dxf": (b"0\nSECTION\n" + b"999\nx\n" * 20, "no-walls"),
     "n.geojson": (b'{"type": "Polygon", "coordinates": [[[NaN, 0], [1, 0], [1, 1]]]}', "damaged-file"),
     "h.geojson": (b'{"type": "Polygon", "coordinates": [[[0, 0], [1e12, 0], [1e12, 1e12]]]}', "wrong-size"),
     "p.geojson": (b'{"type": "Point", "coordinates": [0, 0]}', "no-walls"),

@@ -54,7 +54,7 @@ _SURFACES = frozenset({"SOLID", "TRACE", "3DFACE"})
 _MOST_DEPTH = 24
 _MOST_COPIES = 400_000
 # What ezdxf raises for values that a program should not have written.
-_DAMAGE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+_DAMAGE = (ArithmeticError, AttributeError, LookupError, TypeError, StopIteration, ValueError)
 # Points of a spline; ezdxf divides each of its spans in at least as many.
 _MOST_SPLINE = 20_000
 
