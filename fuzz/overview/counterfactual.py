@@ -52,7 +52,7 @@ _REACH = {"heading": 180}
 _REACH_OF_NUMBERS = 512
 
 # The kinds of changes in the order of a report.
-_ORDER = ("cell", "memory", "event", "option", "field", *_AXES)
+_ORDER = ("cell", "memory", "event", "option", "field", "footprint", *_AXES)
 
 # The witness's times of an early run, and limits on the cells and on the other changes
 # that get one: together these runs take as long as four that do not arrive in the full budget.

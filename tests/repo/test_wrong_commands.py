@@ -152,8 +152,6 @@ PARSED = {
     "studio --port 99999": "studio --port 65535",
     "boundary w.grid --axis radii": "boundary w.grid --axis radius",
     # Commands that do not exist.
-    "help": "--help",
-    "help run": "run --help",
     "run help": "run --help",
     "run -help": "run --help",
     "version": "--version",

@@ -254,9 +254,9 @@ def _other_command(error: UnknownCommand, words: Sequence[str]) -> list[str] | N
     before = list(words[:at])
     after = list(words[at + 1 :])
     name = error.name.casefold()
-    # These are options of the program.
-    if not before and name in ("help", "version"):
-        return [*after[:1], "--help"] if name == "help" else ["--version"]
+    # This is an option of the program.
+    if not before and name == "version":
+        return ["--version"]
     if error.name.endswith((".grid", ".grid.gz")) and not before:
         return ["show", error.name, *after]
     if error.name.endswith(".py") and not before:

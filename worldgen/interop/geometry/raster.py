@@ -33,6 +33,8 @@ _MENDABLE = 8
 _LINE = 1e-3
 # Number of cells painted in the time that one corner of one row takes.
 _CORNER = 50
+# Number of corners that take as long as a row of a shape takes besides its corners.
+_BAND = 15
 # Shapes with more corners are cut in half before they are cut into rows.
 _MANY_CORNERS = 200
 # Rows of shapes that are cut at a time.
@@ -152,12 +154,13 @@ class Raster:
         lows = np.floor(bounds[:, 1] + 0.0).astype(np.int64).clip(0, height)
         highs = np.ceil(bounds[:, 3]).astype(np.int64).clip(0, height)
         corners = shapely.get_num_coordinates(pieces)
+        # Charge for all rows before the first is cut.
+        self._spend(int(_CORNER * ((corners + _BAND) * (highs - lows)).sum()))
         begin = 0
         while begin < len(pieces):
-            # Take as many as fit into memory, and charge for the work before it is done.
+            # Take as many as fit into memory.
             rows = np.cumsum(highs[begin:] - lows[begin:])
             end = begin + max(1, int(np.searchsorted(rows, _MOST_BANDS)))
-            self._spend(int(_CORNER * (corners * (highs - lows))[begin:end].sum()))
             self._bands(pieces[begin:end], lows[begin:end], highs[begin:end])
             begin = end
 

@@ -316,7 +316,7 @@ function showRun(draw, parts, run, robot, why) {
   // In a world that changes, the board shows the moment of the slider instead.
   const isStill = !draw.studio.model.world.events;
   board.run = run && isStill ? { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } } : null;
-  const zoom = isStill && el("button", { type: "button", class: "link", "aria-keyshortcuts": "z", "aria-label": "Zoom to the run", title: "Zoom to the run (z)", onclick: () => board.toRun() }, "⤢");
+  const zoom = isStill && el("button", { type: "button", class: "link", "aria-keyshortcuts": "z", title: "Zoom to the run (z)", onclick: () => board.toRun() }, "zoom to it");
   const words = run ? [name, " ", verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)} `, zoom || ""] : [why && `${shortName(robot)}: ${why}`];
   parts.run.replaceChildren(...words);
 }
