@@ -14,6 +14,8 @@ sys.path.insert(0, str(HERE))
 import generate_reference
 import playground
 
+from fuzz.player.live import live_core
+
 project = "worldgen"
 author = "The worldgen developers"
 project_copyright = author
@@ -71,8 +73,11 @@ _PICTURE = re.compile(r"!\[([^\]]*)\]\((?:\.\./)*pictures/([\w-]+)\.png\)")
 
 
 def make_figures_live(app: Sphinx, docname: str, source: list[str]) -> None:
-    """Replace or follow some pictures by figures of the playground, of which everything can be dragged."""
-    if app.builder.format != "html":
+    """Replace or follow some pictures by figures of the playground, of which everything can be dragged.
+
+    Without the cores for pages, which take ziglang, the pictures stay.
+    """
+    if app.builder.format != "html" or live_core() is None:
         return
     root = "../" * docname.count("/")
 
@@ -95,7 +100,7 @@ def make_figures_live(app: Sphinx, docname: str, source: list[str]) -> None:
 
 def write_playground(app: Sphinx, exception: Exception | None) -> None:
     """Write the playground next to the site's pages."""
-    if exception is None and app.builder.format == "html":
+    if exception is None and app.builder.format == "html" and live_core() is not None:
         (Path(app.outdir) / playground.NAME).write_bytes(playground.page())
 
 

@@ -1,7 +1,9 @@
 """Counterfactuals: reported changes make the robot arrive; what cannot be explained is refused."""
 
+import inspect
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -253,3 +255,9 @@ def test_an_option_of_the_controller_itself_is_named():
     options = [change for change in found.changes if change.what == "option"]
     assert options == [Change("option", "places", "4")]
     assert "without +places=4" in found.describe()
+
+
+def test_every_kind_of_change_has_its_place_in_the_order_of_a_report():
+    source = inspect.getsource(counterfactual)
+    kinds = set(re.findall(r'\bChange\("(\w+)"', source))
+    assert {"cell", "memory", "footprint"} <= kinds <= set(counterfactual._ORDER)

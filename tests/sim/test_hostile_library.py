@@ -1,8 +1,10 @@
 """Whatever a controller in a shared library does, its run has a verdict with a reason."""
 
 import json
+import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -79,6 +81,18 @@ def test_a_fault_is_a_crash_with_its_reason_and_the_same_digest_twice(name, erro
     first, second = (simulate(maze(), f"lib:{library}:{name}") for _ in range(2))
     assert (first.verdict, first.evidence.error) == ("crash", error)
     assert (first.steps, first.trace_digest) == (second.steps, second.trace_digest)
+
+
+def test_a_debugger_finds_the_fault_in_the_process_that_it_started(library, tmp_path):
+    write_world(maze(), tmp_path / "w.grid")
+    words = ["run", tmp_path / "w.grid", "--controller", f"lib:{library}:segfault"]
+    done = subprocess.run(
+        [sys.executable, "-m", "worldgen", *words],
+        env={**os.environ, "WORLDGEN_DEBUG": "debugger"},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == -signal.SIGSEGV
 
 
 @pytest.mark.parametrize("name", ["says_nan", "says_inf"])

@@ -32,8 +32,8 @@ from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
-can_fork = hasattr(os, "fork")
-"""Whether calls can be made in another process."""
+can_fork = hasattr(os, "fork") and os.environ.get("WORLDGEN_DEBUG") != "debugger"
+"""Whether calls are made in another process; a debugger needs them in its own."""
 
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
