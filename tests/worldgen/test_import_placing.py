@@ -205,3 +205,11 @@ def test_a_sentence_says_where_start_and_target_went_and_why(given, at, expected
 def test_a_placement_that_fails_says_what_would_work(given, code, facts, tmp_path):
     with raises(WorldgenError, code, **facts):
         import_world(room(tmp_path), ImportedRobot(**{"radius": 0.2, **given}))
+
+
+@pytest.mark.parametrize(("target", "warned"), [((1.15, 1.0), True), ((1.25, 1.0), False)])
+def test_a_start_in_the_target_is_warned_of(target, warned, tmp_path):
+    path = ros_map(tmp_path, np.full((SIDE, SIDE), 255, np.uint8))
+    robot = ImportedRobot(radius=0.2, start=(1.0, 1.0), target=target)
+    warnings = import_world(path, robot).warnings
+    assert any("the robot arrives at once" in one for one in warnings) == warned

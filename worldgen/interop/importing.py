@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -221,7 +222,7 @@ def _with_robot(
         raise _in_file_frame(error, found) from error
 
     # Record the world's origin, and what it lacks, before it is decided.
-    warnings = list(placement.warnings)
+    warnings = [*placement.warnings, *_arrivals_at_once(world)]
     if found.unread:
         params["unread"] = list(found.unread)
         params |= {"ignore_unread": True} if robot.ignore_unread else {}
@@ -263,6 +264,26 @@ def _placement(asked: ImportedRobot, used: ImportedRobot, placed: Placement) -> 
         sources = {" and ".join(sources): sources.popitem()[1]}
     given = [f"{name} {source}" for name, source in sources.items()]
     return "; ".join(filter(None, (*given, placed.why)))
+
+
+def _arrivals_at_once(world: World) -> list[str]:
+    """Return a warning if a robot starts in its target and has nothing else to do."""
+    at_once = [
+        robot
+        for robot in world.robots
+        if len(robot.goals) == 1
+        and robot.target.heading is None
+        and (robot.start.x, robot.start.y) != (robot.target.x, robot.target.y)
+        and math.dist((robot.start.x, robot.start.y), (robot.target.x, robot.target.y))
+        <= robot.target.radius
+    ]
+    if not at_once:
+        return []
+    radius = at_once[0].target.radius
+    return [
+        f"the start is in the target, which has a radius of {radius:g} m, so the robot arrives at "
+        f"once; give a smaller one (--target X,Y,RADIUS)"
+    ]
 
 
 def _on_file(decision: Decision, found: ForeignMap) -> str:
