@@ -17,7 +17,7 @@ from std_srvs.srv import Trigger
 NEAR = 0.5
 SPEED = 0.5
 TURN_RATE = 1.0
-# Steps for which it goes on turning, so that it does not turn back at once.
+# Steps for which it keeps turning, so that it does not turn straight back.
 KEPT = 10
 
 

@@ -82,7 +82,7 @@ class ClearPoints:
         """Return the region with the most places.
 
         Raises:
-            InvalidWorld: If there is none, with the largest disc that fits.
+            InvalidWorld: If no place is clear; it names the largest disc that fits.
         """
         found = self._floods.regions(0, self.clear.size)
         if found.largest == 0:
