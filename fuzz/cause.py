@@ -134,6 +134,10 @@ GAP = "gap"
 class Circumstance(StrEnum):
     """Where or how a robot does what its cause names; the record of a failure has its name."""
 
+    # How its controller crashes. The evidence says so, and no record repeats it.
+    KILLED = "killed"
+    EXITS = "exits"
+
     # How it goes through a wall.
     LONG_STEP = "long-step"
     CORNER = "corner"
@@ -342,6 +346,16 @@ class _Additions(NamedTuple):
 
 
 _CIRCUMSTANCES = {
+    Circumstance.KILLED: _Additions(
+        advice="A segmentation fault is an index out of range or a bad pointer, an abort a failed "
+        "assertion or an exception that nothing catches: build it with -g, and run this world under "
+        "a debugger.",
+        sentence="{Its} code is killed by a signal.",
+    ),
+    Circumstance.EXITS: _Additions(
+        advice="Fix the error that its last output names; the world reproduces it.",
+        sentence="{Its} program exits in the middle of a run.",
+    ),
     Circumstance.LONG_STEP: _Additions(
         advice="Slow down near walls, or make the time step smaller: a step must be shorter than "
         "the thinnest wall.",
@@ -367,7 +381,7 @@ _CIRCUMSTANCES = {
         "enough. A smaller robot arrives.",
     ),
     Circumstance.AT_THE_TARGET: _Additions(
-        where=" next to the target, with nothing in between",
+        where=" next to the target with nothing in between",
         advice="Check how it slows down and aims close to the target.",
     ),
     Circumstance.BEHIND_A_WALL: _Additions(

@@ -446,9 +446,10 @@ class CampaignSession:
         state = self._campaign.state
         shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
-        causes = counted(
-            len({group for group, _ in (*state.best, *self._campaign.pending())}), "cause"
-        )
+        # Count as the result does: errors with different reasons are one cause, and hazards that the
+        # robot cannot sense are none.
+        found = {*state.best.values(), *self._campaign.pending().values()}
+        causes = counted(len({one.recorded_cause for one in found if not is_hazard(one)}), "cause")
         if live.phase == Phase.SHRINKING:
             return f"shrinking {counted(live.shrinking, 'failure')}, {causes}{to_shrink}"
         # A run that does not arrive is a failure only once it and a path to the target are proved.

@@ -22,7 +22,7 @@ from worldgen.cli.output import (
     say,
     write_out,
 )
-from worldgen.support.plain_text import lasting
+from worldgen.support.plain_text import counted, lasting
 from worldgen.support.progress import Work, working
 
 if TYPE_CHECKING:
@@ -145,9 +145,14 @@ def _counted_in(work: Work, seconds: float) -> Callable[[int, int], None]:
 
     def count(done: int, of: int) -> None:
         spent = time.monotonic() - began
-        left = max(min(spent / done * (of - done), seconds - spent), 0.0)
-        # A single run of a slow controller has a message of its own, which hides further details.
-        work.message = f"{message}: {done} of about {of} runs, {lasting(left)} left"
+        estimate = spent / done * (of - done)
+        # A single run of a slow controller has a message of its own, which hides further details
+        # and outlasts these figures: say when the work ends, not how long it still takes.
+        if done < of and spent + estimate < seconds:
+            how_far = f"{done} of about {of} runs, which take about {lasting(spent + estimate)}"
+        else:
+            how_far = f"{counted(done, 'run')}, for at most {lasting(seconds)}"
+        work.message = f"{message}: {how_far}"
 
     return count
 

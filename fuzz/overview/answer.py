@@ -11,7 +11,7 @@ from msgspec import UNSET
 from fuzz.campaign.store import MEMORY, Summary
 from fuzz.cause import Cause, Severity
 from fuzz.overview.result import CampaignResult, CauseResult, NaturalResult
-from fuzz.unit.answer import Answer, AnswerNumbers, seconds_to_prove
+from fuzz.unit.answer import FEWEST, Answer, AnswerNumbers, seconds_to_prove
 from worldgen.support.plain_text import counted, shown
 
 # A robot arrives rarely if its rate of arrival is certainly below the first, usually does not if it
@@ -77,7 +77,8 @@ class CampaignAnswer(msgspec.Struct, frozen=True):
 
     Args:
         headline: Whether the controller works.
-        rate: How often it arrives in natural worlds; empty if none were run.
+        rate: How often it arrives in natural worlds, or why that is not known; empty if it was not
+            to be measured.
         causes: The causes, the worst first.
         others: The names of the causes that do not count; may be empty.
         comparison: What changed since an earlier campaign; may be empty.
@@ -112,7 +113,9 @@ def answer_of(result: CampaignResult) -> CampaignAnswer:
     is_open = numbers.answer == Answer.NONE
     return CampaignAnswer(
         headline=headline(result),
-        rate=describe_rate(natural) if natural is not None and natural.worlds else "",
+        rate=describe_rate(natural)
+        if natural is not None and natural.worlds
+        else describe_unmeasured(result),
         causes=[_ranked(one, natural) for one in causes],
         others=describe_others(result, (), causes),
         comparison="" if result.comparison is None else shown(result.comparison.sentence),
@@ -171,7 +174,12 @@ def describe_rate(natural: NaturalResult) -> str:
     ``arrives in 72 % of 900 natural worlds (95 %: 69 to 75 %); goes through walls in 6; ...``
     """
     low, high = (round(100 * share) for share in natural.interval)
-    if natural.arrived == natural.worlds:
+    if natural.worlds == 1:
+        does = "arrives" if natural.arrived else "does not arrive"
+        text = (
+            f"{does} in the only natural world that was finished (95 %: {low} to {high} % arrive)"
+        )
+    elif natural.arrived == natural.worlds:
         text = f"arrives in all {counted(natural.worlds, 'natural world')} (95 %: at least {low} %)"
     else:
         text = (
@@ -246,7 +254,7 @@ def how_often_it_arrives(natural: NaturalResult | None) -> str:
     """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
         if not natural.arrived:
-            return "arrived in no natural world"
+            return _in_none_of(natural.worlds)
         if natural.high < _RARE:
             return "rarely arrives"
         if natural.high < _LESS_THAN_HALF:
@@ -256,13 +264,43 @@ def how_often_it_arrives(natural: NaturalResult | None) -> str:
     return "does not always arrive"
 
 
+def _in_none_of(worlds: int) -> str:
+    """Return that a robot arrived in none of some natural worlds, with their number if it is small.
+
+    In few worlds, that hardly shows how often it arrives.
+    """
+    if worlds >= FEWEST:
+        return "arrived in no natural world"
+    return (
+        "did not arrive in the only natural world that was finished"
+        if worlds == 1
+        else f"arrived in none of the {worlds} natural worlds that were finished"
+    )
+
+
+def describe_unmeasured(result: CampaignResult) -> str:
+    """Return why it is not known how often a robot arrives.
+
+    Empty if it is known, if it was not to be measured, or if the headline says so.
+    """
+    natural = result.natural
+    if natural is None or natural.worlds or numbers_of(result).answer == Answer.NONE:
+        return ""
+    if natural.unsensed:
+        harmed = counted(natural.unsensed, "natural world")
+        return f"hazards that it cannot sense harmed it in {harmed}, and no other was finished"
+    return "how often it arrives is not known: no natural world was finished"
+
+
 def how_often(cause: CauseResult, natural: NaturalResult | None) -> str:
     """Return in how many natural worlds a cause was met, and what the search made of it."""
     parts = []
     if natural is not None and natural.worlds and cause.natural is not None:
         of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
-        if of:
-            parts.append(f"{cause.natural or 'none'} of {counted(of, 'natural world')}")
+        if of == 1:
+            parts.append(f"{'' if cause.natural else 'not '}in the only natural world")
+        elif of:
+            parts.append(f"{cause.natural or 'none'} of {of} natural worlds")
     # The search proves and classifies only some of the runs that fail in the same way.
     met = verdicts_of(cause)
     if met:

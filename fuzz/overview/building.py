@@ -260,7 +260,7 @@ def _shared_out(
     as_found: dict[str, Failure] = {}
     for cause, future in zip(causes, futures, strict=True):
         result, example, originals, effort = (
-            future.result() if future.done() else (cause, None, {}, Effort())
+            future.result() if future.done() else _unexplained(cause, sources[cause.cause])
         )
         results.append(result)
         as_found |= originals
@@ -270,6 +270,13 @@ def _shared_out(
         count_survivors(effort.survivors)
         count_differences(effort.differences)
     return results, examples, as_found
+
+
+def _unexplained(cause: CauseResult, source: _FailuresOf) -> _Explained:
+    """Return a cause with the simplest failure of the search, which takes no time to choose."""
+    example = min(source.searched, key=lambda one: one.order, default=None)
+    result = cause if example is None else _with_example(cause, example)
+    return result, example, {}, Effort()
 
 
 def _explain_one(
@@ -374,20 +381,26 @@ def with_worlds(
             results.append(cause)
             continue
         examples[cause.cause] = example
-        diagnosis = diagnosis_of(example)
-        known: dict[str, Any] = {
-            "sentence": diagnosis.sentence(example.world),
-            "advice": diagnosis.advice,
-            "groups": cause.groups or [example.group],
-            "fault": _fault_of(example),
-        }
+        known: dict[str, Any] = {}
         if number < most:
             known |= vars(_shown(example, is_over, with_code=with_code))
             why = explained(example, is_over, most_steps)
             if why is not None:
                 known |= {"why": why.describe(), "changes": list(why.changes)}
-        results.append(structs.replace(cause, **known))
+        results.append(structs.replace(_with_example(cause, example), **known))
     return results, examples
+
+
+def _with_example(cause: CauseResult, example: Failure) -> CauseResult:
+    """Return a cause with what the record of the failure that shows it says."""
+    diagnosis = diagnosis_of(example)
+    return structs.replace(
+        cause,
+        sentence=diagnosis.sentence(example.world),
+        advice=diagnosis.advice,
+        groups=cause.groups or [example.group],
+        fault=_fault_of(example),
+    )
 
 
 def _example(

@@ -13,6 +13,7 @@ from fuzz.overview.answer import (
     NO_ANSWER,
     describe_others,
     describe_rate,
+    describe_unmeasured,
     headline,
     how_often,
     numbers_of,
@@ -70,9 +71,8 @@ def overview_lines(
     lines = [_first_line(result)]
     if result.natural is not None and result.natural.worlds:
         lines.append(f"  {describe_rate(result.natural)}")
-    elif result.natural is not None and result.natural.unsensed:
-        harmed = counted(result.natural.unsensed, "natural world")
-        lines.append(f"  hazards that it cannot sense harmed it in {harmed}, and no other was run")
+    elif unmeasured := describe_unmeasured(result):
+        lines.append(f"  {unmeasured}")
     elif robots > 1 and not numbers.known:
         lines.append(
             "  how often several robots arrive is not measured: no worlds are natural for them; "

@@ -23,6 +23,7 @@ from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    FaultEvidence,
     JointLoopEvidence,
     LoopEvidence,
     WallEvidence,
@@ -102,7 +103,7 @@ def diagnosis_of(failure: Failure) -> Diagnosis:
             failure.recorded_cause,
             Circumstance(circumstance)
             if isinstance(circumstance, str) and circumstance in set(Circumstance)
-            else None,
+            else _how_it_ends(failure),
             float(gap) if isinstance(gap, int | float) else 0.0,
         )
     # These need no run: the record is enough.
@@ -111,12 +112,22 @@ def diagnosis_of(failure: Failure) -> Diagnosis:
     if (hazard := hazard_in(details)) is not None:
         return Diagnosis(CAUSE_OF_HAZARD[hazard])
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
-        return Diagnosis(known)
+        return Diagnosis(known, _how_it_ends(failure))
     try:
         others = OtherWorlds(failure.record.controller, failure.options)
         return diagnosis_of_run(failure.world, failure.run(), others)
     except (WorldgenError, OutOfTime):
         return Diagnosis(Cause.UNKNOWN)
+
+
+def _how_it_ends(failure: Failure) -> Circumstance | None:
+    """Return how a controller ends that raises no error; ``None`` for any other failure."""
+    evidence = failure.evidence
+    if failure.verdict != Verdict.CRASH or not isinstance(evidence, FaultEvidence):
+        return None
+    if evidence.signal is not None:
+        return Circumstance.KILLED
+    return None if evidence.exit_code is None else Circumstance.EXITS
 
 
 def details_of(diagnosis: Diagnosis) -> dict[str, Value]:

@@ -16,6 +16,7 @@ import numpy as np
 from fuzz.facts.contacts import nearest_walls
 from fuzz.triage.repeated_moves import reacts_at_once
 from sim.trace import Trace
+from worldgen.lattice import UNIT
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.plain_text import counted, in_degrees
 from worldgen.world import World
@@ -47,6 +48,9 @@ _LEAST_SHARE = 0.03
 
 # Fewest steps of a row: a few are no habit.
 _FEWEST = 3
+
+COUNTED = "in the whole run (steps at nearly the same pose count once)"
+"""Which steps of a run count; a sentence about what it repeats counts other ones."""
 
 _SITUATIONS = ("touching a wall", "near a wall", "no wall near, target")
 _SIDES = ("ahead", "on its left", "on its right", "behind")
@@ -110,6 +114,9 @@ class Reactions:
         dy = trace.y[after + 1] - trace.y[after]
         farthest = world.robot_speed * trace.time_step
         driven = (dx * np.cos(heading) + dy * np.sin(heading)) / farthest
+        # Poses are on a lattice, which changes the length of a step at top speed a little.
+        grain = 2.0 * world.cell_size / UNIT / farthest
+        driven[np.abs(driven - 1.0) <= grain] = 1.0
         moves = np.column_stack((turn, driven))
 
         # Sort the steps by what is around the robot.

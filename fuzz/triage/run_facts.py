@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzz.failure import Failure
 from fuzz.triage.inside import Inside, inside
-from fuzz.triage.reactions import Reaction, Reactions
+from fuzz.triage.reactions import COUNTED, Reaction, Reactions
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
@@ -34,7 +34,7 @@ class RunFacts:
         found = [f"It {self.repeats}."] if self.repeats else []
         found += [] if self.inside is None else self.inside.text()
         if self.reactions:
-            found.append("what it does by what is around it:")
+            found.append(f"what it does by what is around it, {COUNTED}:")
             found += [f"  {one.text()}" for one in self.reactions]
         return found
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from fuzz.ci import CiFinding, FindingState
+from fuzz.commands.explain import _counted_in
 from fuzz.failure import Failure
 from fuzz.overview.describe import describe
 from fuzz.overview.explanation import explain_failure
@@ -15,6 +16,7 @@ from tests.fuzz.test_report import data_of
 from tests.helpers.command_line import worldgen
 from worldgen import generate
 from worldgen.files.grid import write_world
+from worldgen.support.progress import Work
 
 BREACH = WALL.parents[3] / "thesis-faults" / "thesis-1-breach.grid"
 
@@ -68,6 +70,22 @@ def test_a_failure_that_no_change_can_explain_still_has_its_facts_in_json():
     assert row["cause"] == "wanders" and row["goes_wrong"].startswith("It still reaches new")
     assert row["changes"] == [] and "fails by chance" in row["problem"]
     assert row["reactions"]
+
+
+def test_progress_never_names_a_time_that_is_over(monkeypatch):
+    clock = iter([0.0, 2.0, 55.0, 70.0])
+    monkeypatch.setattr("time.monotonic", lambda: next(clock))
+    work = Work("explaining", clock=lambda: 0.0)
+    count = _counted_in(work, 60.0)
+    said = []
+    for done, of in ((2, 50), (55, 55), (56, 56)):
+        count(done, of)
+        said.append(work.message)
+    assert said == [
+        "explaining: 2 of about 50 runs, which take about 50 s",
+        "explaining: 55 runs, for at most 60 s",
+        "explaining: 56 runs, for at most 60 s",
+    ]
 
 
 def test_the_cause_comes_before_the_changes():

@@ -1,6 +1,7 @@
 """The overview of a campaign groups, sorts and compares causes."""
 
 import json
+from concurrent.futures import Future
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -197,7 +198,7 @@ def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
     assert spent == [100, 100, 100]
 
 
-def overview_of(best, found, known=None):
+def overview_of(best, found, known=None, executor=None, seconds=None):
     """Return the overview of a campaign with failures of a single class.
 
     Its file has ``best``, if any; the search met ``found``.
@@ -209,7 +210,26 @@ def overview_of(best, found, known=None):
     state = CampaignState(best={} if best is None else {best.key: best}, finds=[(find, found)])
     state.memory = SearchState(failures={found.key: found})
     state.met[found.group, found.verdict] += 1
-    return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
+    conclusion = Conclusion(known or Baseline(), seconds=seconds)
+    return build_overview(config, state, conclusion, natural=False, executor=executor)
+
+
+class Stuck(InlineExecutor):
+    """Workers of which none ends what it began."""
+
+    room = 2
+
+    def submit(self, work, /, *args, **kwargs):
+        return Future()
+
+
+def test_a_cause_that_no_worker_had_time_for_still_names_its_file():
+    found = [found_by("Still"), found_by("Still", certified(hall(40))).noting(**{"class": "b"})]
+    with Stuck() as executor:
+        overview = overview_of(*found, executor=executor, seconds=0.0)
+    (cause,) = overview.result.causes
+    assert cause.file == "stands-still.grid" and overview.files["stands-still"] == found[0]
+    assert cause.sentence.startswith("It stops")
 
 
 def test_the_clearest_world_of_a_cause_comes_first_and_the_smallest_after_it():
@@ -282,7 +302,7 @@ def test_a_cause_that_nothing_met_is_never_in_the_numbered_list(tmp_path):
 def test_natural_worlds_that_all_had_a_hazard_are_not_passed_over(tmp_path):
     lines = terminal(tmp_path, [], natural_worlds(unsensed=9), worlds=9)
     assert (
-        "  hazards that it cannot sense harmed it in 9 natural worlds, and no other was run"
+        "  hazards that it cannot sense harmed it in 9 natural worlds, and no other was finished"
         in lines
     )
 
@@ -520,6 +540,22 @@ def test_the_first_line_says_how_often_a_robot_arrives(tmp_path):
     first, second = first_lines(399)
     assert "nearly always arrives" in first and "arrives in 99 % of 400" in second
     assert "arrives in all 400 natural worlds (95 %: at least 99 %)" in first_lines(400)[1]
+
+
+def test_few_natural_worlds_are_not_said_to_be_all_there_are(tmp_path):
+    cause = CauseResult.of(Cause.PUSHES_A_WALL, ("a",), {"loop": 9}, 1)
+
+    def lines(worlds, arrived):
+        return terminal(tmp_path, [cause], natural_worlds(worlds, arrived), answer_numbers=FAILING)
+
+    first, second, third, *_ = lines(1, 0)
+    assert "did not arrive in the only natural world that was finished" in first
+    assert "does not arrive in the only natural world that was finished" in second
+    assert third.startswith("1. pushes-a-wall: in the only natural world")
+    assert "arrives in the only natural world that was finished" in lines(1, 1)[1]
+    assert "arrived in none of the 4 natural worlds that were finished" in lines(4, 0)[0]
+    assert "arrived in no natural world" in lines(5, 0)[0]
+    assert "how often it arrives is not known: no natural world was finished" in lines(0, 0)[1]
 
 
 def test_counts_never_contradict_each_other(tmp_path):

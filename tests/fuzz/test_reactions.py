@@ -89,6 +89,11 @@ def test_speed_is_a_share_of_the_top_speed():
     assert open_floor.moves == "drives at 50 % of its top speed"
 
 
+def test_top_speed_is_a_hundred_percent_although_poses_are_rounded():
+    open_floor = rows("AtOnce")["near a wall behind"]
+    assert open_floor.moves == "drives at 100 % of its top speed"
+
+
 def test_nearest_walls_are_where_a_search_cell_by_cell_finds_them():
     world = generate("cave", 3)
     trace = simulate(world, "wall-left", record=True).trace

@@ -183,6 +183,22 @@ def test_a_recorded_cause_needs_no_run_and_a_missing_one_is_found():
     assert cause_of(recorded) == Cause.PUSHES_A_WALL
 
 
+@pytest.mark.parametrize(
+    ("evidence", "sentence"),
+    [
+        ({"error": "killed by SIGSEGV", "signal": "SIGSEGV"}, "Its code is killed by a signal."),
+        ({"error": "exit code 3", "exit_code": 3}, "Its program exits in the middle of a run."),
+        ({"error": "ValueError: no", "exception": "ValueError"}, "Its code raises an error."),
+    ],
+)
+@pytest.mark.parametrize("recorded", [{}, {CAUSE: "crashes"}])
+def test_a_crash_is_described_as_it_happened(evidence, sentence, recorded):
+    found = found_by("Still").without(CAUSE).noting(**recorded)
+    record = replace(found.record, verdict="crash", evidence=evidence)
+    diagnosis = diagnosis_of(replace(found, record=record))
+    assert diagnosis.sentence() == sentence and diagnosis.cause == Cause.CRASHES
+
+
 def test_a_path_around_an_island_goes_around_what_touches_it_at_a_corner():
     failure = circling()
     seen = behaviour_of(failure.world, failure.run())

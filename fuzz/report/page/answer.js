@@ -107,7 +107,7 @@ function answerPart(answer, find, several, campaign, redraw) {
       ),
       ...shown.map(({ example }) => example),
     ),
-    el("div", { class: "evidence" }, reactionsPart(answer.reactions, "What it does by what is around it, in all runs of this report")),
+    el("div", { class: "evidence" }, reactionsPart(answer.reactions, "What it does by what is around it, in all runs of this report (steps at nearly the same pose count once in each)")),
   );
 }
 

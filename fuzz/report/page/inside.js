@@ -45,7 +45,7 @@ function statePart({ part, state }) {
  * @param {string} title
  * @returns {HTMLElement | null}
  */
-export function reactionsPart(reactions, title = "What it does by what is around it") {
+export function reactionsPart(reactions, title = "What it does by what is around it, in the whole run (steps at nearly the same pose count once)") {
   if (!reactions.length) return null;
   const head = ["What is around it", "Steps", "Turns in a step", "Moves"];
   const row = ([situation, steps, turns, moves]) =>
