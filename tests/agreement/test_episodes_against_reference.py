@@ -247,19 +247,25 @@ BODIES = {
 }
 
 
-# In plain Python, every heading of a turn is tested, so most of these are for the gate.
-_SOME = [("cup", "plain"), ("cup", "pushed"), ("burning", "drifting")]
-_REST = [
-    pytest.param(world, robot, marks=pytest.mark.gate)
-    for world in WORLDS
-    for robot in ROBOTS
-    if (world, robot) not in _SOME
+# In plain Python, every heading of a turn is tested, which takes long. The first three pairs run in the default
+# tier, and with the gate each kind of robot and each world has run; the night runs all pairs.
+_FIRST = [("cup", "plain"), ("cup", "pushed"), ("burning", "drifting")]
+_GATE = [("trap", "slippery"), ("cup", "heavy"), ("burning", "blind"), ("cup", "lured")]
+_PAIRS = [
+    *_FIRST,
+    *(pytest.param(*pair, marks=pytest.mark.gate) for pair in _GATE),
+    *(
+        pytest.param(world, robot, marks=pytest.mark.nightly)
+        for world in WORLDS
+        for robot in ROBOTS
+        if (world, robot) not in {*_FIRST, *_GATE}
+    ),
 ]
 
 
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize(("world", "robot"), [*_SOME, *_REST])
+@pytest.mark.parametrize(("world", "robot"), _PAIRS)
 def test_a_run_of_a_body_or_a_car_is_that_of_the_reference(world, robot, body, motion):
     before = WORLDS[world]()
     own = BODIES[body]
