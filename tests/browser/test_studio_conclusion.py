@@ -39,7 +39,19 @@ def running(folder):
 def campaign(tmp_path_factory):
     """The folder of a campaign that has ended."""
     folder = tmp_path_factory.mktemp("opened") / "failures"
-    worldgen("fuzz", "--controller", "turn-right", "--units", 1, "--seed", 1, "--out", folder)
+    worldgen(
+        "fuzz",
+        "--controller",
+        "turn-right",
+        "--units",
+        1,
+        "--examples",
+        40,
+        "--seed",
+        1,
+        "--out",
+        folder,
+    )
     return folder
 
 
