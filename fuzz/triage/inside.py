@@ -98,8 +98,20 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
         episode: Its run, recorded.
 
     Returns:
-        The lines and the state; ``None`` for several robots, for a controller without lines in
-        Python, and for one that does not do the same again.
+        The lines and the state; ``None`` where :func:`watched` returns ``None``.
+
+    Raises:
+        OutOfTime: If there is no more time.
+    """
+    found = watched(failure, episode)
+    return None if found is None else described(found, episode)
+
+
+def watched(failure: Failure, episode: Episode) -> WatchedPart | None:
+    """Run a failure's controller again, and watch it in the part of its run that goes wrong.
+
+    ``None`` for several robots, for a controller without lines in Python, and for one that does not
+    do the same again.
 
     Raises:
         OutOfTime: If there is no more time.
@@ -110,8 +122,18 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
     found = watched_part(
         failure.world, failure.record.controller, failure.options, episode, part.first
     )
-    if found is None or not any(found.counts):
-        return None
+    return None if found is None or not any(found.counts) else found
+
+
+def described(found: WatchedPart, episode: Episode) -> Inside:
+    """Return what ran inside a controller, for people.
+
+    Args:
+        found: What ran.
+        episode: The run, recorded.
+    """
+    part = last_part(episode)
+    assert part is not None, "it was watched in this part"
     ran = [one for one in found.code.functions if _runs(one, found)]
     names = Counter(one.name for one in found.code.functions)
     return Inside(
@@ -126,6 +148,17 @@ def inside(failure: Failure, episode: Episode) -> Inside | None:
         ],
         reads=[name for name in Observation._fields if any(name in one.fields for one in ran)],
         state=_state(found, part.first),
+    )
+
+
+def reads_there(found: WatchedPart, name: str) -> bool:
+    """Return True if the lines that run in the part read a number of the state."""
+    return _is_read(name, _read(found))
+
+
+def _read(found: WatchedPart) -> frozenset[str]:
+    return frozenset[str]().union(
+        *(found.code.reads[line] for line in found.code.statements if found.counts[line])
     )
 
 
@@ -212,9 +245,7 @@ def _state(found: WatchedPart, first: int) -> list[tuple[str, str]]:
     last just before the part comes before what had settled long ago.
     """
     fixed = [one for one in found.state if one.is_constant and not one.since]
-    read = frozenset[str]().union(
-        *(found.code.reads[line] for line in found.code.statements if found.counts[line])
-    )
+    read = _read(found)
     others = sorted(
         (one for one in found.state if not (one.is_constant and not one.since)),
         key=lambda one: (not _is_read(one.name, read), abs(one.since - first)),
@@ -238,9 +269,12 @@ def _is_read(name: str, read: frozenset[str]) -> bool:
     """Return True if the statements that run read a part of the state."""
     # ``self.filter.gain`` is read as ``gain``, ``side (memory)`` as ``side``.
     own = name.removeprefix("len(").removesuffix(")").removesuffix(" (memory")
+    if own.endswith("']"):
+        return own[own.index("[") :] in read
     if own.startswith("memory["):
         return own in read or any(one.startswith("memory[") and ":" in one for one in read)
-    return own.rpartition(".")[2] in read
+    # ``self.pose[0]`` is read as ``pose``.
+    return own.rpartition(".")[2].partition("[")[0] in read
 
 
 def _change(values: StateValues) -> str:

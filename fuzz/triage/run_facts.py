@@ -6,11 +6,13 @@ import contextlib
 from dataclasses import dataclass, field, replace
 
 from fuzz.failure import Failure
-from fuzz.triage.inside import Inside, inside
+from fuzz.triage.inside import Inside, described, reads_there, watched
+from fuzz.triage.pose_estimate import pose_estimate
 from fuzz.triage.reactions import COUNTED, Reaction, Reactions
 from fuzz.triage.repeated_moves import describe_period
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
+from sim.episode.watched import WatchedPart
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,19 @@ def run_facts(failure: Failure, episode: Episode, *, with_code: bool = True) -> 
             seen = Reactions()
             seen.add(failure.world, episode.trace)
             facts = replace(facts, reactions=seen.rows())
-        if with_code:
-            facts = replace(facts, inside=inside(failure, episode))
+        found = watched(failure, episode) if with_code else None
+        if found is not None:
+            facts = replace(facts, inside=described(found, episode))
+            where = _estimate(failure, episode, found)
+            if facts.repeats and where:
+                facts = replace(facts, repeats=f"{facts.repeats}; {where}")
     return facts
+
+
+def _estimate(failure: Failure, episode: Episode, found: WatchedPart) -> str:
+    """Return where a controller believes to be, if that is wrong and it acts on it."""
+    assert episode.trace is not None, "only a recorded run is watched"
+    where = pose_estimate(failure.world, episode.trace, found.numbers)
+    if where is None or not any(reads_there(found, name) for name in where.names):
+        return ""
+    return where.describe()

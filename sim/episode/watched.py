@@ -26,6 +26,7 @@ from sim.options.run import RunOptions
 from worldgen.errors import WorldgenError
 from worldgen.plugins.counted_code import CountedCode, counted_module
 from worldgen.plugins.registry import user_code
+from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import rounded_angle
 from worldgen.world import World
 
@@ -43,11 +44,17 @@ _UNITS = dict.fromkeys(
 _UNITS |= dict.fromkeys(("x", "y", "target_distance", "radius", "odometry_x", "odometry_y"), "m")
 _UNITS |= {"time_step": "s", "time": "s", "top_speed": "m/s"}
 
+# Entries of a table, such as the blackboard of a behaviour tree, that are looked at one by one.
+_MOST_ENTRIES = 16
+
 # How far objects within objects are followed.
 _DEEPEST = 2
 
 # Running a longer run again would take too long.
 _MOST_STEPS = 200_000
+
+# Numbers of the state that are kept from the start of the run.
+_MOST_NUMBERS = 64
 
 # Only values of exactly these types are looked at. A subclass may run code of the user's when it is
 # compared or printed, and may print an address, which differs each time.
@@ -122,12 +129,15 @@ class WatchedPart:
         counts: By line, how often the statement that begins there ran in the part.
         state: What its attributes and its memory did in the part.
         senses: What the senses that it reads did; not those that are the same in every step.
+        numbers: By name, the values of each number of its state, (n + 1,): at the start of the run,
+            and after each time that it acted.
     """
 
     code: CountedCode
     counts: list[int]
     state: list[StateValues]
     senses: list[StateValues]
+    numbers: dict[str, Floats]
 
 
 def watched_part(
@@ -206,6 +216,7 @@ class _Watcher:
         self._latest: dict[str, object] = {}
         self._since: dict[str, int] = {}
         self._seen: dict[str, StateValues] = {}
+        self._numbers: dict[str, list[float]] = {}
         self._watch(inner)
 
     def _watch(self, inner: Any) -> None:
@@ -256,6 +267,13 @@ class _Watcher:
         now = dict(_named_values("self", self._inner))
         for place, number in enumerate(numbers):
             now[f"{names[place]} (memory)" if names else f"memory[{place}]"] = number
+        if self._step == 0:
+            # A map has thousands of numbers, and none of them is looked at one by one.
+            found = [name for name, value in now.items() if _is_number(value)]
+            self._numbers = {name: [] for name in found[:_MOST_NUMBERS]}
+        for name, values in self._numbers.items():
+            value = now.get(name)
+            values.append(float(value) if _is_number(value) else math.nan)
         if isinstance(observation, Observation):
             sensed = {place: getattr(observation, name) for place, name in self._senses.items()}
             now |= {
@@ -286,7 +304,9 @@ class _Watcher:
         counts = [now - before for now, before in zip(self._now, self._before, strict=True)]
         senses = [one for name, one in self._seen.items() if name in self._senses]
         state = [one for name, one in self._seen.items() if name not in self._senses]
-        return WatchedPart(code, counts, state, [one for one in senses if not one.is_constant])
+        senses = [one for one in senses if not one.is_constant]
+        numbers = {name: np.array(values) for name, values in self._numbers.items()}
+        return WatchedPart(code, counts, state, senses, numbers)
 
 
 def _memory_in(answer: Any) -> Any:
@@ -302,7 +322,10 @@ def _unpacked(code: CountedCode) -> tuple[str, ...]:
 
 
 def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[str, object]]:
-    """Yield the values of an object's attributes that can be shown; of a collection, its length."""
+    """Yield the values of an object's attributes that can be shown.
+
+    Of a collection, that is its length and, if it is small, its parts.
+    """
     for name, given in attributes(thing).items():
         place = f"{owner}.{name}"
         is_numpy = isinstance(given, np.generic) or (type(given) is np.ndarray and given.ndim == 0)
@@ -311,10 +334,26 @@ def _named_values(owner: str, thing: object, depth: int = 0) -> Iterator[tuple[s
         if _is_plain(value) or isinstance(value, Enum) or (is_short and all(map(_is_plain, value))):
             yield place, value
         elif type(value) in _COLLECTIONS or type(value) is np.ndarray:
-            yield f"len({place})", len(value)
+            parts = [*_parts(value)]
+            if type(value) is list or not parts:
+                yield f"len({place})", len(value)
+            for part, inner in parts:
+                yield f"{place}[{part}]", inner
         # An object of the user's own has state too, such as a filter.
         elif depth < _DEEPEST and type(value).__module__ == type(thing).__module__:
             yield from _named_values(place, value, depth + 1)
+
+
+def _parts(collection: Any) -> Iterator[tuple[str, object]]:
+    """Yield the parts of a small collection that can be shown, such as a blackboard or a pose."""
+    if type(collection) is dict and len(collection) <= _MOST_ENTRIES:
+        for key, value in collection.items():
+            if type(key) is str and (_is_plain(value) or isinstance(value, Enum)):
+                yield _as_text(key), value
+    elif type(collection) in (list, np.ndarray) and len(collection) <= _MOST_VALUES:
+        values = collection.tolist() if type(collection) is np.ndarray else collection
+        if all(map(_is_number, values)) and all(map(_is_plain, values)):
+            yield from zip(map(str, range(len(values))), values, strict=True)
 
 
 def _is_plain(value: object) -> bool:

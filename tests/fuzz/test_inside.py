@@ -197,6 +197,36 @@ class Filter:
     assert "self.mode = Mode.ON" in state["the same in the whole run:"]
 
 
+def test_the_entries_of_a_small_table_and_the_numbers_of_a_pose_are_state(robot):
+    source = BOUNCES.replace(
+        "        self.side = 1\n",
+        """        self.side = 1
+        self.board = {"doing": "seek", "tries": 0, "seen": None, "steps": 0}
+        self.pose = np.zeros(2)
+        self.goal = [1.5, 2.5]
+        self.table = {k: k for k in "abcdefghijklmnopqrstuvwxyz"}
+""",
+    ).replace(
+        "        self.calls += 1\n",
+        """        self.calls += 1
+        self.board["seen"] = observation
+        if self.board["tries"] >= 0:
+            self.board["tries"] += 1
+        self.pose += 0.5
+""",
+    )
+    state = dict(seen(robot(f"import numpy as np\n{source[source.index('import math') :]}")).state)
+    assert state["self.board['tries']"].startswith("only rises, from ")
+    assert state["self.pose[1]"].startswith("only rises, from ")
+    always = state["the same in the whole run:"]
+    for text in ("self.board['doing'] = 'seek'", "self.goal[1] = 2.5", "len(self.table) = 26"):
+        assert text in always
+    assert "len(self.board)" not in str(state) and "len(self.pose)" not in str(state)
+    # What the lines read that run there comes before what they don't.
+    names = [*state]
+    assert names.index("self.board['tries']") < names.index("self.first")
+
+
 def test_a_long_function_is_cut_to_a_screen(robot):
     long = "\n".join(f"            turn = {k}.0" for k in range(300))
     source = BOUNCES.replace("            turn = self.never_called()", long)

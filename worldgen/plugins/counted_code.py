@@ -63,7 +63,8 @@ class CountedCode:
         statements: The lines of each statement, by its first line; of one that contains others,
             only those before them.
         reads: By the same line, what the statement reads: names, attributes without their object,
-            and for a number of its function's last parameter ``memory[3]``, whatever its name.
+            subscripts such as ``['left']``, and for a number of its function's last parameter
+            ``memory[3]``, whatever its name.
         functions: Its functions, in order.
         constants: By name, the line of a value outside its functions.
     """
@@ -298,8 +299,11 @@ def _read_by(statement: ast.stmt, memory: list[str]) -> Iterator[str]:
             yield node.id
         elif isinstance(node, ast.Attribute):
             yield node.attr
-        elif ast.unparse(node.value) in memory:
-            yield f"memory[{ast.unparse(node.slice)}]"
+        else:
+            place = f"[{ast.unparse(node.slice)}]"
+            yield place
+            if ast.unparse(node.value) in memory:
+                yield f"memory{place}"
 
 
 def _insert_counters(
