@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen.compose.sources import of_family
+from worldgen.compose import of_family
 from worldgen.difficulty import measure
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import CROWD_PLANNER_VERSION, FAMILIES, PLANNER_VERSION, family

@@ -184,14 +184,17 @@ def test_the_example_of_an_own_family_keeps_its_promises():
 
 
 HALL = """
-from worldgen.compose import drawn
+import numpy as np
+
+from worldgen.compose import of_cells
 from worldgen.family import family
 
 
 @family("hall", version=1)
 def hall(rng):
     \"\"\"Build the same hall for every seed.\"\"\"
-    return drawn("...........\\n.S.......G.\\n...........").border().layout()
+    hall = of_cells(np.zeros((3, 11), bool)).border()
+    return hall.with_start(2.5, 2.5).with_target(10.5, 2.5).layout()
 """
 
 
