@@ -41,7 +41,6 @@ __all__ = [
     "ROBOTS",
     "Bounds",
     "Family",
-    "FamilyRegistry",
     "Parameter",
     "check_at_least",
     "check_between",
@@ -568,30 +567,7 @@ def _accept(name: str, thing: Any) -> Family:
     return thing
 
 
-class FamilyRegistry(Registry[Family]):
-    """Look up families by entry point.
-
-    Names can also be ``package.module:name`` or ``./file.py:name``.
-    """
-
-    def get(self, name: str) -> Family:
-        """Return the family called ``name``.
-
-        Raises:
-            InvalidParameter: If nothing has that name, or the object found is not a family.
-        """
-        # Older versions made worlds of recipes, and their files still name them.
-        if name.startswith("recipe:") or name.endswith(".toml"):
-            raise InvalidParameter(
-                "recipe",
-                "{name} is a TOML recipe, which worldgen no longer makes worlds of",
-                "compose them in a function, ./file.py:name (docs/howto/compose.md)",
-                name=name,
-            )
-        return super().get(name)
-
-
-FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
+FAMILIES = Registry[Family]("worldgen.families", "family", _accept)
 
 
 def stream_for(seed: int, family_name: str, attempt: int) -> RandomStream:

@@ -51,7 +51,6 @@ PARSED = {
     "init . turn-right": "init . --controller turn-right",
     "demo turn-right": "demo --controller turn-right",
     "families maze": "families",
-    "census fails": "verify fails",
     # Options and arguments that are missing, or have no value.
     "fuzz": "fuzz --controller turn-right --out failures/",
     "fuzz --controller turn-left": "fuzz --controller turn-left --out failures/",
@@ -170,14 +169,12 @@ PARSED = {
     "behaviors": "behaviours",
     "corpus ls fails": "corpus list fails",
     "corpus fails": "corpus list fails",
-    # Options of older versions.
+    # Fields of --only.
     "corpus prune fails --controller wall-right":
         "corpus prune fails --only controller=wall-right",
     "corpus list fails --verdict stalled": "corpus list fails --only verdict=stalled",
     "corpus list fails --verdict=loop --cause 'circles-*'":
         "corpus list fails --only verdict=loop --only 'cause=circles-*'",
-    "maze --tries 5": "maze",
-    "maze --workers 2 --seed 5": "maze --seed 5",
 }  # fmt: skip
 
 # These are refused by the command itself.
@@ -293,25 +290,6 @@ def test_a_command_that_cannot_be_guessed_gets_one_sentence(command):
     result = worldgen(*shlex.split(command))
     assert result.code == 2 and len(result.err.splitlines()) <= 2
     assert not result.err.splitlines()[-1].startswith("  ")
-
-
-@pytest.mark.parametrize(
-    ("command", "replacement"),
-    [
-        ("import map.png --slice 0.2 --out x.grid", "--from glb+slice_height=0.2"),
-        ("import map.png --slice=0.2", "--from glb+slice_height=0.2"),
-        ("import map.png --floor=1", "--from stl+floor=1"),
-        ("export w.grid --to thesis --noise on", "--to thesis+noise=on"),
-        ("compare w.grid --against table.csv", "diff compares two tables"),
-        ("maze --tries 5", "at most 500 worlds"),
-    ],
-)
-def test_an_option_of_an_older_version_is_answered_with_what_replaces_it(command, replacement):
-    result = worldgen(*shlex.split(command))
-    assert result.code == 2 and "did you mean" not in result.err
-    fault, line = result.err.splitlines()
-    assert "any more; " in fault and replacement in fault
-    assert line == f"  worldgen {command.split()[0]}" + (" --help" if "maze" not in command else "")
 
 
 def test_a_suggested_command_never_overwrites_a_file(tmp_path, monkeypatch):

@@ -1,6 +1,5 @@
 """Whatever a user's file does while it is loaded, the result is an error message."""
 
-import json
 import signal
 import subprocess
 import sys
@@ -9,7 +8,6 @@ import time
 import pytest
 
 from sim.controllers import CONTROLLERS
-from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
@@ -62,18 +60,6 @@ def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_pat
     (tmp_path / "mine.py").write_text(f"from sim import Command\n{STANDS}")
     with raises(InvalidParameter, "unknown-name", attribute="Mien", near="Mine"):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mien")
-
-
-def test_the_time_limit_of_earlier_versions_is_ignored_with_a_note(tmp_path, monkeypatch):
-    monkeypatch.setattr("worldgen.support.progress._said", set())
-    monkeypatch.setenv("WORLDGEN_LOAD_SECONDS", "0.001")
-    (tmp_path / "mine.py").write_text(f"import time\ntime.sleep(0.01)\n{STANDS}")
-    made = worldgen("trap", "--size", 20, "--seed", 4, "--out", tmp_path / "w.grid")
-    assert "WORLDGEN_LOAD_SECONDS" not in made.err
-    given = ["--controller", f"{tmp_path / 'mine.py'}:Mine", "--json"]
-    done = worldgen("run", tmp_path / "w.grid", *given)
-    assert json.loads(done.out)["verdict"]
-    assert done.err.count("WORLDGEN_LOAD_SECONDS is ignored") == 1
 
 
 def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):

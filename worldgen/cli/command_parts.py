@@ -13,14 +13,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.meant import (
-    OTHER_WORDS,
-    existing_names,
-    is_missing,
-    missing_part,
-    removed_option,
-    unused,
-)
+from worldgen.cli.meant import OTHER_WORDS, existing_names, is_missing, missing_part, unused
 from worldgen.cli.names import CONTROLLER, kind_of
 from worldgen.domain import DECIMAL
 from worldgen.errors import WorldgenError
@@ -260,8 +253,6 @@ def flag_of(option: click.Option) -> str:
 def meant_option(command: CommandParts, name: str) -> click.Option | None:
     """Return the option that a name without dashes most likely means; None if none is near."""
     key = name.casefold().replace("_", "-")
-    if removed_option(command.command, key):
-        return None
     for other in OTHER_WORDS.get(key, ()):
         option = command.option(other)
         if option is not None and not (command.has(option) and not option.multiple):

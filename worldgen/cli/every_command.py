@@ -269,11 +269,7 @@ def _refuse_lists(
 def _no_such_option(flag: str, context: click.Context) -> str:
     """Return the message about an unknown option, with the one that was probably meant."""
     from worldgen.cli.command_parts import meant_flag
-    from worldgen.cli.meant import removed_option
 
-    replaced = removed_option(context.command, flag.lstrip("-"))
-    if replaced:
-        return f"there is no option {flag} any more; {replaced}"
     meant = meant_flag(context, flag)
     return f"there is no option {flag}" + (f"; did you mean {meant}?" if meant else "")
 

@@ -27,7 +27,7 @@ OTHER_WORDS = {
     "o": ("out", "picture"), "output": ("out", "picture"), "output-dir": ("out",),
     "dir": ("out",), "folder": ("out",), "file": ("out",), "save": ("out", "picture"),
     "out": ("picture",),
-    "trail": ("picture",), "lane": ("strategy",), "seconds": ("budget",),
+    "seconds": ("budget",),
     "png": ("picture",), "svg": ("picture",), "html": ("picture", "report"),
     "image": ("picture",), "plot": ("picture",), "gif": ("picture",),
     "n": ("count", "units", "seeds", "examples", "steps"),
@@ -43,7 +43,7 @@ OTHER_WORDS = {
     "verdict": ("only",), "cause": ("only",), "controller": ("only",), "v": ("version",), "h": ("help",),
 }  # fmt: skip
 SELECTED = ("verdict", "cause", "controller")
-"""Options of older versions that ``--only FIELD=PATTERN`` replaces: their names are its fields."""
+"""Fields of ``--only FIELD=PATTERN`` that people take for options."""
 COMMANDS = {
     "generate": "", "gen": "", "make": "", "new": "", "create": "", "add": "",
     "simulate": "run", "sim": "run", "exec": "run", "start": "run",
@@ -52,49 +52,13 @@ COMMANDS = {
     "view": "show", "draw": "show", "plot": "show", "render": "show", "cat": "show",
     "convert": "export", "ls": "list", "rm": "prune", "minimize": "shrink", "minimise": "shrink",
     "rerun": "replay", "list": "families", "benchmark": "compare", "bench": "compare",
-    "compose": "", "chance": "compare", "census": "verify",
 }  # fmt: skip
 """Commands of other tools; an empty one is dropped: `worldgen generate maze`."""
-
-_OF_A_FORMAT = "it is an option of the format now: {}; worldgen formats NAME lists them"
-_REMOVED = {
-    ("import", "slice"): _OF_A_FORMAT.format("--from glb+slice_height=0.2"),
-    ("import", "floor"): _OF_A_FORMAT.format("--from stl+floor=1"),
-    ("import", "up"): _OF_A_FORMAT.format("--from stl+up=z"),
-    ("import", "unknown"): _OF_A_FORMAT.format("--from ros+unknown=free"),
-    ("export", "noise"): _OF_A_FORMAT.format("--to thesis+noise=on"),
-    ("compare", "against"): "diff compares two tables of --csv",
-    ("find", "symmetric"): "python -m benchmarks.thesis_symmetric searches for symmetric walls",
-    ("find", "together"): "--leash keeps edits near the sketch",
-    ("shrink", "keep"): "shrinking keeps the verdict and the cause",
-    ("regenerate", "workers"): "it uses one process per core",
-    ("FAMILY", "workers"): "large sets use one process per core",
-    ("FAMILY", "tries"): "a search makes at most 500 worlds for each one that it finds",
-}
-# Without these, the command does the same or nearly the same.
-_NEEDLESS = ("keep", "workers", "tries")
 
 _DECIMAL_COMMA = re.compile(r"\A(\s*[+-]?\d+),(\d+)(?![\d,])")
 _UNITS = {"k": 1e3, "cm": 1e-2, "mm": 1e-3, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 _PREFIXES = ("cmd:", "lib:", "learned:")
 _PLAIN_NAME = re.compile(r"[\w-]+")
-
-
-def removed_option(command: click.Command, name: str) -> str:
-    """Return what replaces an option of older versions; empty if it never was one.
-
-    Args:
-        command: The command.
-        name: The option, without dashes.
-    """
-    own = {parameter.name for parameter in command.params}
-    kind = "FAMILY" if {"where", "count"} <= own else command.name or ""
-    return _REMOVED.get((kind, name.casefold()), "")
-
-
-def can_be_dropped(name: str) -> bool:
-    """Return True if a command without this removed option does what was meant."""
-    return name.casefold() in _NEEDLESS
 
 
 def better_names(kind: NameKind, text: str) -> str:

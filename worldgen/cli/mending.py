@@ -33,10 +33,8 @@ from worldgen.cli.meant import (
     better_names,
     better_values,
     built_in,
-    can_be_dropped,
     is_missing,
     other_file,
-    removed_option,
 )
 from worldgen.cli.names import kind_of, names_in_one
 from worldgen.cli.usage import ExtraWords, GivenTwice, Instead, UnknownCommand
@@ -91,9 +89,6 @@ def _mended(error: click.UsageError, words: Sequence[str]) -> list[str] | None:
         after = _after_command(error, words)
         if after is not None:
             return after
-        flag = error.option_name.lstrip("-")
-        if removed_option(command.command, flag) and not can_be_dropped(flag):
-            return None
         _rename_option(command, error.option_name)
     # Some faults cannot be mended.
     elif isinstance(error, click.MissingParameter):

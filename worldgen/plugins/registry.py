@@ -6,7 +6,6 @@ import contextlib
 import difflib
 import importlib
 import importlib.util
-import os
 import sys
 from bdb import BdbQuit
 from collections.abc import Callable, Iterator
@@ -29,14 +28,11 @@ from worldgen.plugins.user_modules import (
     without_private_names,
 )
 from worldgen.support.paths import expanded, real_path
-from worldgen.support.progress import say_once
 from worldgen.support.results import only_results_on_stdout
 
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-# Environment variable of earlier versions, which limited the time for loading a module.
-_LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 
 
 def lend(place: str, copy: Path) -> None:
@@ -89,8 +85,6 @@ def user_code(doing: str) -> Iterator[None]:
 @contextlib.contextmanager
 def loading(doing: str) -> Iterator[None]:
     """Run code like :func:`user_code`; also explain an import that one of our packages hides."""
-    if _LOAD_SECONDS in os.environ:
-        say_once(f"{_LOAD_SECONDS} is ignored: loading has no time limit; Ctrl-C ends it")
     try:
         with user_code(doing):
             yield

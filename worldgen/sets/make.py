@@ -305,7 +305,7 @@ def _entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) 
 
 def _place(entry: ManifestEntry, place: str) -> str:
     is_unknown = place == entry.family and place not in FAMILIES.names()
-    if is_unknown and not place.startswith("recipe:"):
+    if is_unknown:
         raise InvalidParameter(
             "unknown-name",
             "the set is of family {family!r}, which is not one of {known!l}",
