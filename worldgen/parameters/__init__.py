@@ -1,4 +1,4 @@
-"""What a user can choose: declared options, and the checks of a given number, name or expression.
+"""What a user can choose: declared options, and the checks of a given number or name.
 
 Contents:
     Parameter, Group, Written: A declared option; a name with its options.
@@ -8,8 +8,7 @@ Contents:
     find_parameter, parse_options: Values for options.
     argument_notes: What a docstring says about each argument.
 
-Limits of numbers are in ``bounds``, misspelt names in ``known_names``, and conditions such as
-``detour > 3`` in ``expressions``.
+Limits of numbers are in ``bounds``, and misspelt names in ``known_names``.
 """
 
 from worldgen.parameters.declared import (
