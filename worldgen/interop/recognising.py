@@ -222,11 +222,8 @@ def read_map_alone(
     cell_size = given.get("cell_size")
     if isinstance(cell_size, float):
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
-    # find_format has already refused it.
-    if known.read is None:
-        raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
     with naming(path), accounting() as account:
-        found = known.read(path, **given)
+        found = known.open(path, given)
     params: dict[str, Value] = {
         "format": known.name,
         "source": path.name,

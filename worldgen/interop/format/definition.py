@@ -8,14 +8,20 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.format.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
-from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
+from worldgen.parameters import (
+    Parameter,
+    check_declared,
+    find_parameter,
+    parameters_of,
+    parameters_of_fields,
+)
 from worldgen.parameters.bounds import check_between
 from worldgen.plugins.registry import Registry
 from worldgen.world import Drive, Robot, Value, World
@@ -184,6 +190,8 @@ class Format:
             not named here, is unread, and a map with anything unread is not certified. This holds
             for readers that use the parsers of ``worldgen.interop.readers`` for XML, YAML and JSON;
             others report what they skip as ``ForeignMap.unread``.
+        options: A dataclass with ``read``'s options, for those that several formats share; ``read``
+            is then ``read(path, options) -> ForeignMap``.
     """
 
     name: str
@@ -199,6 +207,7 @@ class Format:
     usual_robot: UsualRobot = THESIS_ROBOT
     most_bytes: int = MAX_FILE_BYTES
     harmless: frozenset[str] = frozenset()
+    options: type | None = None
 
     def __post_init__(self) -> None:
         unknown = sorted(self.holds - HELD.keys())
@@ -212,7 +221,8 @@ class Format:
                 suffixes=self.suffixes,
                 held=list(HELD),
             )
-        for function, positional in ((self.read, 1), (self.write, 2)):
+        own = self.read if self.options is None else None
+        for function, positional in ((own, 1), (self.write, 2)):
             if function is not None:
                 check_declared(function, f"format {self.name!r}", positional=positional)
 
@@ -224,12 +234,26 @@ class Format:
     @functools.cached_property
     def read_options(self) -> tuple[Parameter, ...]:
         """Options of ``read``."""
+        if self.options is not None:
+            return parameters_of_fields(self.options)
         return parameters_of(self.read, f"format {self.name!r}") if self.read else ()
 
     @functools.cached_property
     def write_options(self) -> tuple[Parameter, ...]:
         """Options of ``write``."""
         return parameters_of(self.write, f"format {self.name!r}") if self.write else ()
+
+    def open(self, path: Path, given: Mapping[str, Value]) -> ForeignMap:
+        """Read a file, with options that :meth:`accept` has checked.
+
+        Raises:
+            InvalidParameter: If the format is only written.
+        """
+        if self.read is None:
+            raise InvalidParameter("only-written", "{format} cannot be read", format=self.name)
+        if self.options is not None:
+            return self.read(path, self.options(**given))
+        return self.read(path, **given)
 
     def accept(self, given: Mapping[str, Value | None], *, out: bool) -> dict[str, Value]:
         """Check the types of options, and parse those that come from the command line.

@@ -3,47 +3,46 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 from worldgen.interop.format import Format
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 
 # A parsed node takes a kilobyte.
 MAX_BUILDING_BYTES = 4 << 20
 
 
-def read_building(
-    path: Path,
-    *,
-    level: str = "",
-    layer: str = "",
-    free: str = "",
-    unit: str = "",
-    cell_size: float = 0.0,
-    thickness: float = 0.1,
-) -> ForeignMap:
-    """Read one level of a ``building.yaml``: walls are solid, doors are open.
+@dataclass(frozen=True)
+class BuildingOptions(DrawingOptions):
+    """Options of a building.
 
     Args:
-        path: The file.
-        level: Name of the level; if omitted, the reference level, or the first.
         layer: Which of walls, doors, holes and "outside the floors" are solid; if omitted, all but
             doors.
         free: Which of them are open, in the same form.
         unit: Length of a pixel, m; if omitted, by the measurements.
-        cell_size: Side of a cell, m; 0 means 0.05, or more for a large building.
         thickness: Thickness of walls, m.
+        level: Name of the level; if omitted, the reference level, or the first.
+    """
+
+    thickness: float = 0.1
+    level: str = ""
+
+
+def read_building(path: Path, options: BuildingOptions) -> ForeignMap:
+    """Read one level of a ``building.yaml``: walls are solid, doors are open.
 
     Raises:
         FormatError: If it is not such a file, or the level has no walls.
         InvalidParameter: If an option is out of range, or there is no such level.
     """
-    from worldgen.interop.geometry.drawing import Choice, geometry_errors
+    from worldgen.interop.geometry.drawing import geometry_errors
     from worldgen.interop.readers.building_plan import read_building_plan
 
-    choice = Choice(layer, free, unit, cell_size, thickness)
     with geometry_errors():
-        return read_building_plan(path, choice, level, MAX_BUILDING_BYTES)
+        return read_building_plan(path, options, options.level, MAX_BUILDING_BYTES)
 
 
 # Lanes, places and pictures stop no robot.
@@ -66,4 +65,5 @@ building = Format(
     usual_robot=FLOOR_ROBOT,
     most_bytes=MAX_BUILDING_BYTES,
     harmless=_HARMLESS,
+    options=BuildingOptions,
 )

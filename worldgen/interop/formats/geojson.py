@@ -10,11 +10,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from worldgen.interop.format import PLAIN_FACTS, Destination, Exported, Format, held_values
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.support.arrays import Bools
@@ -24,40 +26,31 @@ from worldgen.world import World
 MAX_GEOJSON_BYTES = 32 << 20
 
 
-def read_geojson(
-    path: Path,
-    *,
-    layer: str = "",
-    free: str = "",
-    unit: str = "",
-    cell_size: float = 0.0,
-    thickness: float = 0.0,
-    areas: Literal["solid", "outline"] = "solid",
-) -> ForeignMap:
-    """Read features: polygons and lines are walls, points are harmless.
+@dataclass(frozen=True)
+class GeojsonOptions(DrawingOptions):
+    """Options of a plan of features.
 
     Args:
-        path: The file.
-        layer: Names of the features that are walls, with commas between them; * stands for any
+        layer: Names of the features that are walls, with commas between them; * and ? stand for any
             letters. A feature's names are its kind or category, and key=value of each property. If
             omitted, all features.
-        free: Names of those that are openings, such as doors, in the same form.
         unit: m, cm, mm, in, ft, a number of metres, or deg for longitude and latitude; if omitted,
             the coordinates' size decides.
-        cell_size: Side of a cell, m; 0 means 0.05, or more for a large plan.
-        thickness: Thickness of lines, m.
-        areas: Whether polygons are solid, or only outlined by walls.
+    """
+
+
+def read_geojson(path: Path, options: GeojsonOptions) -> ForeignMap:
+    """Read features: polygons and lines are walls, points are harmless.
 
     Raises:
         FormatError: If it is not GeoJSON, or has no walls.
         InvalidParameter: If an option is out of range.
     """
-    from worldgen.interop.geometry.drawing import Choice, geometry_errors
+    from worldgen.interop.geometry.drawing import geometry_errors
     from worldgen.interop.readers.geojson_drawing import read_geojson_drawing
 
-    choice = Choice(layer, free, unit, cell_size, thickness, areas == "outline")
     with geometry_errors():
-        return read_geojson_drawing(path, choice, MAX_GEOJSON_BYTES)
+        return read_geojson_drawing(path, options, MAX_GEOJSON_BYTES)
 
 
 def write_geojson(world: World, destination: Destination) -> Exported:
@@ -98,6 +91,7 @@ geojson = Format(
     usual_robot=FLOOR_ROBOT,
     most_bytes=MAX_GEOJSON_BYTES,
     harmless=_HARMLESS,
+    options=GeojsonOptions,
 )
 
 

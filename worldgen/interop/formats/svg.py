@@ -15,9 +15,9 @@ import itertools
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal
 
 from worldgen.interop.format import (
     PLAIN_FACTS,
@@ -29,6 +29,7 @@ from worldgen.interop.format import (
     held_values,
 )
 from worldgen.interop.format.foreign_map import FLOOR_ROBOT, ForeignMap
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
@@ -46,41 +47,34 @@ _STYLE = (
 )
 
 
-def read_svg(
-    path: Path,
-    *,
-    layer: str = "",
-    free: str = "",
-    unit: str = "",
-    cell_size: float = 0.0,
-    thickness: float = 0.0,
-    areas: Literal["solid", "outline"] = "solid",
-    threshold: float = 0.1,
-) -> ForeignMap:
-    """Read a drawing: what is drawn dark is a wall, and white on top of it is floor.
+@dataclass(frozen=True)
+class SvgOptions(DrawingOptions):
+    """Options of a drawing with colours.
 
     Args:
-        path: The file.
-        layer: Names of the layers, groups, ids or classes that are walls, with commas between
-            them; * stands for any letters. If omitted, all that is drawn.
-        free: Names of those that are openings, such as doors, in the same form.
-        unit: Length of a unit of the drawing: m, cm, mm, in, ft, or a number of metres; if
-            omitted, the page's.
-        cell_size: Side of a cell, m; 0 means 0.05, or more for a large drawing.
+        layer: Names of the layers, groups, ids or classes that are walls, with commas between them;
+            * and ? stand for any letters. If omitted, all that is drawn.
+        unit: Length of a unit of the drawing: m, cm, mm, in, ft, or a number of metres; if omitted,
+            the page's.
         thickness: Thickness of the outlines of areas, m; lines have the width that is drawn.
-        areas: Whether areas are solid, or only outlined by walls.
         threshold: Darkness, 0 white to 1 black, from which a shape is a wall.
+    """
+
+    threshold: float = 0.1
+
+
+def read_svg(path: Path, options: SvgOptions) -> ForeignMap:
+    """Read a drawing: what is drawn dark is a wall, and white on top of it is floor.
 
     Raises:
         FormatError: If it is not SVG, or has no walls.
         InvalidParameter: If an option is out of range.
     """
-    from worldgen.interop.geometry.drawing import Choice, geometry_errors
+    from worldgen.interop.geometry.drawing import geometry_errors
     from worldgen.interop.readers.svg_drawing import read_svg_drawing
 
-    choice = Choice(layer, free, unit, cell_size, thickness, areas == "outline")
     with geometry_errors():
-        return read_svg_drawing(path, choice, threshold, MAX_SVG_BYTES)
+        return read_svg_drawing(path, options, options.threshold, MAX_SVG_BYTES)
 
 
 def write_svg(
@@ -140,6 +134,7 @@ svg = Format(
     client="browsers, Inkscape, cutters",
     usual_robot=FLOOR_ROBOT,
     most_bytes=MAX_SVG_BYTES,
+    options=SvgOptions,
 )
 
 

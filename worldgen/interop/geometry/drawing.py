@@ -21,6 +21,7 @@ import shapely
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.interop.account import report_unread
 from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.geometry.raster import painted
 from worldgen.lattice import exact
 from worldgen.parameters.bounds import check_between
@@ -66,6 +67,8 @@ _MOST_SIDE = 2000
 # Free space around a drawing that is a single line, m.
 _AROUND = 1.0
 _MOST_LISTED = 12
+# Options that a world's provenance has, if they were given.
+_RECORDED = ("layer", "free", "unit", "cell_size", "thickness", "outlines")
 
 
 class Part(NamedTuple):
@@ -80,27 +83,6 @@ class Part(NamedTuple):
     shape: Any
     layers: tuple[str, ...]
     is_free: bool = False
-
-
-class Choice(NamedTuple):
-    """What a user says about a drawing; the same options for every format.
-
-    Args:
-        layer: Names of the layers that are walls, separated by commas; ``*`` and ``?`` stand for
-            any letters. If empty, every visible layer.
-        free: Names of the layers that are openings, in the same form.
-        unit: Length of the drawing's unit: a name of :data:`UNITS`, or m; empty for the file's.
-        cell_size: Side of a cell, m; 0 for 0.05, or more for a large drawing.
-        thickness: Thickness of lines that have none of their own, m.
-        outlines: True if areas are only outlined by walls.
-    """
-
-    layer: str = ""
-    free: str = ""
-    unit: str = ""
-    cell_size: float = 0.0
-    thickness: float = 0.0
-    outlines: bool = False
 
 
 @dataclass
@@ -149,7 +131,7 @@ class Drawing:
         """Report an element that is not read; it counts only if its layer is one of the walls."""
         self._unread[what, tuple(layers)] += 1
 
-    def map(self, choice: Choice, params: dict[str, Value] | None = None) -> ForeignMap:
+    def map(self, options: DrawingOptions, params: dict[str, Value] | None = None) -> ForeignMap:
         """Return the walls as cells: those that the walls' area reaches into.
 
         Raises:
@@ -157,11 +139,11 @@ class Drawing:
             InvalidParameter: If an option is out of range.
         """
         # Choose the walls and the openings.
-        check_between("thickness", choice.thickness, 0.0, 100.0, "m")
-        walls, openings, notes = self._chosen(choice)
+        check_between("thickness", options.thickness, 0.0, 100.0, "m")
+        walls, openings, notes = self._chosen(options)
         unread: Counter[str] = Counter()
         for (what, layers), count in self._unread.items():
-            if _is_chosen(layers, choice.layer) and not _matches(layers, choice.free):
+            if _is_chosen(layers, options.layer) and not _matches(layers, options.free):
                 unread[what] += count
         for what, count in unread.items():
             report_unread(what, count)
@@ -172,20 +154,22 @@ class Drawing:
                 "draw the walls as visible shapes, not as text, pictures or solids",
                 unread=[f"{count} {what}" for what, count in unread.most_common(_MOST_LISTED)],
             )
-        unit = self._unit(choice)
+        unit = self._unit(options)
         # Give them their thickness, and open them.
-        half = choice.thickness / unit / 2
+        half = options.thickness / unit / 2
         shapes = _opened(
-            [_thick(_outlined(part.shape, choice), half) for part in walls],
+            [_thick(_outlined(part.shape, options), half) for part in walls],
             openings,
-            max(2 * half, float(_USUAL_CELL if not choice.cell_size else choice.cell_size) / unit),
+            max(
+                2 * half, float(_USUAL_CELL if not options.cell_size else options.cell_size) / unit
+            ),
         )
         # Choose the grid.
         drawn = np.array([part.shape.bounds for part in self.parts])
         page = self.page or (*drawn[:, :2].min(axis=0), *drawn[:, 2:].max(axis=0))
         metres = [exact(float(value)) * exact(unit) for value in page]
         if self.page is None:
-            grown = choice.thickness / 2 if half else 0.0
+            grown = options.thickness / 2 if half else 0.0
             metres = [
                 value + exact(sign * grown)
                 for value, sign in zip(metres, (-1, -1, 1, 1), strict=True)
@@ -196,11 +180,11 @@ class Drawing:
                     value + sign * exact(_AROUND)
                     for value, sign in zip(metres, (-1, -1, 1, 1), strict=True)
                 ]
-        cell = self._cell(choice, metres)
+        cell = self._cell(options, metres)
         if self.page is None:
             metres[:2] = [value // cell * cell for value in metres[:2]]
         left, low, right, high = metres
-        notes.extend(self._size_notes(choice, unit, right - left, high - low))
+        notes.extend(self._size_notes(options, unit, right - left, high - low))
         # Paint.
         scale = unit / float(cell)
         shift = np.array([float(left / cell), float(low / cell)])
@@ -217,17 +201,17 @@ class Drawing:
                 "every cell is solid; name the layers of walls with --layer, or, if rooms are drawn as "
                 "areas, make walls of their outlines with +areas=outline"
             )
-        given = {name: value for name, value in choice._asdict().items() if value}
+        given = {name: value for name in _RECORDED if (value := getattr(options, name))}
         origin = float(left) + self.origin[0], float(low) + self.origin[1]
         return ForeignMap(
             raster.solid, float(cell), {**given, **(params or {})}, (*self.notes, *notes),
             tuple(warnings), robots=(self.robot,), origin=origin, is_picture=self.page is not None,
         )  # fmt: skip
 
-    def _unit(self, choice: Choice) -> float:
+    def _unit(self, options: DrawingOptions) -> float:
         """Return the length of a unit, m."""
-        if choice.unit:
-            return parse_unit(choice.unit)
+        if options.unit:
+            return parse_unit(options.unit)
         if self.unit is not None:
             return self.unit
         bounds = self.page or shapely.total_bounds(np.array([part.shape for part in self.parts]))
@@ -235,9 +219,9 @@ class Drawing:
         return next((guess for guess in self.guesses if extent * guess <= 200.0), self.guesses[-1])
 
     def _size_notes(
-        self, choice: Choice, unit: float, width: Fraction, height: Fraction
+        self, options: DrawingOptions, unit: float, width: Fraction, height: Fraction
     ) -> list[Any]:
-        if choice.unit or self.cell_size:
+        if options.unit or self.cell_size:
             return []
         source = f"by {self.unit_from}" if self.unit is not None else "as the file has no unit"
         return [
@@ -254,19 +238,21 @@ class Drawing:
             )
         ]
 
-    def _cell(self, choice: Choice, metres: list[Fraction]) -> Fraction:
+    def _cell(self, options: DrawingOptions, metres: list[Fraction]) -> Fraction:
         """Return the side of a cell, m."""
-        given = choice.cell_size or self.cell_size
+        given = options.cell_size or self.cell_size
         if given:
             return exact(given)
         longest = max(metres[2] - metres[0], metres[3] - metres[1])
         fitting = (size for size in _COARSER if longest <= _MOST_SIDE * size)
         return next(fitting, _COARSER[-1])
 
-    def _chosen(self, choice: Choice) -> tuple[list[Part], list[tuple[Any, int]], list[Any]]:
+    def _chosen(
+        self, options: DrawingOptions
+    ) -> tuple[list[Part], list[tuple[Any, int]], list[Any]]:
         """Return the walls, the openings with the number of walls below each, and notes."""
         known = list(dict.fromkeys(name for part in self.parts for name in part.layers))
-        for option, patterns in (("layer", choice.layer), ("free", choice.free)):
+        for option, patterns in (("layer", options.layer), ("free", options.free)):
             for pattern in _patterns(patterns):
                 if not _matches(known, pattern):
                     raise FormatError(
@@ -284,10 +270,10 @@ class Drawing:
         everything = len(self.parts)
         for part in self.parts:
             first = part.layers[0]
-            if _matches(part.layers, choice.free):
+            if _matches(part.layers, options.free):
                 openings.append((part.shape, everything))
                 counts["free"][first] += 1
-            elif choice.layer and not _matches(part.layers, choice.layer):
+            elif options.layer and not _matches(part.layers, options.layer):
                 counts["left"][first] += 1
             elif part.is_free:
                 openings.append((part.shape, len(walls)))
@@ -295,10 +281,10 @@ class Drawing:
             else:
                 walls.append(part)
                 counts["solid"][first] += 1
-        return walls, openings, list(_layer_notes(counts, choice))
+        return walls, openings, list(_layer_notes(counts, options))
 
 
-def _layer_notes(counts: dict[str, Counter[str]], choice: Choice) -> Iterable[Any]:
+def _layer_notes(counts: dict[str, Counter[str]], options: DrawingOptions) -> Iterable[Any]:
     words = {name: _listed(counted) for name, counted in counts.items()}
     yield Note(
         "walls-are",
@@ -342,9 +328,9 @@ def _matches(layers: Iterable[str], patterns: str) -> bool:
     return any(fnmatch.fnmatchcase(name.lower(), one) for one in wanted for name in layers)
 
 
-def is_layer(name: str, choice: Choice) -> bool:
+def is_layer(name: str, options: DrawingOptions) -> bool:
     """Return True if a user names a layer as walls or as openings."""
-    return _matches((name,), choice.layer) or _matches((name,), choice.free)
+    return _matches((name,), options.layer) or _matches((name,), options.free)
 
 
 def _is_chosen(layers: Sequence[str], patterns: str) -> bool:
@@ -384,8 +370,8 @@ def too_large() -> FormatError:
     )
 
 
-def _outlined(shape: Any, choice: Choice) -> Any:
-    return shape.boundary if choice.outlines and shape.area > 0 else shape
+def _outlined(shape: Any, options: DrawingOptions) -> Any:
+    return shape.boundary if options.outlines and shape.area > 0 else shape
 
 
 def _thick(shape: Any, half: float) -> Any:

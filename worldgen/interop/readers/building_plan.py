@@ -6,6 +6,7 @@ Source: Open-RMF, rmf_building_map_tools (``building.py``, ``level.py``, ``wall.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ import shapely
 
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
-from worldgen.interop.geometry.drawing import Choice, Drawing, filled, is_layer
+from worldgen.interop.geometry.drawing import Drawing, filled, is_layer
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import quote
@@ -24,12 +26,14 @@ _SYSTEMS = ("reference_image", "cartesian_meters")
 _SEAM = 0.02
 
 
-def read_building_plan(path: Path, choice: Choice, level: str, most_bytes: int) -> ForeignMap:
+def read_building_plan(
+    path: Path, options: DrawingOptions, level: str, most_bytes: int
+) -> ForeignMap:
     """Read one level of a building.
 
     Args:
         path: The file.
-        choice: Layers, unit and cells; the layers are walls, doors, holes and "outside the floors".
+        options: Layers, unit and cells; the layers are walls, doors, holes and "outside the floors".
         level: Name of the level; if empty, the reference level, or the first.
         most_bytes: Largest file.
 
@@ -80,18 +84,18 @@ def read_building_plan(path: Path, choice: Choice, level: str, most_bytes: int) 
     for name in names:
         if name != chosen:
             levels.tables(name)[0].pass_over()
-    _add_level(drawing, here, flip, choice)
+    _add_level(drawing, here, flip, options)
     if "lifts" in top and not top.is_null("lifts"):
         for name in top.tables("lifts")[0]:
             drawing.unread("lifts", (f"lift {name}",))
         top.tables("lifts")[0].pass_over()
     has_doors = any("doors" in part.layers for part in drawing.parts)
-    if has_doors and not is_layer("doors", choice):
-        choice = choice._replace(free=f"{choice.free},doors")
-    return drawing.map(choice, {"level": chosen})
+    if has_doors and not is_layer("doors", options):
+        options = replace(options, free=f"{options.free},doors")
+    return drawing.map(options, {"level": chosen})
 
 
-def _add_level(drawing: Drawing, level: YamlTable, flip: float, choice: Choice) -> None:
+def _add_level(drawing: Drawing, level: YamlTable, flip: float, options: DrawingOptions) -> None:
     """Add the walls, the doors and what is not on a floor."""
     corners = _vertices(level, flip)
     lines: dict[str, list[Any]] = {}
@@ -105,7 +109,7 @@ def _add_level(drawing: Drawing, level: YamlTable, flip: float, choice: Choice) 
     for area in areas["holes"]:
         drawing.add(area, ("holes",))
     if areas["floors"]:
-        unit = drawing._unit(choice)
+        unit = drawing._unit(options)
         floor = shapely.union_all(areas["floors"])
         everything = np.array([floor, *lines["walls"], *lines["doors"]], object)
         around = shapely.box(*shapely.total_bounds(everything))

@@ -24,7 +24,6 @@ from worldgen.interop.account import report_unread
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.geometry.drawing import (
     TURN,
-    Choice,
     Drawing,
     arc_points,
     check_crossings,
@@ -32,6 +31,7 @@ from worldgen.interop.geometry.drawing import (
     finite,
     too_large,
 )
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import quote
 
@@ -415,12 +415,12 @@ _READERS: dict[str, Callable[[Any], Iterator[Any]]] = {
 }
 
 
-def read_dxf_drawing(path: Path, choice: Choice, most_bytes: int) -> ForeignMap:
+def read_dxf_drawing(path: Path, options: DrawingOptions, most_bytes: int) -> ForeignMap:
     """Read a DXF file, as text or binary.
 
     Args:
         path: The file.
-        choice: Layers, unit and cells.
+        options: Layers, unit and cells.
         most_bytes: Largest file.
 
     Raises:
@@ -447,7 +447,7 @@ def read_dxf_drawing(path: Path, choice: Choice, most_bytes: int) -> ForeignMap:
     words = [f"{what} ({count})" for what, count in said.items() if count]
     if words:
         drawing.notes.append(f"not obstacles: {', '.join(words)}")
-    return drawing.map(choice)
+    return drawing.map(options)
 
 
 def _document(data: bytes) -> tuple[Any, int]:

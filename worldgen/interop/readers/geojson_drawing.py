@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ import shapely
 from worldgen.errors import FormatError
 from worldgen.interop.account import NamedParts, damage, parse_json
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
-from worldgen.interop.geometry.drawing import DEGREES, NO_LAYER, Choice, Drawing, filled
+from worldgen.interop.geometry.drawing import DEGREES, NO_LAYER, Drawing, filled
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.readers.plan_facts import own_map, own_plan
 
 _MOST_DEPTH = 16
@@ -33,12 +35,12 @@ _KINDS = (
 _MARKS = ("start", "target", "change")
 
 
-def read_geojson_drawing(path: Path, choice: Choice, most_bytes: int) -> ForeignMap:
+def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -> ForeignMap:
     """Read features, a geometry, or a collection of them.
 
     Args:
         path: The file.
-        choice: Layers, unit and cells; the unit may also be deg.
+        options: Layers, unit and cells; the unit may also be deg.
         most_bytes: Largest file.
 
     Raises:
@@ -61,15 +63,15 @@ def read_geojson_drawing(path: Path, choice: Choice, most_bytes: int) -> Foreign
             "damaged-file", "is not GeoJSON: {reason}", "save it again", reason=damage(error)
         ) from error
     if own is not None:
-        return own_map(drawing, choice, own)
+        return own_map(drawing, options, own)
     if not drawing.parts:
-        return drawing.map(choice)
-    if _is_in_degrees(document, drawing, choice):
+        return drawing.map(options)
+    if _is_in_degrees(document, drawing, options):
         _project(drawing)
-        choice = choice._replace(unit="")
+        options = replace(options, unit="")
     else:
         drawing.unit, drawing.unit_from = 1.0, "the coordinates, which are no degrees"
-    return drawing.map(choice)
+    return drawing.map(options)
 
 
 def _parsed(data: bytes) -> NamedParts:
@@ -184,11 +186,11 @@ def _points(rows: Any) -> Any:
     return points
 
 
-def _is_in_degrees(document: NamedParts, drawing: Drawing, choice: Choice) -> bool:
+def _is_in_degrees(document: NamedParts, drawing: Drawing, options: DrawingOptions) -> bool:
     """Decide whether coordinates are degrees: by the user, the file, or their size."""
     crs = json.dumps(document.get("crs"))
-    if choice.unit:
-        return choice.unit.strip().lower() == DEGREES
+    if options.unit:
+        return options.unit.strip().lower() == DEGREES
     if "crs" in document and ("CRS84" in crs or "4326" in crs):
         return True
     if "EPSG" in crs:

@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from worldgen.interop.format.foreign_map import ForeignMap, ForeignRobot
-from worldgen.interop.geometry.drawing import Choice, Drawing
+from worldgen.interop.geometry.drawing import Drawing
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 
 
 class OwnPlan(NamedTuple):
@@ -39,14 +40,14 @@ def own_plan(facts: object) -> OwnPlan | None:
     return OwnPlan(size, cell, origin, robot)
 
 
-def own_map(drawing: Drawing, choice: Choice, plan: OwnPlan) -> ForeignMap:
+def own_map(drawing: Drawing, options: DrawingOptions, plan: OwnPlan) -> ForeignMap:
     """Return the cells of our own plan, as it may have been edited since."""
     (width, height), (x, y) = plan.size, plan.origin
     drawing.unit, drawing.unit_from = 1.0, "worldgen"
     drawing.cell_size = plan.cell_size
     drawing.page = (x, y, x + width * plan.cell_size, y + height * plan.cell_size)
     drawing.robot = plan.robot
-    found = drawing.map(choice)
+    found = drawing.map(options)
     return replace(found, is_picture=False, origin=(x, y))
 
 

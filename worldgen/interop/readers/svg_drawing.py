@@ -25,7 +25,6 @@ from worldgen.interop.geometry.drawing import (
     NO_LAYER,
     TURN,
     UNITS,
-    Choice,
     Drawing,
     arc_points,
     check_crossings,
@@ -33,6 +32,7 @@ from worldgen.interop.geometry.drawing import (
     finite,
     too_large,
 )
+from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.readers.plan_facts import OwnPlan, own_map, own_plan
 from worldgen.interop.readers.xml_tree import XmlElement, parse_xml
 from worldgen.parameters.bounds import check_between
@@ -539,12 +539,14 @@ class _Reader:
         return value * _PIXELS.get(unit, 1.0)
 
 
-def read_svg_drawing(path: Path, choice: Choice, threshold: float, most_bytes: int) -> ForeignMap:
+def read_svg_drawing(
+    path: Path, options: DrawingOptions, threshold: float, most_bytes: int
+) -> ForeignMap:
     """Read an SVG file.
 
     Args:
         path: The file.
-        choice: Layers, unit and cells.
+        options: Layers, unit and cells.
         threshold: Darkness, 0 white to 1 black, from which a shape is a wall.
         most_bytes: Largest file.
 
@@ -583,11 +585,11 @@ def read_svg_drawing(path: Path, choice: Choice, threshold: float, most_bytes: i
     if reader.dashed:
         drawing.notes.append(f"dashed lines ({reader.dashed}) count as walls without gaps")
     if own is not None:
-        return own_map(drawing, choice, own)
+        return own_map(drawing, options, own)
     if drawing.page is not None:
-        unit = drawing._unit(choice)
+        unit = drawing._unit(options)
         drawing.origin = (-drawing.page[0] * unit, -drawing.page[1] * unit)
-    return drawing.map(choice, {"threshold": threshold})
+    return drawing.map(options, {"threshold": threshold})
 
 
 def _own_facts(root: XmlElement) -> OwnPlan | None:
