@@ -206,6 +206,22 @@ def test_a_compressed_bag_is_read_unless_it_becomes_too_large(
 
 @pytest.mark.gate
 @needs_rosbags
+@pytest.mark.parametrize(
+    ("kind", "compression"), [("bag", "bz2"), ("db3", "message"), ("mcap", "storage")]
+)
+def test_what_all_compressed_parts_become_is_bounded_by_the_size_of_the_bag(
+    tmp_path, monkeypatch, kind, compression
+):
+    path = write_bag(tmp_path / "run", drive(), kind, compression)
+    monkeypatch.setattr(bag, "_FREE", 2000)
+    assert read_bag(path).grid_topic() == "/map"
+    monkeypatch.setattr(bag, "_MOST_TIMES", 0)
+    with raises(FormatError, "too-large", most=2000):
+        read_bag(path)
+
+
+@pytest.mark.gate
+@needs_rosbags
 def test_the_list_and_the_files_of_a_bag_are_checked_before_they_are_opened(tmp_path):
     path = write_bag(tmp_path / "run", drive(), "db3")
     database = next(path.glob("*.db3"))

@@ -69,6 +69,7 @@ TIMED = {
 PLANS = {
     "x,y": "x,y\n2,3\n3,3\n4,3\n",
     "no header": "2 3\n3 3\n4 3\n",
+    "race line": "0;2;3;0;0;2;0\n1;3;3;0;0;2;2.5\n2;4;3;0;0;3;0\n",
     "F1TENTH": "# 1f\n# s_m; x_m; y_m; psi_rad; vx_mps\n0; 2; 3; 0; 1\n1; 3; 3; 0; 1\n2; 4; 3; 0; 1\n",
     "poses": "2 3 0 0 0 0 1\n3 3 0 0 0 0 1\n4 3 0 0 0 0 1\n",
     "rostopic of a path": ",".join(
@@ -103,6 +104,10 @@ def test_plans_are_read(text):
         (TIMED["rostopic"], "rostopic echo -p: 3 poses over 2 s, counted from 1600000000.1 s"),
         (TIMED["Odometry"], "ros2 topic echo --csv of Odometry: 3 poses over 2 s"),
         (PLANS["F1TENTH"], "F1TENTH's line: 3 poses without times, a plan"),
+        (
+            PLANS["race line"],
+            "a race line (s; x; y; psi; kappa; vx; ax): 3 poses without times, a plan",
+        ),
         (TIMED["microseconds by name"], "a table (t from t_us in us, x from x, y from y): 3 poses over 2 s"),
         (PLANS["x,y"], ""),
     ],
@@ -184,6 +189,9 @@ def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first)
         (lines("{i},0,odom,base,{x},3,0,0,0,0,1") + "3,0,map,base,4,3,0,0,0,0,1\n", "", "several-frames"),
         ("t,x,y\n0,5,1,25,2,0\n1,5,1,25,2,0\n", "", "wrong-count"),
         ("1,2,3,4,5\n2,2,3,4,5\n", "", "ambiguous-columns"),
+        # At 1 m/s the first column may be the distance or the time.
+        ("0;2;3;0;0;1;0\n1;3;3;0;0;1;0\n2;4;3;0;0;1;0\n", "", "ambiguous-columns"),
+        ("0;2;3;0;0;2;0\n1;3;3;0;0;2;0\n2;4;3;0;0;3;0\n", "", "ambiguous-columns"),
         ("t [min],x,y\n0,1,1\n", "", "unknown-unit"),
         ("t_h,x,y\n0,1,1\n", "t=t_h", "unknown-unit"),
         ("t,x_ft,y_ft\n0,1,1\n", "", "unknown-unit"),

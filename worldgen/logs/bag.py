@@ -39,6 +39,10 @@ _CHUNK = 6
 # The most that compressed parts become: chunks and messages, and files, bytes.
 _MOST_OF_A_CHUNK = 1 << 29
 _MOST_OF_A_FILE = 1 << 30
+# The most that all compressed chunks and messages of a bag become together: bytes, and times the
+# bag's own size. A map that is sent again and again shrinks to a three-hundredth.
+_FREE = 1 << 31
+_MOST_TIMES = 300
 # The list of a bag's files: its most characters and its deepest lists.
 _MOST_OF_METADATA = 1 << 22
 _DEEPEST = 50
@@ -283,7 +287,8 @@ def _opened(path: Path) -> Iterator[Iterator[_Message]]:
     path = path.parent if path.name == _METADATA else path
     with ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory())
-        _check_files(path, folder)
+        unpacking = _Unpacking(_size(path))
+        _check_files(path, folder, unpacking)
         if path.is_file():
             with path.open("rb") as stream:
                 suffix = _suffix(stream.read(64))
@@ -299,7 +304,7 @@ def _opened(path: Path) -> Iterator[Iterator[_Message]]:
             if name not in store.types:
                 store.register(get_types_from_msg(definition, name))
         parse = store.deserialize_ros1 if is_first else store.deserialize_cdr
-        unpack = _limit_unpacking(reader)
+        unpack = _limit_unpacking(reader, unpacking)
         wanted = [one for one in reader.connections if one.msgtype in _Collector.TYPES]
 
         def messages() -> Iterator[_Message]:
@@ -311,31 +316,38 @@ def _opened(path: Path) -> Iterator[Iterator[_Message]]:
         yield messages()
 
 
-def _limit_unpacking(reader: Any) -> Callable[[bytes], bytes]:
+def _size(path: Path) -> int:
+    """Return the size of a bag, bytes, without folders in its folder."""
+    files = path.iterdir() if path.is_dir() else (path,)
+    return sum(file.stat().st_size for file in files if file.is_file())
+
+
+def _limit_unpacking(reader: Any, unpacking: _Unpacking) -> Callable[[bytes], bytes]:
     """Let a reader unpack chunks of ROS 1 to a limit only, and return how to unpack its messages."""
     for at, chunk in getattr(reader, "chunks", {}).items():
         name = chunk.decompressor.__module__.partition(".")[0]
         if name in ("bz2", "lz4"):
-            reader.chunks[at] = chunk._replace(decompressor=partial(_unpacked, name))
+            reader.chunks[at] = chunk._replace(decompressor=partial(unpacking.unpack, name))
     if getattr(reader, "compression_mode", None) != "message":
         return bytes
     # Unpacked here, not by the reader, which knows no limit.
     reader.storage.metadata = reader.storage.metadata._replace(compression_mode=None)
-    return partial(_unpacked, "zstd")
+    return partial(unpacking.unpack, "zstd")
 
 
-def _check_files(path: Path, folder: str) -> None:
+def _check_files(path: Path, folder: str, unpacking: _Unpacking) -> None:
     """Refuse a bag that is dangerous to open: rosbags reads all files at once and to any size.
 
     Args:
         path: The bag.
         folder: A folder for temporary files.
+        unpacking: Unpacks the chunks.
 
     Raises:
         FormatError: If a file is a pipe or a device, or becomes too large.
     """
     if path.is_file():
-        return _check_file(path, folder)
+        return _check_file(path, folder, unpacking)
     with (path / _METADATA).open(encoding="utf-8", errors="replace") as lines:
         text = lines.read(_MOST_OF_METADATA)
     depths = itertools.accumulate(1 if mark in "[{" else -1 for mark in _BRACKETS.findall(text))
@@ -348,10 +360,10 @@ def _check_files(path: Path, folder: str) -> None:
         )
     for inner in sorted(path.iterdir()):
         if not inner.is_dir():
-            _check_file(inner, folder)
+            _check_file(inner, folder, unpacking)
 
 
-def _check_file(path: Path, folder: str) -> None:
+def _check_file(path: Path, folder: str, unpacking: _Unpacking) -> None:
     """Refuse a file of a bag that is not an ordinary one, or becomes too large."""
     if not path.is_file():
         raise FormatError(
@@ -363,7 +375,7 @@ def _check_file(path: Path, folder: str) -> None:
     with path.open("rb") as stream:
         head = stream.read(8)
         if head == _MCAP:
-            _check_chunks(stream, path.stat().st_size)
+            _check_chunks(stream, path.stat().st_size, unpacking)
         if not head.startswith(_ZSTD):
             return
         stream.seek(0)
@@ -377,7 +389,7 @@ def _check_file(path: Path, folder: str) -> None:
             size = plain.tell()
             plain.seek(0)
             if plain.read(8) == _MCAP:
-                _check_chunks(plain, size)
+                _check_chunks(plain, size, unpacking)
 
 
 def _too_large(most: int) -> FormatError:
@@ -389,7 +401,7 @@ def _too_large(most: int) -> FormatError:
     )
 
 
-def _check_chunks(stream: IO[bytes], size: int) -> None:
+def _check_chunks(stream: IO[bytes], size: int, unpacking: _Unpacking) -> None:
     """Refuse an MCAP file with a chunk that becomes too large, before anything decompresses it.
 
     Raises:
@@ -411,7 +423,7 @@ def _check_chunks(stream: IO[bytes], size: int) -> None:
             (packed,) = struct.unpack("<Q", stream.read(8))
             is_true = unpacked <= _MOST_OF_A_CHUNK and packed <= size and named <= 8
             if is_true and compression:
-                is_true = len(_unpacked(compression, stream.read(packed))) == unpacked
+                is_true = len(unpacking.unpack(compression, stream.read(packed))) == unpacked
             if not is_true:
                 raise _too_large(_MOST_OF_A_CHUNK)
         at += 9 + length
@@ -425,27 +437,47 @@ def _zstd() -> Any:
     return zstd
 
 
-def _unpacked(compression: str, data: bytes) -> bytes:
-    """Return what a chunk or a message becomes.
+class _Unpacking:
+    """Unpacks the chunks and messages of one bag, each to a limit and all together to another.
 
-    Raises:
-        FormatError: If that is too large, there is more after it, or the compression is unknown.
+    Args:
+        size: Size of the bag, bytes.
     """
-    decompressor: Any
-    if compression == "zstd":
-        decompressor = _zstd().ZstdDecompressor()
-    elif compression == "lz4":
-        from lz4 import frame  # noqa: PLC0415
 
-        decompressor = frame.LZ4FrameDecompressor()
-    elif compression == "bz2":
-        decompressor = bz2.BZ2Decompressor()
-    else:
-        raise _too_large(_MOST_OF_A_CHUNK)
-    found: bytes = decompressor.decompress(data, max_length=_MOST_OF_A_CHUNK + 1)
-    if not decompressor.eof or decompressor.unused_data or len(found) > _MOST_OF_A_CHUNK:
-        raise _too_large(_MOST_OF_A_CHUNK)
-    return found
+    def __init__(self, size: int) -> None:
+        self._left = self._most = _FREE + _MOST_TIMES * size
+
+    def unpack(self, compression: str, data: bytes) -> bytes:
+        """Return what a chunk or a message becomes.
+
+        Raises:
+            FormatError: If that is too large, alone or with all that came before, there is more
+                after it, or the compression is unknown.
+        """
+        decompressor: Any
+        if compression == "zstd":
+            decompressor = _zstd().ZstdDecompressor()
+        elif compression == "lz4":
+            from lz4 import frame  # noqa: PLC0415
+
+            decompressor = frame.LZ4FrameDecompressor()
+        elif compression == "bz2":
+            decompressor = bz2.BZ2Decompressor()
+        else:
+            raise _too_large(_MOST_OF_A_CHUNK)
+        found: bytes = decompressor.decompress(data, max_length=_MOST_OF_A_CHUNK + 1)
+        if not decompressor.eof or decompressor.unused_data or len(found) > _MOST_OF_A_CHUNK:
+            raise _too_large(_MOST_OF_A_CHUNK)
+        self._left -= len(found)
+        if self._left < 0:
+            raise FormatError(
+                "too-large",
+                "the bag's compressed parts become more than {most} bytes together",
+                "keep the topics that matter, such as /map, /tf and /tf_static, with ros2 bag convert or "
+                "rosbag filter",
+                most=self._most,
+            )
+        return found
 
 
 class _Collector:

@@ -6,6 +6,7 @@ definitions of ROS 2's messages, whose fields ``ros2 topic echo --csv`` prints i
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -18,11 +19,15 @@ from worldgen.logs.units import is_date
 
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _STAMP = ("sec", "nanosec", "frame")
-_NAMES = {"sec": "t"}
+_NAMES = {"sec": "t", "psi": "yaw"}
+# Race lines count headings from the x or the y axis, so these keep their name.
+_LABELS = {"psi": "psi"}
 _ECHO = "ros2 topic echo --csv of"
 _NUMBERED = re.compile(r"poses\[?\d+\]?\.pose\.(position|orientation)\.([xyzw])$")
 _PREFIX = {"position": "", "orientation": "q"}
 _TEXTS = ("frame", "child", "array")
+# Shares by which a race line's numbers may differ from what its points say.
+_ROUNDED = 0.02
 
 
 @dataclass(frozen=True)
@@ -71,11 +76,13 @@ class Layout:
     @property
     def columns(self) -> dict[str, Column]:
         """The columns by quantity."""
-        units = {"sec": "s", "nanosec": "ns", "t": ""}
+        units = {"sec": "s", "nanosec": "ns", "t": "", "psi": "rad"}
         return {
-            _NAMES.get(kind, kind): Column(place, str(place + 1), units.get(kind, "m"))
+            _NAMES.get(kind, kind): Column(
+                place, _LABELS.get(kind, str(place + 1)), units.get(kind, "m")
+            )
             for place, kind in enumerate(self.fields)
-            if kind in ("t", "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw")
+            if kind in ("t", "sec", "nanosec", "x", "y", "psi", "qx", "qy", "qz", "qw")
         }
 
 
@@ -118,7 +125,35 @@ def layout_of(rows: Sequence[Sequence[str]]) -> Layout | None:
             return layout
     if all(len(row) == 3 and is_date(number_of(row[0]) or 0.0) for row in rows):
         return Layout("t x y", ("t", "x", "y"))
+    if _is_race_line(rows):
+        return Layout(
+            "a race line (s; x; y; psi; kappa; vx; ax)", ("", "x", "y", "psi", "", "", "")
+        )
     return path_of(rows[-1])
+
+
+def _is_race_line(rows: Sequence[Sequence[str]]) -> bool:
+    """Return True if lines are s, x, y, psi, kappa, vx and ax, because their numbers say so.
+
+    s is the distance along the points, and ax the change of vx over it. At 1 m/s s could also be the
+    time.
+
+    Source: A. Heilmeier et al., "Minimum curvature trajectory planning and control for an
+        autonomous race car", Vehicle System Dynamics, 2019, whose program writes such files.
+    """
+    numbers = [[number_of(field) for field in row] for row in rows]
+    if len(rows) < 3 or any(len(row) != 7 or None in row for row in numbers):
+        return False
+    lines: list[list[float]] = [[value or 0.0 for value in row] for row in numbers]
+    for (s, x, y, _, _, v, a), (s2, x2, y2, _, _, v2, _) in itertools.pairwise(lines):
+        length = s2 - s
+        gained = 0.5 * (v2 * v2 - v * v)
+        if not (
+            abs(math.hypot(x2 - x, y2 - y) - length) <= _ROUNDED * length
+            and abs(a * length - gained) <= _ROUNDED * max(abs(gained), v * v)
+        ):
+            return False
+    return lines[0][0] == 0.0 and all(abs(row[5] - 1.0) > _ROUNDED for row in lines)
 
 
 def path_of(fields: Sequence[str]) -> Layout | None:

@@ -218,7 +218,8 @@ def _parsed(
         times, unit, date = seconds(values["t"], values.get("nanosec"), places["t"], x, y, rows)
     turned, remark = None, ""
     if "yaw" in values or {"qz", "qw"} <= values.keys():
-        if layout is not None and not layout.is_message and not chosen.keys() & set(_TURNS):
+        is_by_place = layout is not None and not layout.is_message and "yaw" not in values
+        if is_by_place and not chosen.keys() & set(_TURNS):
             check_order(values, places)
         turned, remark = headings(values, places, x, y, list(samples.values()))
 
