@@ -122,7 +122,7 @@ def never_tried(natural: NaturalResult) -> list[str]:
     turns = [name for name, row in natural.turns.items() if not row.worlds]
     never = []
     if clearances:
-        never.append(f"gaps of {alternatives(clearances)} robot radii")
+        never.append(f"gaps of {alternatives(clearances)} times the robot's width")
     if turns:
         never.append(f"paths with {alternatives(turns)} quarter turns")
     return never

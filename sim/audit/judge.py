@@ -242,7 +242,7 @@ def _check_headings(trajectory: Trajectory, interpolate: Interpolation, *, is_di
         raise InvalidParameter(
             "no-headings",
             "the trajectory has no headings, and {why}",
-            "add a column heading, yaw or theta, rad, or give Trajectory the headings",
+            "give them in rad, in a log as a column heading, yaw or theta",
             why="an arc needs them" if is_disc else "the robot's body is not a disc",
         )
 

@@ -15,6 +15,7 @@ from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
+from worldgen.world import Cut
 
 
 def test_the_world_found_is_as_constrained_and_generate_makes_it_again():
@@ -64,6 +65,25 @@ def test_what_is_given_stays_and_the_robot_stays():
 def test_a_difficulty_of_worlds_that_change_is_refused_at_once(family):
     with raises(InvalidParameter, "world-changes"):
         search_world(family, difficulty=0.5)
+
+
+@pytest.mark.parametrize(
+    ("constraint", "given", "code"),
+    [
+        ({"difficulty": 0.5}, {"blocked": 1.0}, "metric-of-paths"),
+        ({"where": "solid > 0.1 and detour > 1"}, {"blocked": 0.3}, "metric-of-paths"),
+        ({"difficulty": 0.5}, {"footprint": "0.3x0.2"}, "metric-of-discs"),
+        ({"where": "bottleneck > 0"}, {"drive": "car", "turning_radius": 0.3}, "metric-of-discs"),
+    ],
+)
+def test_a_metric_that_no_world_has_is_refused_at_once(constraint, given, code):
+    with raises(InvalidParameter, code):
+        search_world("maze", **constraint, **given, size=12)
+
+
+def test_a_metric_of_the_map_finds_blocked_worlds():
+    found = search_world("maze", "solid > 0.05 and bottleneck >= 0", blocked=1.0, size=12)
+    assert isinstance(found.certificate, Cut)
 
 
 def test_when_nothing_fits_the_nearest_is_told():

@@ -148,6 +148,16 @@ def test_a_refusal_keeps_the_notes_that_explain_it(tmp_path):
     assert not (tmp_path / "w.grid").exists()
 
 
+def test_a_body_without_room_is_refused_in_its_own_words(tmp_path):
+    done = worldgen(
+        "import", transparent(tmp_path), "--from", "ros+unknown=free", "--footprint", "3x2.5",
+        "--out", tmp_path / "w.grid",
+    )  # fmt: skip
+    assert (done.code, done.error_code) == (2, "no-room")
+    assert "the body of 3 x 2.5 m does not fit anywhere in the map" in done.err
+    assert "use a smaller footprint; a disc of up to 0.95 m fits, at 1.05,1.05" in done.err
+
+
 def test_an_error_of_the_library_has_the_notes_too(tmp_path):
     with raises(InvalidWorld, "no-room") as caught:
         import_world(transparent(tmp_path))

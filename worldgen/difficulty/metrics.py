@@ -64,6 +64,9 @@ OF_DISCS: Final = frozenset(
 )
 """Metrics that only say something about a disc that turns on the spot."""
 
+OF_MAPS: Final = frozenset({"solid", "bottleneck", "bottleneck_radii"})
+"""Metrics that a static map has even if no path leads to the target."""
+
 
 @dataclass(frozen=True)
 class Metrics:

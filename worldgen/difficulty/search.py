@@ -25,14 +25,16 @@ from typing import Any
 
 from worldgen.difficulty.expression import Expression, parse
 from worldgen.difficulty.measuring import measure
+from worldgen.difficulty.metrics import OF_DISCS, OF_MAPS
 from worldgen.difficulty.space import drawn, free_parameters, mixed, varied
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.family import FAMILIES, Family
+from worldgen.family import BLOCKED, FAMILIES, Family
 from worldgen.files.grid import world_digest
 from worldgen.generation import generate
 from worldgen.parameters.bounds import check_between
 from worldgen.plugins.trust import admit_argument
 from worldgen.random_streams import RandomStream
+from worldgen.support.plain_text import alternatives
 from worldgen.world import Value, World
 
 # Worlds made before a search gives up.
@@ -179,6 +181,39 @@ class _Part:
         self.parents = sorted([*others, (violation, found)], key=itemgetter(0))[:_PARENTS]
 
 
+def _check_defined(family: Family, constraint: Expression, given: Mapping[str, Value]) -> None:
+    """Refuse a constraint on a metric that no world with these parameters has.
+
+    Raises:
+        InvalidParameter: If there is one.
+    """
+    if family.changes and "difficulty" in constraint.names:
+        raise InvalidParameter(
+            "world-changes",
+            "{name}: its worlds change, and difficulty is only defined for worlds that do not",
+            "constrain another metric, such as detour",
+            name=family.name,
+        )
+    robot = family.overrides(given)
+    is_disc = robot.footprint is None and robot.drive is None
+    if not is_disc and (of_discs := sorted(constraint.names & OF_DISCS)):
+        raise InvalidParameter(
+            "metric-of-discs",
+            "{metric} is only defined for a disc that turns on the spot, and the robot is a {robot}",
+            "constrain another metric, such as detour or slack",
+            metric=of_discs[0],
+            robot="car" if robot.drive == "car" else "footprint",
+        )
+    if given.get(BLOCKED) and (of_paths := sorted(constraint.names - OF_MAPS)):
+        raise InvalidParameter(
+            "metric-of-paths",
+            "{metric} is only defined where there is a path, so no blocked world would fit",
+            "omit blocked, or constrain only {others}",
+            metric=of_paths[0],
+            others=alternatives(sorted(OF_MAPS)),
+        )
+
+
 class Search:
     """A search that returns one world after another.
 
@@ -196,8 +231,8 @@ class Search:
         parts: Constraints that share the worlds equally; just the constraint if omitted.
 
     Raises:
-        InvalidParameter: If a given parameter is refused, or a difficulty is requested of worlds
-            that change.
+        InvalidParameter: If a given parameter is refused, or no world with the given parameters has
+            a metric of the constraint.
     """
 
     def __init__(
@@ -212,15 +247,9 @@ class Search:
         self.constraint = constraint
         self.seed = seed
         self.given = dict(given)
-        # Refuse immediately what would be refused every time.
+        # Refuse immediately what would be refused every time, and what no world could have.
         family.complete(given)
-        if family.changes and "difficulty" in constraint.names:
-            raise InvalidParameter(
-                "world-changes",
-                "{name}: its worlds change, and difficulty is only defined for worlds that do not",
-                "constrain another metric, such as detour",
-                name=family.name,
-            )
+        _check_defined(family, constraint, given)
         self._free = free_parameters(family, given)
         self._rng = RandomStream(seed).child("where", family.name)
         self._parts = [_Part(part) for part in parts or (constraint,)]

@@ -22,6 +22,7 @@ from worldgen.lattice import UNIT, exact
 from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.robot_overrides import RobotOverrides, describe_body
 from worldgen.support.paths import real_path
+from worldgen.support.plain_text import alternatives
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
@@ -503,7 +504,10 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     except InvalidWorld:
         if body.is_disc:
             raise
-        placement = placed(body.inner_radius or found.cell_size / UNIT)
+        try:
+            placement = placed(body.inner_radius or found.cell_size / UNIT)
+        except InvalidWorld as error:
+            raise _for_body(error, body, found) from None
     radius = body.radius
     at = placement.start
     to = placement.target
@@ -519,6 +523,31 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     robots = (first, *_other_robots(robot, found, radius, speed))
     world = World(found.walls, cell_size=found.cell_size, timeline=timeline, robots=robots)
     return world, placement
+
+
+def _for_body(error: InvalidWorld, body: Robot, found: ForeignMap) -> InvalidWorld:
+    """Return the error about the disc inside a body in the words of the body."""
+    facts = error.facts
+    # One about the neighbourhood of a place, or about a start, names what the user gave.
+    if error.code != "no-room" or "x" in facts:
+        return error
+    remedies = ["a smaller footprint"]
+    if found.is_resampled:
+        remedies.insert(
+            0, f"smaller cells, --cell {found.cell_size / 2:g}, which are more accurate"
+        )
+    return InvalidWorld(
+        "no-room",
+        "the {body} does not fit anywhere in the map: not even the disc of {radius:g} m inside it "
+        "has room",
+        f"use {alternatives(remedies)}"
+        + (
+            "; a disc of up to {fits:g} m fits, at {clear[0]!r},{clear[1]!r}"
+            if "fits" in facts
+            else ""
+        ),
+        **{**facts, "body": describe_body(body)},
+    )
 
 
 def _with_kind(robot: Robot, given: ImportedRobot, found: ForeignMap) -> Robot:

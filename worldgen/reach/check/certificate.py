@@ -571,15 +571,15 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     at = gaps.index(wide)
     _require(
         wide < (2 * in_cells) ** 2,
-        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower "
-        f"than the disc",
+        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not too narrow "
+        f"to pass",
     )
     # The start or the grid may rule out the disc immediately.
     spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
         return "the start is closer to a solid cell than the radius"
     if 2 * in_cells > min(world.width, world.height):
-        return "the disc is wider than the grid"
+        return "the robot is wider than the grid"
     # Every cell must be blocked at all times.
     blocked = _always_blocked(world, spans)
     for ix, iy in cells:

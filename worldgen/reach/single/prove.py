@@ -202,9 +202,7 @@ class _ReachQuery:
                 return blocked
             found = self._path_off_graph() or self._path_through_pinches()
         if not found:
-            reason = (
-                "there is a passage just wide enough for the disc, but no path along it was found"
-            )
+            reason = "there is a passage just wide enough, but no path along it was found"
             return Decision(UNDECIDED, None, reason)
         # Build the witness if it is requested.
         if not certificate:
@@ -438,8 +436,8 @@ class _ReachQuery:
 
     def _ringed(self, chain: Ints) -> Decision:
         reason = (
-            f"a ring of {len(chain)} cells, with every gap narrower than the disc, separates "
-            f"start and target"
+            f"a ring of {len(chain)} cells, with every gap too narrow to pass, separates start and "
+            f"target"
         )
         return self._blocked(chain, self._stopped_sq(chain), reason)
 

@@ -123,7 +123,7 @@ function ringed(core, world, query, ring) {
   const isForAll = isBeyond(core, ring, query);
   const stopped = isForAll ? fraction(core.call("wg_chain_gap_sq", ring.at, BigInt(count)), 4) : null;
   const cells = Array.from({ length: count }, (_, k) => /** @type {CellPlace} */ (ring.cells.slice(2 * k, 2 * k + 2)));
-  const words = `a ring of ${count} cells, with every gap narrower than the disc, separates start and target`;
+  const words = `a ring of ${count} cells, with every gap too narrow to pass, separates start and target`;
   return blocked(world, cells, stopped, words);
 }
 

@@ -60,5 +60,5 @@ export async function prove(core, world, pause, { wantsCut } = { wantsCut: true 
   if ("proof" in found) return found.proof;
   const path = await pathThroughPinches(core, { ...query, goal: found.goal }, pause);
   if (path) return reached(witnessOf(world, query, path));
-  return undecided("there is a passage just wide enough for the disc, but no path along it was found");
+  return undecided("there is a passage just wide enough, but no path along it was found");
 }
