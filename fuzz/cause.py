@@ -238,8 +238,8 @@ _TEXTS = {
     ),
     Cause.INVALID_COMMAND: _Texts(
         "{It} sends a command that is not a valid speed and turn rate.",
-        "Look for a division by zero or a root of a negative number in the computation of the "
-        "command.",
+        "Look in the computation of the command for a division by zero, a root of a negative number, "
+        "or a sense that it reads but does not declare, which is not a number.",
         Severity.CONTROLLER_ERROR,
         "its controller sends invalid commands",
     ),

@@ -43,4 +43,6 @@ void example(const WgObservation *seen, double *memory, WgCommand *command) noex
 
 }  // namespace
 
+// It senses the target's heading and what costs no time. For another sense, such as target_distance, add
+// its WG_SENSE_ bit: a sense that is not declared is NaN. Without .senses, it senses everything.
 WG_CONTROLLER(example, .memory_size = sizeof(Memory) / sizeof(double), .senses = WG_SENSE_TARGET_HEADING)
