@@ -18,35 +18,35 @@ BUILD_THE_SITE = re.search(
 )[1]
 
 # What uses the extra: shell commands in the fresh clone; the environment is first on the path.
-# Free ports and temporary files; what still runs when the shell ends is killed.
+# Files go to $OUT, ports are free ones; what still runs when the shell ends is killed.
 USES = {
-    "bags": "python -c 'from pathlib import Path; from tests.helpers.bags import drive, write_bag; "
-    'write_bag(Path("build/run"), drive())\' && worldgen import build/run --out build/w.grid && '
-    "worldgen audit build/w.grid build/run",
-    "parquet": "worldgen corpus export corpora/failures --out build/failures.parquet",
+    "bags": "python -c 'import sys; from pathlib import Path; from tests.helpers.bags import drive, write_bag; "
+    "write_bag(Path(sys.argv[1]), drive())' $OUT/run && worldgen import $OUT/run --out $OUT/w.grid && "
+    "worldgen audit $OUT/w.grid $OUT/run",
+    "parquet": "worldgen corpus export corpora/failures --out $OUT/failures.parquet",
     "dask": "dask scheduler --port 0 --no-dashboard "
-    "--scheduler-file build/scheduler.json & dask worker --scheduler-file build/scheduler.json & "
-    "until test -s build/scheduler.json; do sleep 0.2; done; "
-    "worldgen fuzz --controller turn-right --units 1 --examples 5 --seed 1 --out build/found "
-    '--scheduler $(grep -o "tcp://[^\\"]*" build/scheduler.json) || test $? = 1',
-    "collada": "cd build && python -c 'import trimesh; trimesh.creation.box().export(\"a.dae\")' && "
+    "--scheduler-file $OUT/scheduler.json & dask worker --scheduler-file $OUT/scheduler.json & "
+    "until test -s $OUT/scheduler.json; do sleep 0.2; done; "
+    "worldgen fuzz --controller turn-right --units 1 --examples 5 --seed 1 --out $OUT/found "
+    '--scheduler $(grep -o "tcp://[^\\"]*" $OUT/scheduler.json) || test $? = 1',
+    "collada": "cd $OUT && python -c 'import trimesh; trimesh.creation.box().export(\"a.dae\")' && "
     'echo "<sdf><model><link><collision><geometry><mesh><uri>a.dae</uri></mesh></geometry>'
     '</collision></link></model></sdf>" > m.sdf && python -c "from pathlib import Path; '
     "from worldgen.interop import read_map; assert not read_map(Path('m.sdf')).unread\"",
-    "dxf": "cd build && python -c 'import ezdxf; d = ezdxf.new(); "
+    "dxf": "cd $OUT && python -c 'import ezdxf; d = ezdxf.new(); "
     'd.modelspace().add_line((0, 0), (4, 3)); d.saveas("a.dxf")\' && '
     "worldgen import a.dxf --unit m --radius 0.1 --out w.grid",
-    "numba": "cd build && worldgen new-controller mine --kind compiled && "
+    "numba": "cd $OUT && worldgen new-controller mine --kind compiled && "
     "worldgen maze --size 12 --seed 1 --out w.grid && "
     "worldgen run w.grid --controller ./mine.py:mine || test $? = 1",
     "pettingzoo": "python -c 'from worldgen_plugins.for_pettingzoo import FleetEnv; "
     "from worldgen.families import doorway; FleetEnv(world=doorway(1)).reset(seed=1)'",
     "gym": "python -c 'import gymnasium, worldgen.gym; "
     'gymnasium.make("worldgen/Navigate-v0").reset(seed=1)\'',
-    "studio": "worldgen studio build --port 0 --no-browser >build/said 2>&1 & "
-    "until grep -o 'http://[^ ]*' build/said; do kill -0 $! && sleep 0.2; done; "
+    "studio": "worldgen studio $OUT --port 0 --no-browser >$OUT/said 2>&1 & "
+    "until grep -o 'http://[^ ]*' $OUT/said; do kill -0 $! && sleep 0.2; done; "
     "python -c 'import sys, urllib.request; urllib.request.urlopen(sys.argv[1]).read()' "
-    "$(grep -o 'http://[^ ]*' build/said)",
+    "$(grep -o 'http://[^ ]*' $OUT/said)",
     "docs": f"python {BUILD_THE_SITE}",
     "test": "python -m pytest -q tests/worldgen/test_grid_file.py tests/plugins",
     "dev": "ruff check . && lint-imports && python -m pytest -q tests/repo/test_readme.py",
@@ -75,10 +75,11 @@ def test_what_an_extra_is_for_works_with_that_extra_alone(extra, clone, tmp_path
     programs = tmp_path / "alone" / "bin"
     install = [programs / "python", "-m", "pip", "install", "--quiet"]
     subprocess.run([*install, f"worldgen[{extra}] @ {wheel.as_uri()}"], check=True)
-    said = tmp_path / "said"
+    said, out = tmp_path / "said", tmp_path / "out"
+    out.mkdir()
     with said.open("w") as output:
         use = subprocess.Popen(
-            ["sh", "-ec", f"export PATH={programs}:$PATH; {USES[extra]}"],
+            ["sh", "-ec", f"export PATH={programs}:$PATH OUT={out}; {USES[extra]}"],
             cwd=clone,
             stdout=output,
             stderr=subprocess.STDOUT,
