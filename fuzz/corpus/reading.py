@@ -1,15 +1,13 @@
-"""Read the contents of a corpus: the bytes of every file, and the text of files not yet indexed."""
+"""Read the failures of folders, archives and files."""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from fuzz.corpus.entry import CorpusEntry, Facts
-from fuzz.corpus.index import Index
 from worldgen.errors import FormatError
 from worldgen.files.archives import Member
 from worldgen.files.grid.disk import read_packed, unpack, unpack_world
@@ -69,22 +67,17 @@ def read_corpus(
     """
     entries: list[CorpusEntry] = []
     others = 0
-    indexes: dict[Path, Index] = {}
 
     def read(path: Path, place: Path, member: Member | None) -> tuple[Facts | None, int | None]:
         if member is not None:
             return Facts.in_world(unpack_world(member, str(place)), str(place)), None
-        if path.is_dir() and path not in indexes:
-            indexes[path] = Index(path)
-        return _read_file(place, indexes.get(path))
+        return _read_file(place)
 
     for place, (facts, seen) in walk(paths, read, skip, may_be_empty=True):
         if facts is None:
             others += 1
         elif selection is None or selection.fits(facts):
             entries.append(CorpusEntry(place, facts, seen))
-    for index in indexes.values():
-        index.save()
     return Corpus(tuple(entries), others)
 
 
@@ -92,18 +85,11 @@ def _fits_one(text: str, patterns: Iterable[str]) -> bool:
     return any(text == pattern or fnmatchcase(text, pattern) for pattern in patterns)
 
 
-def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
+def _read_file(file: Path) -> tuple[Facts | None, int]:
     data = read_packed(file)
     try:
         seen = int(file.stat().st_mtime)
     # It was deleted in the meantime.
     except OSError as error:
         raise FormatError.unreadable(file, error) from error
-    # The index knows files by their bytes; a file that it does not know is unpacked and read.
-    digest = hashlib.sha256(data).hexdigest()
-    known, facts = index.get(digest) if index is not None else (False, None)
-    if not known:
-        facts = Facts.in_world(unpack(data, str(file)), str(file))
-        if index is not None:
-            index.put(digest, facts)
-    return facts, seen
+    return Facts.in_world(unpack(data, str(file)), str(file)), seen

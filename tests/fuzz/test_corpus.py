@@ -12,14 +12,12 @@ import numpy as np
 import pytest
 
 from fuzz.corpus import Selection, differences, export, judge_all, merge, read_corpus, smallest
-from fuzz.corpus.index import INDEX_FOLDER
 from fuzz.failure import Failure
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP = FAULTS / "thesis-1-loop-104.grid"
-INDEX = Path(INDEX_FOLDER) / "index.json"
 
 
 def failure(folder, name, *, solid=0, kind="loop-a", controller="thesis-1", digest=None, seen=None):
@@ -138,44 +136,12 @@ def test_a_record_with_unknown_options_is_one_line(tmp_path):
     assert result.code == 2 and "odd.grid" in result.err and result.error_code == "invalid-record"
 
 
-def test_the_index_spares_parsing(tmp_path, monkeypatch):
-    failure(tmp_path, "a")
-    before = read(tmp_path)
-    monkeypatch.setattr("fuzz.corpus.reading.unpack", lambda *_: pytest.fail("parsed again"))
-    assert read(tmp_path) == before
-
-
-@pytest.mark.parametrize(
-    "text", ["", "[]", "{", '{"version": 1, "files": {"x": {"kind": 3}}}', "[" * 9999, "\x00"]
-)
-def test_a_broken_index_is_made_anew(text, tmp_path):
-    failure(tmp_path, "a")
-    before, index = read(tmp_path), (tmp_path / INDEX).read_bytes()
-    (tmp_path / INDEX).write_text(text)
-    assert read(tmp_path) == before and (tmp_path / INDEX).read_bytes() == index
-
-
 def test_a_file_that_changed_under_the_same_date_and_length_is_noticed(tmp_path):
     path = failure(tmp_path, "a", kind="loop-a", seen=1_700_000_000)
     read(tmp_path)
     path.write_bytes(path.read_bytes().replace(b"loop-a", b"loop-b"))
     os.utime(path, (1_700_000_000, 1_700_000_000))
     assert [entry.facts.group for entry in read(tmp_path)] == ["loop-b"]
-
-
-def test_the_index_forgets_files_that_are_gone(tmp_path):
-    failure(tmp_path, "a")
-    gone = failure(tmp_path, "b", kind="loop-b")
-    read(tmp_path)
-    gone.unlink()
-    read(tmp_path)
-    assert len(json.loads((tmp_path / INDEX).read_text())["files"]) == 1
-
-
-def test_a_folder_that_takes_no_index_is_read_all_the_same(tmp_path):
-    failure(tmp_path, "a")
-    (tmp_path / INDEX_FOLDER).write_text("in the way")
-    assert len(read(tmp_path)) == 1
 
 
 def test_merge_keeps_the_smallest_of_each_cause_of_each_controller(tmp_path):
