@@ -18,7 +18,7 @@ from tests.helpers.raising import check_says, raises
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.grid import read_world, write_world
-from worldgen.interop import ImportedRobot, import_world, place
+from worldgen.interop import ImportedRobot, import_world, place, read_map
 from worldgen.interop.place import is_clear as place_is_clear
 from worldgen.reach import check_certificate, decide
 from worldgen.timeline import CellState, Timeline
@@ -275,6 +275,13 @@ def test_a_format_is_known_by_its_contents_or_by_name(tmp_path, run, name, file)
     if name == "movingai":
         (tmp_path / "noname").write_bytes((MAPS / "maze-32-32-2.map").read_bytes())
         assert run(tmp_path / "noname")[1].provenance.params["format"] == "movingai"
+
+
+def test_nav2s_parameters_are_not_taken_for_a_map(tmp_path):
+    path = tmp_path / "nav2_params.yaml"
+    path.write_text("amcl:\n  ros__parameters:\n    alpha1: 0.2\n")
+    with raises(FormatError, "no-map-found", option="ros+params=nav2_params.yaml"):
+        read_map(path)
 
 
 REFUSED = [

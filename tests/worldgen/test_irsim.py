@@ -217,7 +217,12 @@ def test_a_goal_has_a_heading_if_the_robot_arrives_by_its_state(found):
 )
 def test_obstacles_that_drive_or_are_drawn_count_as_not_read(found, more, sentence):
     back = found(obstacle("name: circle, radius: 0.2", more=more))
-    assert not back.walls.any() and sentence in back.unread[0]
+    assert not back.walls.any() and back.unread == (sentence,)
+
+
+def test_an_obstacle_with_a_random_shape_counts_as_not_read(found):
+    back = found(obstacle("name: polygon, random_shape: true"))
+    assert back.unread == ("1 obstacle at line 5 with a random shape",)
 
 
 @pytest.mark.parametrize(

@@ -190,7 +190,7 @@ def test_what_may_be_several_things_is_refused_with_a_way_to_choose(text, first)
         ("t,x,y\n0,5,1,25,2,0\n1,5,1,25,2,0\n", "", "wrong-count"),
         ("1,2,3,4,5\n2,2,3,4,5\n", "", "ambiguous-columns"),
         # At 1 m/s the first column may be the distance or the time.
-        ("0;2;3;0;0;1;0\n1;3;3;0;0;1;0\n2;4;3;0;0;1;0\n", "", "ambiguous-columns"),
+        ("0;2;3;0;.2;1;0\n1;3;3;0;.2;1;0\n2;4;3;0;.2;1;0\n", "", "ambiguous-columns"),
         ("0;2;3;0;0;2;0\n1;3;3;0;0;2;0\n2;4;3;0;0;3;0\n", "", "ambiguous-columns"),
         ("t [min],x,y\n0,1,1\n", "", "unknown-unit"),
         ("t_h,x,y\n0,1,1\n", "t=t_h", "unknown-unit"),

@@ -56,6 +56,37 @@ def test_the_first_robot_gives_the_start(tmp_path):
     assert found.robots[0].start == pytest.approx((1.6, 1.1, -1.5)) and found.unread == ()
 
 
+PUCK = """EXTERNPROTO "webots://projects/robots/gctronic/e-puck/protos/E-puck.proto"
+E-puck { translation 0.5 0.5 0 controller "<extern>" turretSlot [ Camera { } ] }"""
+
+
+@pytest.mark.parametrize(
+    ("text", "unread"),
+    [
+        (PUCK, ()),
+        (PUCK.replace('controller "<extern>"', ""), ("1 node of E-puck",)),
+        (PUCK.replace("webots://projects", "../protos"), ("1 node of E-puck",)),
+    ],
+    ids=["Webots' own", "without a controller", "the project's"],
+)
+def test_a_robot_of_webots_own_gives_the_start(text, unread, tmp_path):
+    found, _ = cells(tmp_path, WEBOTS + text.encode())
+    assert found.unread == unread
+    assert found.robots[0].start == (None if unread else pytest.approx((1.6, 1.1, 0.0)))
+
+
+def test_heights_count_from_a_files_only_floor(tmp_path):
+    flat = ROOM["ENU"] + " Solid { boundingObject Plane { } }"
+    low = flat.replace("0.5 boundingObject", "-0.1 boundingObject").replace(
+        "Solid { boundingObject Plane", "Solid { translation 0 0 -0.6 boundingObject Plane"
+    )
+    expected = cells(tmp_path, flat, cell_size=0.1)[1]
+    found, rows = cells(tmp_path, low.replace("0.3 0.5", "0.3 -0.1"), cell_size=0.1)
+    assert (rows, found.params["floor_height"], found.unread) == (expected, -0.6, ())
+    both = cells(tmp_path, f"{flat} Solid {{ translation 0 0 1 boundingObject Plane {{ }} }}")[0]
+    assert both.unread == ("1 shape of Plane, above or below the floor",)
+
+
 def test_a_projects_own_wall_is_not_webots_wall(tmp_path):
     text = f"{ROOM['ENU']} Wall {{ translation 3 3 0 size 1 1 1 }}"
     assert cells(tmp_path, text)[0].unread == ()

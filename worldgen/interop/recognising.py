@@ -94,6 +94,15 @@ def find_format(path: Path, name: str | None = None) -> Format:
             "use the .map file, and name this one with --scen",
             at_terminal=True,
         )
+    if re.search(rb"(?m)^\s*ros__parameters[ \t]*:", head):
+        raise FormatError(
+            "no-map-found",
+            "has parameters of ROS nodes, and no map",
+            "put it next to the map's YAML file, and import that: worldgen import map.yaml --from "
+            "{option} --out w.grid",
+            at_terminal=True,
+            option=f"ros+params={path.name}",
+        )
     for known in map(FORMATS.get, FORMATS.entry_points()):
         if known.read is None and known.magic and known.magic.match(head):
             raise FormatError(

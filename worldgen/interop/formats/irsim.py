@@ -181,7 +181,8 @@ def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]
 # How things look and what a robot does; other robots are not part of the map.
 _HARMLESS = frozenset({
     "gui", "plot", "keyboard", "mouse", "robot", "color", "name", "id", "world/step_time", "world/sample_time",
-    "world/control_mode", "world/collision_mode", "world/plot", "world/status", "obstacle/goal", "obstacle/sensors",
+    "world/control_mode", "world/fog_map", "world/fog_map_resolution", "world/collision_mode", "world/plot",
+    "world/status", "obstacle/goal", "obstacle/sensors",
     "obstacle/fov", "obstacle/fov_radius", "obstacle/description", "obstacle/static", "obstacle/goal_threshold",
     "obstacle/vel_min", "obstacle/vel_max", "obstacle/acce", "obstacle/velocity", "obstacle/behavior",
     "obstacle/group_behavior", "obstacle/arrive_mode", "obstacle/role", "distribution/range_low",

@@ -139,8 +139,9 @@ def _walls_notes(found: TiledWalls) -> Iterator[str]:
 def _warnings(walls: np.ndarray[Any, Any]) -> tuple[str, ...]:
     if walls.all():
         return (
-            "every cell has a tile, so all are solid; if floors are tiles too, name the layer of "
-            "walls with +layer=",
+            "every cell has a tile, so all are solid; if floors are tiles too, put the walls into a "
+            "layer of their own and name it with --layer, or give the tiles that collide a shape in "
+            "Tiled's collision editor",
         )
     return ()
 

@@ -48,7 +48,7 @@ _HARMLESS_NODES = frozenset({
 _PROTOS = ("Floor", "RectangleArena", "TexturedBackground", "TexturedBackgroundLight", "Wall")
 _OFFICIAL = re.compile(
     r"(webots:/|https://raw\.githubusercontent\.com/cyberbotics/webots/[^/]+)/"
-    r"projects/objects/(backgrounds|floors|apartment_structure)/protos/[A-Za-z]+\.proto"
+    r"projects/(objects/(backgrounds|floors|apartment_structure)|(robots/.+))/protos/[A-Za-z0-9_-]+\.proto"
 )
 # Names of fields besides those that give a body its shape or its place.
 _HARMLESS = frozenset({
@@ -83,6 +83,7 @@ class _World:
         robots: Places of the robots with a body.
         only_seen: Number of shapes that have no ``boundingObject``.
         movable: Number of bodies that a robot could push.
+        floors: Heights of the floors, m.
     """
 
     file: WebotsFile
@@ -91,6 +92,7 @@ class _World:
     robots: list[BodyPose] = field(default_factory=list)
     only_seen: int = 0
     movable: int = 0
+    floors: set[Fraction] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.is_old = self.file.year < _Z_UP
@@ -115,7 +117,7 @@ class _World:
             self._pass_over(node, f"nodes of another {kind}")
         elif kind in _HARMLESS_NODES:
             node.pass_over()
-        elif kind == "Robot":
+        elif kind == "Robot" or self._is_robot(node):
             self._add_robot(node, at)
         elif kind in ("Group", "Pose", "Transform", "Solid"):
             place = self._inner(node, at)
@@ -202,7 +204,9 @@ class _World:
     def _add_floor(self, pose: BodyPose) -> None:
         if pose.tilt is not None:
             self.unread["shapes of Plane, tilted"] += 1
-        elif abs(pose.z - self.scene.floor) > FLOOR:
+            return
+        self.floors.add(exact(float(pose.z)))
+        if abs(pose.z - self.scene.floor) > FLOOR:
             self.unread["shapes of Plane, above or below the floor"] += 1
 
     def _upright(self, at: _Place) -> BodyPose:
@@ -250,7 +254,9 @@ class _World:
     def _add_robot(self, node: WebotsNode, at: _Place) -> None:
         """Note where a robot is; its body moves, so it is not part of the world."""
         place = self._inner(node, at)
-        has_body = bool(node.get("children")) or bool(node.get("boundingObject"))
+        has_body = (
+            node.kind != "Robot" or bool(node.get("children")) or bool(node.get("boundingObject"))
+        )
         self.unread["supervisors that may change the world"] += node.text("supervisor") == "TRUE"
         if has_body and place is not None:
             self.robots.append(place.pose)
@@ -293,11 +299,17 @@ class _World:
         x, y, z = vector
         return (z, x, y) if self.is_y_up else vector
 
+    def _is_robot(self, node: WebotsNode) -> bool:
+        """Return True if a node is one of Webots' own robots: only they have a controller."""
+        known = _OFFICIAL.fullmatch(self.file.protos.get(node.kind) or "")
+        return known is not None and known[4] is not None and node.get("controller") is not None
+
     def _is_official(self, kind: str) -> bool:
         """Return True if a name means Webots' own PROTO, not one of the project's."""
         address = self.file.protos.get(kind)
         if address is not None:
-            return _OFFICIAL.fullmatch(address) is not None
+            known = _OFFICIAL.fullmatch(address)
+            return known is not None and known[4] is None
         return not any(
             (folder / "protos" / f"{kind}.proto").exists()
             for folder in (self.folder, self.folder / "..")
@@ -351,30 +363,39 @@ def read_webots_world(
     Args:
         path: The ``.wbt`` file.
         cell_size: Side of a cell, m; 0 means as large as the boxes allow, or 0.1.
-        floor_height: Height of the floor, m: of an upper floor, or of a slab to drive on.
+        floor_height: Height of the floor, m: of an upper floor, or of a slab to drive on; 0 means
+            that of the file's only floor, if it has one.
 
     Raises:
         FormatError: If a file breaks a rule, with the line if there is one.
     """
     check_between("floor_height", floor_height, -1000.0, 1000.0, "m")
-    # Collect the bodies.
     file = read_webots(path)
-    scene = GazeboScene(ModelFiles(path), exact(floor_height), slice_height=0.0, is_outer=True)
-    world = _World(file, scene, path.parent)
-    for node in file.nodes:
-        world.add(node, _Place())
-    scene.unread["robots besides the first"] += max(len(world.robots) - 1, 0)
+    world = _collected(path, file, exact(floor_height))
+    if not floor_height and len(world.floors) == 1 and max(map(abs, world.floors)) > FLOOR:
+        world = _collected(path, file, min(world.floors))
+    scene = world.scene
     # Turn them into cells.
     frame = world_frame(scene, None, cell_size, barn=False)
     walls, notes = solid_cells(scene, frame, inner=False)
     for what, count in scene.unread.items():
         report_unread(what, count)
-    params: dict[str, Value] = {"floor_height": floor_height} if floor_height else {}
+    params: dict[str, Value] = {"floor_height": float(scene.floor)} if scene.floor else {}
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
         walls, float(frame.cell_size), params, (*notes, *_notes(world), *scene_notes(scene)),
         scene_warnings(scene), None, (_robot(world, frame.left, frame.low),), origin,
     )  # fmt: skip
+
+
+def _collected(path: Path, file: WebotsFile, floor: Fraction) -> _World:
+    """Return a world's bodies, with heights from a floor, m."""
+    scene = GazeboScene(ModelFiles(path), floor, slice_height=0.0, is_outer=True)
+    world = _World(file, scene, path.parent)
+    for node in file.nodes:
+        world.add(node, _Place())
+    scene.unread["robots besides the first"] += max(len(world.robots) - 1, 0)
+    return world
 
 
 def _robot(world: _World, left: Fraction, low: Fraction) -> ForeignRobot:
@@ -394,7 +415,9 @@ def _notes(world: _World) -> Iterator[str]:
     if world.is_y_up:
         yield "y is up in this world (NUE): its z is x here, and its x is y"
     if world.robots:
-        yield "the start is the place of the first Robot node, whose body is not part of the world"
+        yield "the start is the place of the first robot, whose body is not part of the world"
+    if world.scene.floor:
+        yield f"heights count from the floor, which is at {float(world.scene.floor):g} m"
     if world.only_seen:
         yield (
             f"shapes without a boundingObject count as solid, but Webots lets robots drive through "

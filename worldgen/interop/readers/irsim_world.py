@@ -22,6 +22,7 @@ from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.robot import convex_footprint
 from worldgen.support.arrays import Bools
+from worldgen.support.plain_text import counted
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Target, Value
 
@@ -178,10 +179,10 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
             line=table.line_of("number"),
         )
     # Skip obstacles that move, or have no known place.
-    count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
+    count = f"{counted(number, 'obstacle')} at line {table.line}"
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
-        scene.unread.append(f"{count} that can move; our worlds have no moving bodies")
+        scene.unread.append(f"{count} that can move")
         table.pass_over()
         return
     if _word(table, "unobstructed", "false").lower() == "true":
@@ -189,7 +190,7 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
         table.pass_over()
         return
     if _placing(table) != "manual":
-        scene.unread.append(f"{count} placed at random; write their positions into the file")
+        scene.unread.append(f"{count} placed at random")
         table.pass_over()
         return
     # Add one shape after another.
@@ -219,7 +220,7 @@ def _add_shape(
     at = (x - scene.corner[0], y - scene.corner[1])
     name = _word(shape, "name", "circle")
     if _word(shape, "random_shape", "false").lower() == "true":
-        scene.unread.append(f"the obstacle at line {shape.line}, with a random shape")
+        scene.unread.append(f"1 obstacle at line {shape.line} with a random shape")
         shape.pass_over()
     elif name == "circle":
         usual = Fraction(1, 5) if _tables(owner, "shape") else Fraction(1)
