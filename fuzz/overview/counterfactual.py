@@ -34,9 +34,11 @@ from sim.clock.stopping import OutOfTime, check_time
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.catalogue import own_words
 from sim.controllers.learning import LEARNED
+from sim.controllers.noise import is_noisy
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
+from sim.outcome import Outcome
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import Parameter, with_options
@@ -266,15 +268,7 @@ def counterfactuals(
             randomness, an oracle reported it, or its target is walled off.
         WorldgenError: If the controller is unknown here.
     """
-    subject = subject_of(failure)
-    if subject is None:
-        raise InvalidParameter(
-            "no-counterfactual",
-            "{who} fails by chance, by the judgement of an oracle, or by reaching a walled-off "
-            "target",
-            "explain a failure of a robot that never arrives",
-            who=failure.who,
-        )
+    subject = _subject(failure)
     search = _ChangedRuns(subject, effort, most_steps, most_runs, progress)
     changes: list[Change] = []
     tries: list[_Try] = []
@@ -288,6 +282,37 @@ def counterfactuals(
     order = [one.change for one in tries]
     changes.sort(key=lambda one: (_ORDER.index(one.what), order.index(one) if one in order else 0))
     return Counterfactuals(tuple(changes), search.runs, is_complete)
+
+
+def _subject(failure: Failure) -> Subject:
+    """Return the scenario to change.
+
+    Raises:
+        InvalidParameter: If no single change can explain the failure.
+    """
+    subject = subject_of(failure)
+    if subject is not None:
+        return subject
+    if failure.oracle is not None or failure.is_breach:
+        how = "is a failure by the judgement of an oracle"
+        if failure.is_breach:
+            how = "fails because it reaches a walled-off target"
+    else:
+        # A library that declares no senses has them all, but this run may draw no random number.
+        subject = Subject(failure.world, failure.scenario)
+        controller = CONTROLLERS.get(subject.scenario.controller)
+        if not failure.world.is_fleet and not is_noisy(controller, subject.scenario.run):
+            ran = run_subject(subject)
+            if ran is not None and isinstance(ran[1], Outcome) and not ran[1].random_draws:
+                return subject
+        how = "fails by chance, because random numbers decide its run"
+    raise InvalidParameter(
+        "no-counterfactual",
+        "{who} {how}, which no single change explains",
+        "explain a failure of a robot that never arrives, whatever it draws",
+        who=failure.who,
+        how=how,
+    )
 
 
 class _OutOfStepsError(Exception):

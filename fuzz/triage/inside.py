@@ -46,6 +46,8 @@ _MOST_STATE = 10
 
 _GAP = CodeLine(0, None, "...")
 
+_PARAMETERS = frozenset(f"observation.{name}" for name in ("time_step", "top_speed", "radius"))
+
 # Methods that only run before the first step.
 _AT_THE_START = frozenset(("reset", "__init__", "__post_init__"))
 
@@ -262,7 +264,15 @@ def _state(found: WatchedPart, first: int) -> list[tuple[str, str]]:
     if fixed:
         same = ", ".join(f"{one.name} = {one.values[0]}" for one in fixed[:_MOST_STATE])
         words.append(("the same in the whole run:", same))
-    return words + [(one.name, _change(one)) for one in found.senses][:_MOST_STATE]
+    # Numbers of the robot and of the run are the same in every step of every run.
+    sensed = [one for one in found.senses if one.name not in _PARAMETERS]
+    words += [(one.name, _change(one)) for one in sensed if not one.is_constant][:_MOST_STATE]
+    same = [
+        f"{one.name} = {one.values[0]}{f' {one.unit}' if one.unit else ''}"
+        for one in sensed
+        if one.is_constant
+    ]
+    return [*words, ("the same in each of these steps:", ", ".join(same))] if same else words
 
 
 def _is_read(name: str, read: frozenset[str]) -> bool:

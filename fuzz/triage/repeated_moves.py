@@ -326,7 +326,7 @@ def _sides(bearings: WallBearings, touched: Ints) -> str:
         if count >= _MOSTLY * len(lefts):
             return f", nearly always on its {side}"
     changes = int((lefts != np.roll(lefts, 1)).sum())
-    return f", which changes between its left and its right {changes} times"
+    return f", changing sides {changes} times"
 
 
 def _wall(bearings: WallBearings, step: int) -> str:

@@ -128,7 +128,7 @@ class WatchedPart:
         code: Its file.
         counts: By line, how often the statement that begins there ran in the part.
         state: What its attributes and its memory did in the part.
-        senses: What the senses that it reads did; not those that are the same in every step.
+        senses: What the senses that it reads did.
         numbers: By name, the values of each number of its state, (n + 1,): at the start of the run,
             and after each time that it acted.
     """
@@ -304,7 +304,6 @@ class _Watcher:
         counts = [now - before for now, before in zip(self._now, self._before, strict=True)]
         senses = [one for name, one in self._seen.items() if name in self._senses]
         state = [one for name, one in self._seen.items() if name not in self._senses]
-        senses = [one for one in senses if not one.is_constant]
         numbers = {name: np.array(values) for name, values in self._numbers.items()}
         return WatchedPart(code, counts, state, senses, numbers)
 

@@ -17,6 +17,7 @@ from fuzz.overview import counterfactual
 from fuzz.overview.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.triage.judging import failure_of
 from sim import Command
+from sim.controllers.library.thesis import turn_right
 from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
 from sim.verdict import Verdict
@@ -166,8 +167,18 @@ def test_an_explanation_that_takes_too_many_steps_says_so(monkeypatch):
 
 
 def test_a_failure_by_chance_is_refused():
-    with raises(InvalidParameter, "no-counterfactual"):
+    with raises(InvalidParameter, "no-counterfactual") as caught:
         counterfactuals(Failure.read(CHANCE))
+    assert "fails by chance" in str(caught.value)
+
+
+# As a library in C that declares no senses, and so may use random numbers.
+MAY_DRAW = replace(turn_right, name="may-draw", randomised=True)
+
+
+def test_a_controller_that_may_draw_and_does_not_is_explained_as_any_other():
+    failure = Failure.read(WALL)
+    assert counterfactuals(failure.driven_by(f"{HERE}:MAY_DRAW")) == counterfactuals(failure)
 
 
 @pytest.mark.parametrize(

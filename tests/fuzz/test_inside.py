@@ -197,6 +197,14 @@ class Filter:
     assert "self.mode = Mode.ON" in state["the same in the whole run:"]
 
 
+def test_what_it_senses_is_named_where_it_is_the_same_in_every_step(robot):
+    source = BOUNCES.replace("if observation.bump and", "if observation.target_distance < 0 and")
+    state = dict(seen(robot(source)).state)
+    same = state["the same in each of these steps:"]
+    assert re.search(r"observation\.target_distance = [\d.]+ m", same)
+    assert "top_speed" not in str(state)
+
+
 def test_the_entries_of_a_small_table_and_the_numbers_of_a_pose_are_state(robot):
     source = BOUNCES.replace(
         "        self.side = 1\n",
