@@ -26,7 +26,6 @@ from fuzz.overview.result import CampaignResult, write_overview
 from fuzz.shrink.queue import SHRINKING_SECONDS
 from fuzz.unit.answer import Answer, AnswerNumbers
 from fuzz.unit.live import LiveState, Phase, shown_in
-from fuzz.unit.names import DATABASE
 from sim.clock.controller_time import Effort
 from sim.clock.stopping import stopping_when
 from worldgen.cli.output import note
@@ -214,8 +213,7 @@ class CampaignSession:
     def _no_world_fits(self) -> InvalidParameter | None:
         """Return an error if no world could be run although there was time for it."""
         state = self._campaign.state
-        strategies = self._campaign.state.memory.strategies.keys()
-        if state.worlds or state.cut or strategies <= {DATABASE}:
+        if state.worlds or state.cut or not self._campaign.state.memory.strategies:
             return None
         robots = self._config.robots
         return InvalidParameter(

@@ -5,26 +5,22 @@ They draw feature layouts, worlds of families, poses on a map, and worlds with a
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, cast
-from unittest import SkipTest
 
 import numpy as np
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
 from fuzz.failure import regardless_of_walls
 from fuzz.layouts.features import decode_world
 from fuzz.layouts.map_variations import MapVariations, variations_of
 from fuzz.layouts.map_windows import Kind, kind_of
 from fuzz.layouts.variation import OVERRIDES, Variation, layout_disc, map_provenance, overrides_in
-from fuzz.search.database import Failed, exception_of, remembered
 from fuzz.search.fleets import fleet_worlds
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import SearchTask
@@ -46,16 +42,14 @@ from worldgen.world import Pose, Value, World
 _SEARCH_STEPS = 6_000
 # Feature layouts that take as long to draw as one world of a family.
 _DEARER = 4
-# Examples that are run again.
-_MOST_AGAIN = 10_000
 # Words of 8 bytes; more than any Hypothesis strategy here reads.
 _EXAMPLE_WORDS = 128
 # Shares of the kinds of worlds on a map, in sixteenths. Whole maps show what windows cannot, such as
 # a room without an exit on the far side.
 _ON_A_MAP = {Kind.POSE: 5, Kind.WINDOW: 4, Kind.DOOR: 2, Kind.BOX: 2, Kind.PERSON: 2, Kind.PIECE: 1}
 
-Visit = Callable[[World, Scenario], str]
-"""Runs one scenario and returns the failure's signature, or an empty string if it arrives."""
+Visit = Callable[[World, Scenario], object]
+"""Runs one scenario, and passes a run that fails to triage."""
 
 _SETTINGS = settings(
     database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck)
@@ -66,54 +60,12 @@ def search(task: SearchTask) -> None:
     """Run worlds that Hypothesis draws, and pass those in which the robot fails to triage."""
     config = task.config
     share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.pace.slower
-    database = remembered(config, task.strategy) if config.database else None
     explore(
         strategy_scenarios(config, task.strategy),
         task.stream.next64(),
         max(config.examples // share, 1),
         visit_of(task, task.strategy),
-        database,
     )
-
-
-def search_again(task: SearchTask, strategies: Iterable[str]) -> None:
-    """Run the examples of the campaign's Hypothesis database that failed in these strategies."""
-    for strategy in strategies:
-        _repeat(
-            strategy_scenarios(task.config, strategy),
-            visit_of(task, strategy),
-            remembered(task.config, strategy),
-        )
-
-
-def _repeat(
-    draws: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase
-) -> None:
-    """Visit every example of a database.
-
-    Unlike Hypothesis, delete no examples, not even those that no longer fail.
-    """
-    ended: list[BaseException] = []
-
-    @settings(
-        _SETTINGS,
-        database=ReadOnlyDatabase(database),
-        phases=[Phase.reuse],
-        max_examples=_MOST_AGAIN,
-    )
-    @given(draws)
-    def example(draw: tuple[World, Scenario]) -> None:
-        try:
-            if not ended:
-                visit(*draw)
-        except (KeyboardInterrupt, OutOfTime) as end:
-            ended.append(end)
-
-    # Hypothesis raises SkipTest if there was no example.
-    with contextlib.suppress(SkipTest):
-        example()
-    if ended:
-        raise ended[0]
 
 
 def visit_of(task: SearchTask, strategy: str) -> Visit:
@@ -123,19 +75,19 @@ def visit_of(task: SearchTask, strategy: str) -> Visit:
     return partial(_visit_sealed if strategy == SEALED else _visit, task)
 
 
-def _visit_on_map(task: SearchTask, world: World, scenario: Scenario) -> str:
+def _visit_on_map(task: SearchTask, world: World, scenario: Scenario) -> None:
     """Run a world that was drawn on the user's map, and count its kind."""
     result = task.triage.result
     before = result.worlds
     assert task.config.fixed_map is not None, "only a campaign on a map draws on it"
     try:
-        return _visit(task, world, scenario)
+        _visit(task, world, scenario)
     finally:
         if result.worlds > before:
             result.tried[kind_of(world, task.config.fixed_map).value] += 1
 
 
-def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
+def _visit(task: SearchTask, world: World, scenario: Scenario) -> None:
     budget = _SEARCH_STEPS
     try:
         if world.certificate or scenario.run.task == COVER:
@@ -149,10 +101,11 @@ def _visit(task: SearchTask, world: World, scenario: Scenario) -> str:
             outcome = run.run(budget, find_loop=True, record=False, digest=False)
     except InvalidWorld:
         # The drawn start is in a wall.
-        return ""
+        return
     if outcome is not None:
-        return task.triage.look(world, scenario, outcome)
-    return task.triage.look_at(world, scenario, verdict, steps)
+        task.triage.look(world, scenario, outcome)
+    else:
+        task.triage.look_at(world, scenario, verdict, steps)
 
 
 def _ending_of_fleet(scenario: Scenario, world: World, options: RunOptions) -> tuple[str, int]:
@@ -162,7 +115,7 @@ def _ending_of_fleet(scenario: Scenario, world: World, options: RunOptions) -> t
     return verdict, episode.steps
 
 
-def _visit_sealed(task: SearchTask, world: World, scenario: Scenario) -> str:
+def _visit_sealed(task: SearchTask, world: World, scenario: Scenario) -> None:
     """Run a world whose target is walled off; only a robot that arrives is a failure."""
     verdict = "sealed"
     options = scenario.options(world)
@@ -173,45 +126,37 @@ def _visit_sealed(task: SearchTask, world: World, scenario: Scenario) -> str:
         whole = run.run(options.steps, find_loop=True, record=False, digest=False)
         verdict = "breach" if whole.ending == Verdict.REACHED else "sealed"
     task.triage.count(verdict, outcome.steps)
-    return task.triage.enter(world, scenario, verdict, outcome.cause) if verdict == "breach" else ""
+    if verdict == "breach":
+        task.triage.enter(world, scenario, verdict, outcome.cause)
 
 
 def explore(
-    draws: st.SearchStrategy[tuple[World, Scenario]],
-    unit_seed: int,
-    examples: int,
-    visit: Visit,
-    database: ExampleDatabase | None = None,
+    draws: st.SearchStrategy[tuple[World, Scenario]], unit_seed: int, examples: int, visit: Visit
 ) -> None:
     """Let Hypothesis turn random bytes of the unit into examples, and visit each.
 
     The bytes make a unit depend on its seed alone. Left to itself, Hypothesis mixes constants of
-    every loaded module into its draws, and derandomises them if ``CI`` is set. A failure is raised
-    only so that Hypothesis stores it; all examples are visited.
+    every loaded module into its draws, and derandomises them if ``CI`` is set.
 
     Raises:
-        OutOfTime: As ``visit`` does, but not through Hypothesis, which would store it as a failure.
+        OutOfTime: As ``visit`` does, but not through Hypothesis, which would take it for a failure.
     """
     ended: list[BaseException] = []
 
-    @settings(_SETTINGS, database=database)
+    @_SETTINGS
     @given(draws)
     def example(draw: tuple[World, Scenario]) -> None:
         try:
-            kind = visit(*draw)
+            visit(*draw)
         # Hypothesis would treat these as failures of the example, so keep them and raise them
         # outside it.
         except (KeyboardInterrupt, OutOfTime) as end:
             ended.append(end)
-            return
-        if kind:
-            raise exception_of(kind)
 
     feed: Callable[[bytes], Any] = cast(Any, example).hypothesis.fuzz_one_input
     stream = RandomStream(unit_seed)
     for _ in range(examples):
-        with contextlib.suppress(Failed):
-            feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
+        feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
         if ended:
             raise ended[0]
         check_time()

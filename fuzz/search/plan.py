@@ -19,7 +19,7 @@ from fuzz.search.native import fits as fits_native
 from fuzz.search.small import SMALL
 from fuzz.search.small import fits as fits_small
 from fuzz.unit.config import CampaignConfig
-from fuzz.unit.names import DATABASE, SEALED, can_breach
+from fuzz.unit.names import SEALED, can_breach
 from fuzz.unit.result import SearchState, StrategyYield
 
 _DRAWN = (
@@ -120,10 +120,8 @@ def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> 
     """Return the strategy of a unit.
 
     Among consecutive units with the same search state, each strategy gets its share to within one
-    or two units. With a database, the first unit runs earlier failures.
+    or two units.
     """
-    if config.database and unit == 0:
-        return DATABASE
     names = strategies_for(config, memory)
     # Walk along the shares, laid end to end from 0 to 1, to the unit's point.
     point = unit * _GOLDEN % 2**64 / 2**64

@@ -16,9 +16,8 @@ from collections.abc import Callable
 from fuzz.boundary import is_bounded
 from fuzz.screening import can_screen
 from fuzz.search import archive, boundary, native, small
-from fuzz.search.plan import strategies_for
 from fuzz.search.task import SearchTask
-from fuzz.unit.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
+from fuzz.unit.names import LAYOUT_STRATEGIES, SEALED, can_breach
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
@@ -38,19 +37,11 @@ def _search(task: SearchTask) -> None:
     drawn.search(task)
 
 
-def _search_again(task: SearchTask) -> None:
-    from fuzz.search import drawn
-
-    strategies = [name for name in strategies_for(task.config, task.memory) if name not in _OWN]
-    drawn.search_again(task, strategies)
-
-
 _OWN: dict[str, Strategy] = {
     boundary.BOUNDARY: boundary.search,
     native.NATIVE: native.search,
     archive.ARCHIVE: archive.search,
     small.SMALL: small.search,
-    DATABASE: _search_again,
 }
 
 

@@ -83,13 +83,10 @@ class Triage:
         self.result.verdicts[verdict] += 1
         count_live(verdict, 1, steps)
 
-    def look(self, world: World, scenario: Scenario, outcome: Outcome) -> str:
+    def look(self, world: World, scenario: Scenario, outcome: Outcome) -> None:
         """Count a screening run; if it does not arrive, prove its failure.
 
         The oracles that the user chose judge it too.
-
-        Returns:
-            The signature of the failure; empty if the run is not one.
 
         Raises:
             OutOfTime: If the unit's time is over. The run has then been counted and, if it failed,
@@ -103,11 +100,11 @@ class Triage:
             if outcome.fault and verdict == Verdict.CRASH
             else outcome.cause
         )
-        return self.look_at(world, scenario, verdict, outcome.steps, cause)
+        self.look_at(world, scenario, verdict, outcome.steps, cause)
 
     def look_at(
         self, world: World, scenario: Scenario, verdict: str, steps: int, cause: str = ""
-    ) -> str:
+    ) -> None:
         """Do the same for a run whose verdict is known.
 
         Args:
@@ -117,20 +114,18 @@ class Triage:
             steps: Number of steps that it took.
             cause: Cause of the verdict, if the core knows it.
 
-        Returns:
-            The signature of the failure; empty if the run is not one.
-
         Raises:
             OutOfTime: If the unit's time is over.
         """
         self.count(verdict, steps)
-        signature = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
+        if verdict not in ARRIVALS:
+            self.enter(world, scenario, verdict, cause)
         check_time()
-        return self.ask(world, scenario) or signature
+        self.ask(world, scenario)
 
     def enter(
         self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any
-    ) -> str:
+    ) -> None:
         """Prove, classify and keep a failed run, unless there were too many of its kind.
 
         Args:
@@ -140,25 +135,22 @@ class Triage:
                 target.
             cause: Cause of the verdict, if the core knows it.
             **details: Further details for the failure's record.
-
-        Returns:
-            Its signature; empty if it was not kept.
         """
         if not self._is_one_of_few(verdict, cause):
             self.count_alike(verdict, cause, 1)
-            return ""
+            return
         self._examined[verdict, cause] += 1
         # An undecided run may not be a failure at all, and is the most expensive to prove, unless it
         # has already spent the witness's budget.
         if verdict == UNDECIDED and details.get("known") is None:
             with contextlib.suppress(OutOfTime):
                 check_time()
-                return self._proved(world, scenario, verdict, cause, details)
-            return ""
+                self._prove(world, scenario, verdict, cause, details)
+            return
         # A failure counts as soon as it is found, so its proof may exceed the unit's time.
         with stopping_when(self._deadline.to_prove_is_over):
             check_time()
-            return self._proved(world, scenario, verdict, cause, details)
+            self._prove(world, scenario, verdict, cause, details)
 
     def count_alike(self, verdict: str, cause: str, runs: int) -> None:
         """Count failed runs that are not examined: the examined ones of their kind stand for them.
@@ -176,55 +168,44 @@ class Triage:
         """Return the number of runs of a kind that were examined."""
         return self._examined[verdict, cause]
 
-    def _proved(
+    def _prove(
         self, world: World, scenario: Scenario, verdict: str, cause: str, details: dict[str, Any]
-    ) -> str:
-        """Prove, classify and keep a run; return its signature, or an empty string."""
+    ) -> None:
         if verdict == "breach":
             steps = scenario.options(world).steps
-            signature, is_settled = self._judged(
-                BREACH, BREACH.prove(world), scenario, steps=steps, **details
-            )
+            is_settled = self._judge(BREACH, BREACH.prove(world), scenario, steps=steps, **details)
         else:
-            signature, is_settled = self._judged(
+            is_settled = self._judge(
                 VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details
             )
         self.result.judged += is_settled
         self._settled[verdict, cause] += is_settled
-        return signature
 
-    def ask(self, world: World, scenario: Scenario) -> str:
-        """Let every oracle that the user chose judge the run, with its witness's budget.
-
-        Return the signature of the last violation.
-        """
+    def ask(self, world: World, scenario: Scenario) -> None:
+        """Let every oracle that the user chose judge the run, with its witness's budget."""
         proved = _with_witness(world) if self._oracles else None
         if proved is None:
-            return ""
-        kept = ""
+            return
         trial = Trial(proved, scenario.controller, scenario.options(proved))
         for oracle in self._oracles:
             found = oracle.check(trial)
             if found is not None and self._is_one_of_few("oracle", found.bucket):
-                kept = self._judged(oracle, proved, scenario)[0] or kept
-        return kept
+                self._judge(oracle, proved, scenario)
 
-    def _judged(
+    def _judge(
         self, oracle: Oracle, world: World | None, scenario: Scenario, **settings: Any
-    ) -> tuple[str, bool]:
-        """Judge a run in a proved world and keep the failure.
-
-        Return its signature, which is empty without a failure, and whether that is settled.
-        """
+    ) -> bool:
+        """Judge a run in a proved world and keep the failure; return whether that is settled."""
         # No robot can be blamed for a target that cannot be reached.
         if world is None:
-            return "", True
+            return True
         # A run that is too long to be recorded could not be shown, so it is dropped.
         with contextlib.suppress(InvalidParameter):
             settings |= self._config.constraint.details()
             found = judge(world, scenario, oracle, found_by=self.result.strategy, **settings)
-            return self._keep(found.failure), found.is_settled
-        return "", False
+            self._keep(found.failure)
+            return found.is_settled
+        return False
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
@@ -232,9 +213,9 @@ class Triage:
             _PROVE_HANGS_AT_MOST if verdict == Verdict.HANG else _PROVE_AT_MOST
         )
 
-    def _keep(self, failure: Failure | None) -> str:
+    def _keep(self, failure: Failure | None) -> None:
         if failure is None:
-            return ""
+            return
         # A failure of another robot is not the user's. Its strategy also ran worlds of that robot
         # that did not fail, so dropping the failure would leave false counts: the unit ends.
         violated = self._config.constraint.violated_by(Case(failure.world, failure.scenario))
@@ -250,7 +231,6 @@ class Triage:
         before = self.result.failures.get(failure.key)
         if before is None or failure.order < before.order:
             self.result.failures[failure.key] = failure
-        return failure.signature
 
 
 def _with_witness(world: World) -> World | None:

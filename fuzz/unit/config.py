@@ -24,10 +24,10 @@ _SHARES_ON_A_MAP = (1.0, 0.75, 0.5)
 class CampaignConfig(SearchOptions):
     """The definition of a campaign.
 
-    Together with a unit's number and the search state, it determines the unit's result. With a
-    database, the result depends on that folder, too. The units of an epoch know the findings of
-    earlier epochs, except the one just before. ``examples``, ``oracles`` and the other fields that
-    are not listed here are described in :class:`SearchOptions`.
+    Together with a unit's number and the search state, it determines the unit's result. The
+    units of an epoch know the findings of earlier epochs, except the one just before. ``examples``,
+    ``oracles`` and the other fields that are not listed here are described in
+    :class:`SearchOptions`.
 
     Args:
         scenario: Controller, motion model and options; each draw has its own seed and time step.

@@ -5,9 +5,6 @@ from __future__ import annotations
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
 
-DATABASE = "database"
-"""Runs earlier failures again, from a Hypothesis database."""
-
 SEALED = "sealed"
 """Layouts with a walled-off target, for motion models in which a robot can pass a wall."""
 

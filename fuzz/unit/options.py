@@ -34,14 +34,11 @@ class SearchOptions:
             controllers.
         epoch: Number of units in a round. Each round learns from the rounds before it; at most two
             rounds run at a time.
-        database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
-            failures are added to it.
     """
 
     oracles: Annotated[tuple[str, ...], Written("--oracle", "NAME[=NUMBER]")] = ()
     examples: Annotated[int, Bounds(1, 100_000)] = 400
     epoch: Annotated[int, Bounds(1, 100_000)] = 16
-    database: Annotated[str, Written(metavar="DIR", path="folder")] = ""
 
 
 @dataclass(frozen=True, kw_only=True)

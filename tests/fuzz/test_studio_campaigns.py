@@ -305,7 +305,7 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
     [({"controller": "./mine.py:Robot"}, "not-named"), ({"strategies": ["./mine.py:family"]}, "not-registered"),
      ({"oracles": ["./mine.py:oracle=3"]}, "not-registered"), ({"motion": "./mine.py:M"}, "not-registered"),
      ({"units": 0}, "wrong-message"), ({"units": None}, "no-budget"), ({"seed": "-1"}, "wrong-message"),
-     ({"workers": 1000}, "wrong-message"), ({"epoch": -1}, "out-of-range"), ({"database": "../x"}, "outside-of-folder"),
+     ({"workers": 1000}, "wrong-message"), ({"epoch": -1}, "out-of-range"),
      ({"baseline": ["../x"]}, "outside-of-folder"), ({"baseline": ["none"]}, "wrong-kind-of-file"),
      ({"vary": ["nothing=1"]}, "unknown-name")],
 )  # fmt: skip
@@ -350,7 +350,7 @@ def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_pat
 @pytest.mark.parametrize(
     "changes",
     [{"scenario": {"controller": "./evil.py:Robot", "motion": "swept"}}, {"families": ["./evil.py:family"]},
-     {"oracles": ["./evil.py:oracle"]}, {"database": "/tmp"}],
+     {"oracles": ["./evil.py:oracle"]}],
 )  # fmt: skip
 def test_a_campaign_of_elsewhere_that_asks_for_other_code_or_files_is_not_resumed(
     done, page, folder, changes

@@ -25,7 +25,6 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "pace",
         "examples",
         "epoch",
-        "database",
         "workers",
         "scheduler",
     ),

@@ -55,7 +55,6 @@ from fuzz.studio.requests.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import write_world
-from worldgen.support.paths import real_path
 
 # Seconds that a process has to begin: a busy machine may need to compile kernels first.
 _BEGINS = 300.0
@@ -186,15 +185,6 @@ def _check_stored(opened: Opened, out: Path, name: str) -> str:
         )
     check_strategies(map(str, configuration.get("families") or ()))
     check_oracles(map(str, configuration.get("oracles") or ()))
-    # Resolve links, because the database is written to.
-    database = real_path(str(configuration.get("database") or opened.folder.root))
-    if not database.is_relative_to(opened.folder.root):
-        raise InvalidParameter(
-            "outside-of-folder",
-            "{name} uses a database outside the opened folder",
-            "resume it at a terminal",
-            name=name,
-        )
     return str(scenario["controller"])
 
 

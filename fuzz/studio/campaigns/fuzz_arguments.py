@@ -48,8 +48,6 @@ def begun(request: Begin, opened: Opened) -> list[str]:
         "vary": tuple(request.vary),
         "world": None,
     }
-    if request.database is not None:
-        checked["database"] = str(opened.folder.place(request.database))
     # The other options check their own values.
     words = []
     for option in CampaignOptions.declared():

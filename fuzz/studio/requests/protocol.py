@@ -459,7 +459,6 @@ class Begin(CampaignBudget, kw_only=True):
     detour: float | None = None
     oracles: list[str] = []
     vary: list[str] = []
-    database: str | None = None
     shrink: bool | None = None
 
 

@@ -22,7 +22,6 @@ export function makeMore({ options }, limits) {
     detour: el("input", { type: "number", name: "detour", min: 1, step: "any", placeholder: "none" }),
     oracles: text("oracle", "turn wall=3"),
     vary: text("vary", "robot_speed=1,2 robot_radius=0.1,0.2"),
-    database: text("database", "none"),
     baseline: text("baseline", "none"),
     shrink: choice(Object.entries(SHRINK), "usual", () => {}),
   };
@@ -40,7 +39,6 @@ export function makeMore({ options }, limits) {
     one("shrink", "--shrink", "Shrink"),
     one("epoch", "--epoch", "Epoch", { unit: "units" }),
     one("baseline", "--baseline", "Also known", { unit: "folders, separated by spaces" }),
-    one("database", "--database", "Database", { unit: "a folder inside the opened one" }),
     el("p", { class: "quiet small-print" }, "Only available at a terminal: --scheduler, and files for CI. Use Copy command and add them to the command."),
     list,
   );
@@ -70,7 +68,6 @@ function filled(inputs) {
     oracles: listed(inputs.oracles),
     vary: listed(inputs.vary),
     baseline: listed(inputs.baseline),
-    database: inputs.database.value.trim() || null,
     shrink: shrink.value === "usual" ? null : shrink.value === "yes",
   };
 }
