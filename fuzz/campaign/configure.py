@@ -68,7 +68,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         task=options.task,
     )
     families = (*options.families, *options.strategies)
-    admit_argument(*families, *options.asked_oracles)
+    admit_argument(*families, *options.oracles)
     robots = (options.robots or 1) if fixed_map is None else _robots_on(fixed_map, options)
     for name in families:
         check_strategy(name, scenario, robots)
@@ -108,7 +108,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         robots=robots,
         fixes_time_step=fixes_time_step,
         measured=None if options.pace is None else Pace(options.pace / 1e3),
-        **(kept | {"oracles": options.asked_oracles}),
+        **kept,
     )
     with working("loading the simulator and the controller"):
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])

@@ -36,7 +36,7 @@ EXAMPLES = (
     "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/\n"
     "  worldgen fuzz --controller bug1 --vary sensor_noise=0,0.1 --vary robot_speed=1,2 --out "
     "failures/\n"
-    "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/\n"
+    "  worldgen fuzz --controller bug1 --oracle detour=5 --oracle turn --budget 30s --out failures/\n"
     "  worldgen fuzz --resume failures/"
 )
 

@@ -60,8 +60,6 @@ class CampaignOptions(SearchOptions, RobotOverrides):
             model, or a field of your class at random from these values; list the simplest first.
             May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
-        detour: Count a path longer than RATIO times the witness path as a failure; the same as
-            --oracle detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
         pace: Milliseconds that a step of the controller takes, which sizes the units of work. With
             --budget it is measured, with --units it is the usual one of a controller's kind, so
@@ -82,7 +80,6 @@ class CampaignOptions(SearchOptions, RobotOverrides):
     world: Annotated[Path | None, Written(path="file")] = None
     vary: Annotated[tuple[str, ...], Written(metavar="NAME=VALUE,...")] = ()
     time_step: float | None = None
-    detour: Annotated[float | None, Bounds(1.0), Written(metavar="RATIO")] = None
     shrink: bool | None = None
     pace: Annotated[float | None, Bounds(1e-4, 100_000.0), Written(metavar="MS")] = None
     robots: Annotated[int | None, Bounds(1, MOST_ROBOTS)] = None
@@ -114,10 +111,3 @@ class CampaignOptions(SearchOptions, RobotOverrides):
     def robot(self) -> RobotOverrides:
         """The options of the robot's body, drive and goal."""
         return RobotOverrides.of(vars(self))
-
-    @property
-    def asked_oracles(self) -> tuple[str, ...]:
-        """All oracles, including the one that ``--detour`` adds."""
-        if self.detour is None:
-            return self.oracles
-        return (f"detour={self.detour!r}".removesuffix(".0"), *self.oracles)

@@ -22,7 +22,7 @@ def test_the_command_takes_each_option_of_a_campaign():
 
 def test_options_that_are_kept_reach_the_configuration():
     options = CampaignOptions(
-        controller="turn-right", examples=7, epoch=3, oracles=("turn",), detour=5
+        controller="turn-right", examples=7, epoch=3, oracles=("detour=5", "turn")
     )
     config = configure(options, seed=1)
     assert (config.examples, config.epoch) == (7, 3)

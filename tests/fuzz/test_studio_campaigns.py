@@ -76,9 +76,8 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
 
 
 MORE = {
-    "oracles": ["turn"],
+    "oracles": ["turn", "detour=5"],
     "vary": ["robot_speed=1,2"],
-    "detour": 5,
     "epoch": 1,
     "shrink": False,
     "examples": 3,

@@ -155,7 +155,7 @@ const OFFERED = {
   controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: REFUSED }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
   motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
   strategies: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", motion: "swept", time_step: 0.015,
-  options: Object.fromEntries(["--robots", "--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
+  options: Object.fromEntries(["--robots", "--examples", "--epoch", "--oracle", "--vary", "--shrink", "--baseline"].map((name) => [name, option])),
 };
 
 function form({ offered = OFFERED, folder = "/here", played = null, folders = [], states = new Map() } = {}) {
@@ -187,7 +187,7 @@ beforeEach(() => {
 test("an untouched form requests the defaults", async () => {
   const { send } = form();
   assert.deepEqual(await send(), {
-    robots: null, time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
+    robots: null, time_step: null, examples: null, epoch: null, oracles: [], vary: [], baseline: [], shrink: null,
     folder: "turn-right-swept", controller: "turn-right", motion: "swept", strategies: [], world: null, world_name: null, seed: "1", workers: 2, known: true, seconds: 30,
   });
 });

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 SECTIONS: dict[str, tuple[str, ...]] = {
-    "Runs": ("motion", "task", "steps", "time_step", "vary", "detour", "oracles"),
+    "Runs": ("motion", "task", "steps", "time_step", "vary", "oracles"),
     "Robot and goal": (
         "footprint",
         "drive",

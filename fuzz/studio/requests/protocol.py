@@ -456,7 +456,6 @@ class Begin(CampaignBudget, kw_only=True):
     time_step: float | None = None
     examples: int | None = None
     epoch: int | None = None
-    detour: float | None = None
     oracles: list[str] = []
     vary: list[str] = []
     shrink: bool | None = None
