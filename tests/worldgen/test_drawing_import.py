@@ -209,6 +209,27 @@ def test_dxf_has_units_widths_blocks_hatches_and_hidden_layers(drawn):
     assert not some.walls[10:26, 18:].any() and some.walls[0, 10:20].all()
 
 
+def test_a_dxf_with_the_ends_of_lines_of_windows_is_the_same_drawing(drawn):
+    walls = read_map(drawn, None, {"cell_size": 0.1}).walls
+    drawn.write_bytes(drawn.read_bytes().replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
+    found = read_map(drawn, None, {"cell_size": 0.1})
+    assert (found.walls == walls).all() and found.unread == ()
+
+
+def test_the_edges_of_a_route_graph_are_no_walls(tmp_path):
+    def feature(coordinates, **properties):
+        geometry = {"type": "LineString", "coordinates": coordinates}
+        return {"type": "Feature", "properties": properties, "geometry": geometry}
+
+    walls = [feature(line) for line in LINES]
+    edge = feature([[0.5, 0.5], [3.5, 2.5]], id=3, startid=1, endid=2)
+    graph = {"type": "FeatureCollection", "date_generated": "today", "features": [*walls, edge]}
+    found, rows = cells(tmp_path, "g.geojson", json.dumps(graph).encode())
+    assert rows == ROOM and found.unread == () and "1 edge" in found.notes[0]
+    with raises(FormatError, "no-walls", edges=1):
+        cells(tmp_path, "g.geojson", json.dumps({**graph, "features": [edge]}).encode())
+
+
 def test_a_door_of_a_free_layer_opens_a_wall(tmp_path):
     walls = {
         "type": "FeatureCollection",

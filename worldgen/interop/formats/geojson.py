@@ -73,7 +73,7 @@ def write_geojson(world: World, destination: Destination) -> Exported:
 _HARMLESS = frozenset({
     "bbox", "crs", "id", "name", "properties", "worldgen", "xy_coordinate_resolution", "description",
     "copyrightText", "timeStamp", "numberReturned", "numberMatched", "generator", "copyright", "timestamp",
-    "title", "creationDate", "created_at", "version", "metadata", "totalFeatures",
+    "title", "creationDate", "date_generated", "created_at", "version", "metadata", "totalFeatures",
 })  # fmt: skip
 
 geojson = Format(

@@ -229,8 +229,9 @@ class Drawing:
                 "no-scale",
                 "a unit counts as {unit:g} m, {source}, so the drawing is {width:.4g} x "
                 "{height:.4g} m",
-                "--unit says another, such as mm",
+                "--unit says another, such as {other}",
                 at_terminal=True,
+                other="in" if unit == UNITS["mm"] else "mm",
                 unit=unit,
                 source=source,
                 width=float(width),

@@ -473,9 +473,8 @@ def _document(data: bytes) -> tuple[Any, int]:
         if data.startswith(b"AutoCAD Binary DXF"):
             return Document.load(binary_tags_loader(data)), 0
         try:
-            info = dxf_stream_info(io.StringIO(data.decode("utf-8", "surrogateescape")))
-            text = io.StringIO(data.decode(info.encoding, "surrogateescape"))
-            return Document.read(text), 0
+            info = dxf_stream_info(_lines(data, "utf-8"))
+            return Document.read(_lines(data, info.encoding)), 0
         except (DXFError, *_DAMAGE):
             # This removes what is damaged.
             document, repairs = recover.read(io.BytesIO(data))
@@ -487,3 +486,8 @@ def _document(data: bytes) -> tuple[Any, int]:
             "save it as DXF again, R2000 or later",
             reason=" ".join(str(error).split())[:80] or type(error).__name__,
         ) from error
+
+
+def _lines(data: bytes, encoding: str) -> io.StringIO:
+    """Return a file's text, also that with the ends of lines of Windows, as ``open`` does."""
+    return io.StringIO(data.decode(encoding, "surrogateescape"), newline=None)

@@ -21,6 +21,7 @@ from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.geometry.drawing import DEGREES, NO_LAYER, Drawing, filled
 from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.readers.plan_facts import own_map, own_plan
+from worldgen.support.plain_text import counted
 
 _MOST_DEPTH = 16
 _AXIS = 6378137.0
@@ -33,6 +34,8 @@ _KINDS = (
     "barrier", "building", "SubClasses", "room",
 )  # fmt: skip
 _MARKS = ("start", "target", "change")
+# Properties of an edge of Nav2's route graphs.
+_EDGE = frozenset(("startid", "endid"))
 
 
 def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -> ForeignMap:
@@ -49,10 +52,14 @@ def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -
     document = _parsed(read_bounded(path, most_bytes))
     own = own_plan(document.get("worldgen")) if "worldgen" in document else None
     drawing = Drawing()
+    edges = 0
     try:
         for geometry, layers in _geometries(document, ()):
             if own is not None and set(layers) & {*_MARKS, "border"}:
                 geometry.pass_over()
+            elif {name.partition("=")[0] for name in layers} >= _EDGE:
+                geometry.pass_over()
+                edges += 1
             else:
                 for shape in _shapes(geometry):
                     drawing.add(shape, layers)
@@ -64,6 +71,17 @@ def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -
         ) from error
     if own is not None:
         return own_map(drawing, options, own)
+    if edges and not drawing.parts:
+        raise FormatError(
+            "no-walls",
+            "is a route graph of Nav2: robots drive along its {edges} edges, and it has no walls",
+            "import the map that it belongs to",
+            edges=edges,
+        )
+    if edges:
+        drawing.notes.append(
+            f"not walls, as robots drive along them: {counted(edges, 'edge')} of a route graph"
+        )
     if not drawing.parts:
         return drawing.map(options)
     if _is_in_degrees(document, drawing, options):
