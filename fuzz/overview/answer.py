@@ -253,8 +253,9 @@ def _of_causes(result: CampaignResult, controller: str, searched: str) -> Headli
 def how_often_it_arrives(natural: NaturalResult | None) -> str:
     """Return the words for how often a robot with failures arrives, to follow its name."""
     if natural is not None and natural.worlds:
-        if not natural.arrived:
-            return _in_none_of(natural.worlds)
+        # A few worlds hardly show how often it arrives.
+        if not natural.arrived and natural.worlds >= FEWEST:
+            return "arrived in no natural world"
         if natural.high < _RARE:
             return "rarely arrives"
         if natural.high < _LESS_THAN_HALF:
@@ -262,20 +263,6 @@ def how_often_it_arrives(natural: NaturalResult | None) -> str:
         if natural.low > _NEARLY_ALWAYS:
             return "nearly always arrives"
     return "does not always arrive"
-
-
-def _in_none_of(worlds: int) -> str:
-    """Return that a robot arrived in none of some natural worlds, with their number if it is small.
-
-    In few worlds, that hardly shows how often it arrives.
-    """
-    if worlds >= FEWEST:
-        return "arrived in no natural world"
-    return (
-        "did not arrive in the only natural world that was finished"
-        if worlds == 1
-        else f"arrived in none of the {worlds} natural worlds that were finished"
-    )
 
 
 def describe_unmeasured(result: CampaignResult) -> str:

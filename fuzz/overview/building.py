@@ -63,6 +63,10 @@ from worldgen.plugins.workers import LISTEN
 # Causes whose clearest world is explained. The terminal and the first screen show only these.
 _MOST_EXPLAINED = 5
 
+# Share of a cause's time for choosing its clearest world. Each candidate has to run, and a slow
+# controller would have no time left to show what it repeats in the one that is chosen.
+_TO_CHOOSE = 0.4
+
 # A cause, its clearest failure, the failures that were shrunk, by id, and what that took.
 _Explained: TypeAlias = tuple[CauseResult, Failure | None, dict[str, Failure], Effort]
 
@@ -370,13 +374,14 @@ def with_worlds(
     most = min(len(all_causes), most)
     for number, cause in enumerate(all_causes):
         own = failures_of(cause.cause)
-        # One cause must not take the time of the others.
-        is_over = None
+        # One cause must not take the time of the others, nor the choice that of the explanation.
+        is_over = is_chosen = None
         if end is not None:
             begins = clock()
-            until = begins + (end - begins) / max(most - number, 1)
-            is_over = partial(has_passed, until, clock)
-        example = _example(cause.cause, own, is_over)
+            share = (end - begins) / max(most - number, 1)
+            is_over = partial(has_passed, begins + share, clock)
+            is_chosen = partial(has_passed, begins + _TO_CHOOSE * share, clock)
+        example = _example(cause.cause, own, is_chosen)
         if example is None:
             results.append(cause)
             continue

@@ -267,12 +267,14 @@ def _state(found: WatchedPart, first: int) -> list[tuple[str, str]]:
     # Numbers of the robot and of the run are the same in every step of every run.
     sensed = [one for one in found.senses if one.name not in _PARAMETERS]
     words += [(one.name, _change(one)) for one in sensed if not one.is_constant][:_MOST_STATE]
-    same = [
+    settled = [
         f"{one.name} = {one.values[0]}{f' {one.unit}' if one.unit else ''}"
         for one in sensed
         if one.is_constant
     ]
-    return [*words, ("the same in each of these steps:", ", ".join(same))] if same else words
+    if settled:
+        words.append(("the same in each of these steps:", ", ".join(settled)))
+    return words
 
 
 def _is_read(name: str, read: frozenset[str]) -> bool:

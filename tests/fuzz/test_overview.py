@@ -173,8 +173,12 @@ def test_a_world_as_found_is_clearer_than_a_shrunk_one_whose_period_fills_the_pi
     assert clearest([found, shrunk]) is found
 
 
-@pytest.mark.parametrize("greedy", ["clearest", "explained"])
-def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
+@pytest.mark.parametrize(
+    ("greedy", "seconds_of_each"),
+    # The choice of the first cause's world gets 40 % of a third of 300 s, and so on.
+    [("clearest", [40, 52, 84]), ("explained", [100, 100, 100])],
+)
+def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy, seconds_of_each):
     still = found_by("Still")
     names = (Cause.STANDS_STILL, Cause.CIRCLES_AN_OBSTACLE, Cause.DRIVES_IN_CIRCLES)
     failures = {cause: still.noting(cause=cause.value) for cause in names}
@@ -195,7 +199,7 @@ def test_one_cause_does_not_take_the_time_of_the_others(monkeypatch, greedy):
     monkeypatch.setattr(building, "explained", lambda *_: None)
     monkeypatch.setattr(building, greedy, {"clearest": wait, "explained": explained}[greedy])
     with_worlds(causes, lambda cause: [failures[cause]], end=300, clock=lambda: seconds[0])
-    assert spent == [100, 100, 100]
+    assert spent == seconds_of_each
 
 
 def overview_of(best, found, known=None, executor=None, seconds=None):
@@ -549,11 +553,11 @@ def test_few_natural_worlds_are_not_said_to_be_all_there_are(tmp_path):
         return terminal(tmp_path, [cause], natural_worlds(worlds, arrived), answer_numbers=FAILING)
 
     first, second, third, *_ = lines(1, 0)
-    assert "did not arrive in the only natural world that was finished" in first
+    assert "does not always arrive" in first
     assert "does not arrive in the only natural world that was finished" in second
     assert third.startswith("1. pushes-a-wall: in the only natural world")
     assert "arrives in the only natural world that was finished" in lines(1, 1)[1]
-    assert "arrived in none of the 4 natural worlds that were finished" in lines(4, 0)[0]
+    assert "does not always arrive" in lines(4, 0)[0]
     assert "arrived in no natural world" in lines(5, 0)[0]
     assert "how often it arrives is not known: no natural world was finished" in lines(0, 0)[1]
 
