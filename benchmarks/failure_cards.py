@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.failure_cards FOLDER`` writes ``cards.png``, as a browser draws them, and
 ``sheet.png``, as Pillow does. A reader who has not seen them should tell of each what repeats where,
-and what blocks it. ``FILE...`` draws other failures.
+and what blocks it, from the picture and the legend alone. ``FILE...`` draws other failures.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fuzz.failure import Failure
 from fuzz.overview.describe import run_to_draw
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from sim.controllers.catalogue import CONTROLLERS
-from tests.helpers.browser import chromium_browser
+from tests.helpers.browser import chromium_browser, missing_browser
 
 SIDE = 190
 # The words of a round that takes seconds; the gate runs it.
@@ -52,17 +52,22 @@ _FAILURES = (
 _STYLE = (
     "body { margin: 8px; width: 1010px; } "
     ".cards { display: grid; grid-template-columns: repeat(5, 190px); gap: 12px; } "
-    f"canvas {{ width: {SIDE}px; height: {SIDE}px; }}"
+    "figure { margin: 0; } "
+    f".cards canvas {{ width: {SIDE}px; height: {SIDE}px; }}"
 )
 _SCRIPT = """
 import { byId, el } from "#player/dom.js";
+import { legendOfMany } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
 const { failures } = JSON.parse(byId("data").textContent);
-for (const failure of failures) {
+failures.forEach((failure, k) => {
   const canvas = el("canvas");
-  byId("cards").append(canvas);
+  byId("cards").append(el("figure", {}, el("figcaption", {}, String(k + 1)), canvas));
   drawSmall(canvas, failure);
-}
+});
+const legend = legendOfMany(failures);
+legend.open = true;
+byId("cards").after(legend);
 document.body.dataset.ready = "yes";
 """
 
@@ -105,6 +110,11 @@ def main() -> int:
     page.write_bytes(cards_page(paths))
     entries = [entry for path in paths for entry in read_corpus([path]).entries]
     (options.folder / "sheet.png").write_bytes(contact_sheet(entries))
+    if missing := missing_browser():
+        click.echo(
+            f"wrote sheet.png and cards.html of {len(paths)} failures; no cards.png: {missing}"
+        )
+        return 0
     with chromium_browser() as browser:
         tab = browser.new_page(viewport={"width": 1030, "height": 850})
         tab.goto(page.resolve().as_uri())

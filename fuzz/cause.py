@@ -270,15 +270,15 @@ _TEXTS = {
         "tolerances may be wider than the goal's.",
     ),
     Cause.STANDS_STILL: _Texts(
-        "{It} stops{where} and does not move again.",
+        "{It} stops for good{where}.",
         "Look for a condition under which no command is sent, or speed is 0.",
     ),
     Cause.PUSHES_A_WALL: _Texts(
-        "{It} keeps driving into a wall{where} and does not get away from it.",
+        "{It} keeps driving into a wall{where}.",
         "Check what it does after a bump: does it turn away, and what makes it turn back?",
     ),
     Cause.TURNS_ON_THE_SPOT: _Texts(
-        "{It} keeps turning on the spot{where}.",
+        "{It} keeps turning at one place{where}.",
         "Look for two decisions that undo each other, and for an angle that is not wrapped to half "
         "a turn.",
     ),
@@ -287,16 +287,16 @@ _TEXTS = {
         "Look for two decisions that undo each other: each should hold until it has led somewhere.",
     ),
     Cause.CIRCLES_AN_OBSTACLE: _Texts(
-        "{It} goes all the way around an obstacle{where}, again and again, and does not leave it.",
+        "{It} goes all the way around an obstacle, again and again{where}.",
         "Check the condition under which it leaves a wall: it does not hold here.",
     ),
     Cause.RETURNS_TO_A_WALL: _Texts(
-        "{It} leaves a wall{where} and comes back to it, again and again.",
+        "{It} leaves a wall and comes back to it, again and again{where}.",
         "Check what makes it leave a wall: it must get closer to the target each time, or remember "
         "the wall.",
     ),
     Cause.DRIVES_IN_CIRCLES: _Texts(
-        "{It} drives the same closed path{where} again and again, away from walls.",
+        "{It} drives the same closed path again and again{where}.",
         "Look for a state that it enters again and again without getting closer.",
     ),
     Cause.WANDERS: _Texts(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.failure import Failure
+from fuzz.triage.diagnosis import diagnosis_of
 from sim.controllers.programs.process import is_process_name
 from sim.drawing.picture import trails_of
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -56,7 +57,14 @@ def _panel(entry: CorpusEntry) -> Panel:
         else facts.controller.rpartition("/")[2]
     )
     trails = tuple(_trails(failure))
-    return Panel(failure.stored, facts.group, trails, (f"{name}, {facts.motion}",))
+    diagnosis = diagnosis_of(failure)
+    return Panel(
+        failure.stored,
+        facts.group,
+        trails,
+        (f"{name}, {facts.motion}",),
+        "" if diagnosis.cause.is_vague else diagnosis.sentence(failure.world),
+    )
 
 
 def _trails(failure: Failure) -> list[Trail]:

@@ -21,7 +21,7 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.motion import MOTIONS, Motion
-from sim.options.run import RunOptions
+from sim.options.run import COVER, RunOptions
 from sim.outcome import FleetEpisode
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
@@ -97,6 +97,7 @@ def drawn_run(
         "tolerance": motion.overlap_tolerance if motion is not None and breached else None,
         "thinned": coarsest,
         "loop": loop,
+        "covers": trace.task == COVER,
         "marks": marks,
     }
 
@@ -267,7 +268,9 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
         case BurnedEvidence(step=step, cell=cell) | ContactEvidence(step=step, cell=cell):
             return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]
         case BudgetEvidence(last_new_cell=step):
-            return [_mark(step, "last", "Nothing new after", "enters a new cell for the last time")]
+            return [
+                _mark(step, "stays", "Nothing new after", "enters a new cell for the last time")
+            ]
     return []
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
-from sim.evidence import Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
+from sim.evidence import BudgetEvidence, Evidence, JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
 from sim.outcome import Ran
@@ -52,11 +52,15 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     if trace is None:
         return None
 
-    # Find the point of the path at which the loop begins.
+    # Find the point of the path at which the loop begins, or from which nothing new is reached.
     evidence = episode.evidence
-    loop_from = None
+    loop_from = stays_from = None
     if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
-        loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
+        loop_from = _row_at(trace, evidence.entry)
+    # How it got to where it stays is no part of what it does there.
+    half = trace.steps // 2
+    if isinstance(evidence, BudgetEvidence) and evidence.last_new_cell <= half:
+        stays_from = _row_at(trace, half)
 
     # Mark where it touches something, where it enters a wall, and where a run without a loop ends.
     marks = [
@@ -67,7 +71,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         step = evidence.step
         kind: MarkKind = "tunnel" if episode.verdict == Verdict.TUNNEL else "overlap"
         marks.append(EventMark(float(trace.x[step]), float(trace.y[step]), kind))
-    if loop_from is None:
+    if loop_from is None and stays_from is None:
         marks.append(EventMark(float(trace.x[-1]), float(trace.y[-1]), "end"))
     return Trail(
         trace.path_x,
@@ -78,7 +82,13 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         disturbances_in(trace),
         _missed(trace, world),
         headings=headings_along(trace),
+        stays_from=stays_from,
     )
+
+
+def _row_at(trace: Trace, step: int) -> int:
+    """Return the index of the path's point at which a step ends."""
+    return int(np.searchsorted(trace.path_step, step, side="right")) - 1
 
 
 def _bumps(trace: Trace, evidence: Evidence | None) -> Ints:

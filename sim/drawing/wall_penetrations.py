@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sim.episode import Episode
-from sim.evidence import WallEvidence
+from sim.evidence import BurnedEvidence, ContactEvidence, WallEvidence
 from sim.trace import Trace
 from worldgen.render import WallPenetration
 from worldgen.support.arrays import Bools, Floats, Ints
@@ -29,7 +29,7 @@ _FINENESS = 0.125
 
 
 def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
-    """Return the wall cells that the robot cut into, in order of time.
+    """Return the wall cells that the robot cut into, in order of time, or the cell that did it harm.
 
     The cell that the verdict names is among them.
 
@@ -39,6 +39,10 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
     """
     trace = episode.trace
     evidence = episode.evidence
+    if trace is not None and isinstance(evidence, BurnedEvidence | ContactEvidence):
+        step = min(evidence.step, trace.steps)
+        broken_in = _broken_in(trace, world, step, *evidence.cell)
+        return [WallPenetration(*evidence.cell, step * trace.time_step, broken_in)]
     if trace is None or not episode.went_into_a_wall:
         return []
 

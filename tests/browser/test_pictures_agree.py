@@ -13,7 +13,7 @@ from sim.drawing.picture import trails_of
 from worldgen.render.frame import Frame
 from worldgen.render.marks import hue, rgb
 from worldgen.render.png import draw_parts
-from worldgen.render.scene import card_parts
+from worldgen.render.scene import card_content, card_parts
 
 pytestmark = pytest.mark.gate
 
@@ -63,7 +63,9 @@ def test_a_failure_has_the_same_marks_at_the_same_places_on_a_page_and_in_a_file
     file.write_bytes(cards_page([CORPORA / name]))
     page.goto(file.as_uri())
     page.wait_for_selector("body[data-ready]")
-    shot = np.asarray(Image.open(io.BytesIO(page.locator("canvas").screenshot())).convert("RGB"))
+    shot = np.asarray(
+        Image.open(io.BytesIO(page.locator("#cards canvas").screenshot())).convert("RGB")
+    )
     page.close()
     scale = min((SIDE - 18) / world.width, (SIDE - 18 - 18) / world.height)
     left = SIDE / 2 - world.width / 2 * scale
@@ -73,10 +75,11 @@ def test_a_failure_has_the_same_marks_at_the_same_places_on_a_page_and_in_a_file
     frame = Frame.of(world, 2 * SIDE)
     trails = trails_of(failure.run(through_walls=failure.is_breach), world)
     size = (frame.picture_width, frame.bottom + frame.top)
-    sheet = np.asarray(draw_parts(card_parts(world, trails, frame), frame, size))
+    sheet = np.asarray(draw_parts(card_parts(card_content(world, trails, frame)), frame, size))
     in_file = places_in(sheet.shape, frame.cell, frame.left, frame.bottom, longest)
     for colour in COLOURS:
         one, other = squares_with(shot, colour, on_page), squares_with(sheet, colour, in_file)
         assert bool(one) == bool(other), colour
         strays = far_from(one, other) | far_from(other, one)
-        assert len(strays) <= max(1, 0.1 * len(one | other)), (colour, sorted(strays))
+        # The dashes of a path need not begin at the same place.
+        assert len(strays) <= max(2, 0.1 * len(one | other)), (colour, sorted(strays))

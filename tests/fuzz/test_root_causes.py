@@ -42,9 +42,7 @@ def test_a_robot_that_a_gap_holds_back_needs_a_wider_one():
     failure = found_by("WantsRoom", gap())
     diagnosis = diagnosis_of(failure)
     assert diagnosis == (Cause.STANDS_STILL, Circumstance.AT_A_GAP, round(0.2 / 0.07, 4))
-    assert diagnosis.sentence() == (
-        "It stops in front of a gap of 2.9 radii and does not move again."
-    )
+    assert diagnosis.sentence() == "It stops for good in front of a gap of 2.9 radii."
     # Only smaller robots show it.
     alone = diagnosis_of_run(failure.world, failure.run())
     assert alone == (Cause.STANDS_STILL, None, 0.0)
@@ -69,7 +67,7 @@ def test_a_robot_that_takes_its_body_for_a_disc_is_held_by_a_gap_that_fits_its_b
     assert diagnosis == (Cause.PUSHES_A_WALL, Circumstance.AT_A_GAP, 0.0)
     assert diagnosis.sentence(world) == (
         "It keeps driving into a wall in front of a gap (0.05 m to spare at heading 0 degrees; it "
-        "fits there only at headings within 17 degrees of 0 or 180) and does not get away from it."
+        "fits there only at headings within 17 degrees of 0 or 180)."
     )
     # A body that is past the gap is not held by it.
     assert gap_that_stops(world, (45.0, 22.0), lambda _: True) == 0.0

@@ -21,13 +21,13 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "4a540cf683b83f0d",
+        "2cb56757f09a003a",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "874633bd1dec9747"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "7b3872850254f619"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "3d6f48ee5c3e05cf",
+        "dfe71c5e113cd372",
     ),
 }
 
@@ -42,29 +42,29 @@ def test_golden_picture(name, controller, digest):
 
 # How bright parts of the picture are, a hexadecimal digit each, the top row first.
 COARSE = """
-ffdddddddcccddff
-ffdeddddcccccdff
-ffcddcccbccccbff
-ffcdcbcbbbbcbaff
-ffcdccccabcccbff
-ffcdccccbbccccff
-ffcdccccbccddcff
-ffdddcccddbddcff
-ffdfeddddddddcff
-ffcff646eddddcff
-ffcff645fdddedff
-ffcffa9affeffdff
+ffddddddddddddff
+ffdffffffffffdff
+ffdffffffffffdff
+ffdffdeeeedffdff
+ffdffeefffeffdff
+ffdffdeddedefdff
+ffdfffffedceedff
+ffdfffffeeceecff
+ffcff988eedeecff
+ffcff645ecdeecff
+ffcff878fdeefdff
 ffcffffffffffcff
 ffcffffffffffcff
 ffcffeddfffffcff
 ffcffdddfffffcff
-ffbeedcceeeeebff
-ffdddddddddddeff
-feeeefffffffffff
-fffeffdeeeeeefff
-fdeffeeeefffffff
-ffeeeeefffffffff
-eeeeeeeeffeeffff
+ffaccbbbcccccaff
+ffffffeffffeffff
+ffefffffffffffff
+fefeefeeffffffff
+eddedeeededdffff
+eeeeeeeeefffffff
+feeeeeeeeeefffff
+feeeeeeeeeeeeeee
 edeeefffffffffff
 """
 

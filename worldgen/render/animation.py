@@ -15,9 +15,10 @@ from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
 from worldgen.render.body_parts import BodyPose, body_shapes, front_mark
-from worldgen.render.caption import printable, text_width, wrapped
+from worldgen.render.caption import printable, wrapped
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.frame import Frame
+from worldgen.render.lettering import text_width
 from worldgen.render.marks import MARKS, hue, mix, rgb, robot_colours
 from worldgen.render.overlay import Drive
 from worldgen.render.png import draw_parts

@@ -277,7 +277,7 @@ def _gaps(walls: Bools, corners: Floats) -> tuple[Ints, Floats]:
     That is the largest gap along an axis of either: less than the distance next to a corner, but
     least where the room is.
     """
-    cells = _solid_near(walls, corners)
+    cells = solid_near(walls, corners)
     along_side = np.roll(corners, -1, axis=0) - corners
     normals = np.column_stack((along_side[:, 1], -along_side[:, 0]))
     normals /= np.hypot(*normals.T)[:, None]
@@ -290,7 +290,7 @@ def _gaps(walls: Bools, corners: Floats) -> tuple[Ints, Floats]:
     return cells, gaps
 
 
-def _solid_near(walls: Bools, corners: Floats) -> Ints:
+def solid_near(walls: Bools, corners: Floats) -> Ints:
     """Return the solid cells (n, 2), columns and rows, around some points; outside all is solid."""
     height, width = walls.shape
     low = np.floor(corners.min(axis=0)).astype(int) - 2
@@ -315,7 +315,7 @@ def nearest_cells(
     if robot.is_disc:
         place = np.array((pose.x, pose.y)) / cell_size
         radius = robot.radius / cell_size
-        cells = _solid_near(walls, np.array((place - radius, place + radius)))
+        cells = solid_near(walls, np.array((place - radius, place + radius)))
         beyond = np.maximum(np.maximum(cells - place, place - cells - 1.0), 0.0)
         gaps = np.hypot(*beyond.T) - radius
     else:

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from worldgen.render.body_parts import spare_words
 from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import decoy_mark, push_arrow
+from worldgen.render.lettering import TEXT_SIZE, length_words, scale_bar, text_width
 from worldgen.render.marks import MARKS, SPECIFICATION, Mark, hue, mix, robot_colours
 from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.robot_parts import start_disc, target_mark, waypoint_mark
+from worldgen.render.robot_parts import dot, start_disc, target_mark, waypoint_mark
 from worldgen.render.trail_parts import arrow, arrow_head, breach_cross, heading_tick, stays_put
 from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # Sizes in units.
 TITLE_SIZE = 16.0
-TEXT_SIZE = 12.5
 # Line distance divided by type size.
 LEADING = 1.5
 MOST_LINES = 3
@@ -62,16 +61,6 @@ def printable(text: str) -> str:
     They become a blank or ``?``.
     """
     return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
-
-
-def text_width(text: str, size: float) -> float:
-    """Estimate the width of a line in a common sans-serif face, the same for every backend."""
-    narrow = "iljtfrI.,:;'|!()[] "
-    wide = "mwMW@%"
-    ems = sum(
-        0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.58 for c in text
-    )
-    return ems * size
 
 
 def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
@@ -116,23 +105,11 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
     bar = scale_bar(BAR * frame.width / frame.scale)
     length = bar * frame.scale
     keys = [
-        (f"{bar:g} m", _scale_sample(length), length),
+        (length_words(bar), _scale_sample(length), length),
         *((words, sample, ICON * unit) for words, sample in _keys(content)),
     ]
     placed, y = _place(keys, left, room, y + 4.0 * unit, unit)
     return parts + placed, round(y + 10.0 * unit)
-
-
-def scale_bar(most: float) -> float:
-    """Return the longest round length up to a limit: 1, 2 or 5 times a power of ten.
-
-    Args:
-        most: The limit, m; above 0.
-    """
-    power = 10.0 ** math.floor(math.log10(most) + 1e-9)
-    factor = next(one for one in (5.0, 2.0, 1.0) if one * power <= most * (1.0 + 1e-9))
-    # Rounding hides the last digit of a power below 1.
-    return float(f"{factor * power:.3g}")
 
 
 def _scale_sample(length: float) -> Sample:
@@ -174,6 +151,26 @@ def _place(
     return parts, y
 
 
+def key_of_cards(
+    contents: Sequence[Content], left: float, room: float, unit: float
+) -> tuple[list[Primitive], float]:
+    """Return the key to many small pictures, and its height, px.
+
+    Args:
+        contents: The pictures' contents.
+        left: px.
+        room: Its width, px.
+        unit: Pixels of a unit.
+    """
+    shown = set().union(*(_shown(content) for content in contents))
+    keys = [
+        (MARKS[name].label, _sample(name, contents[0]), ICON * unit)
+        for name in SPECIFICATION.legend
+        if name in shown and MARKS[name].on_cards
+    ]
+    return _place(keys, left, room, 0.0, unit)
+
+
 def _keys(content: Content) -> list[tuple[str, Sample]]:
     """Return the words and the samples of the marks in a picture, in the order of ``marks.json``."""
     shown = _shown(content)
@@ -197,7 +194,7 @@ def _shown(content: Content) -> set[str]:
     proof = content.world.certificate
     view = content.view
     names = {
-        "start",
+        "began" if content.trails else "start",
         "target",
         *(["waypoint"] if content.world.robots[0].waypoints else ()),
         *(["signal"] if view.signal else ()),
@@ -215,7 +212,9 @@ def _shown(content: Content) -> set[str]:
         if stays_put(trail, content.frame, content.robot(number)):
             names.add("spot")
     if "spot" in names and not content.has_several:
-        names.discard("loop")
+        names -= {"loop", "stay"}
+    if content.shortfall is not None:
+        names.add("short")
     return names
 
 
@@ -224,10 +223,12 @@ def _of_trail(trail: Trail, *, is_one: bool) -> set[str]:
     disturbances = trail.disturbances
     memory = trail.memory
     present = {
-        "trail": trail.loop_from is None,
-        "approach": trail.loop_from is not None and trail.loop_from > 0,
+        "trail": trail.repeats_from is None,
+        "approach": bool(trail.repeats_from),
         "loop": trail.loop_from is not None,
-        "end": is_one,
+        "stay": trail.stays_from is not None,
+        "end": is_one and trail.repeats_from is None,
+        "nearest": is_one and trail.repeats_from is not None,
         "touched": "bump" in kinds,
         "pierced": bool(trail.pierced),
         "overlap": "overlap" in kinds and not trail.pierced,
@@ -257,13 +258,13 @@ def _sample(name: str, content: Content) -> Sample:
     mark = MARKS[name]
     grey = hue("quiet") if content.has_several else ""
     robot = content.robot(0)
-    if name in ("start", "end") and not robot.is_disc:
+    if name in ("start", "end", "nearest") and not robot.is_disc:
         return _body_sample(mark)
     if name in _SAMPLES:
         return _SAMPLES[name]
     if mark.width and not mark.fill:
-        return _line(mark, grey, arrow=name in ("loop", "trail"))
-    return _swatch(mark)
+        return _line(mark, grey, arrow=name in ("loop", "stay", "trail"))
+    return _striped(mark) if mark.size else _swatch(mark)
 
 
 def _line(mark: Mark, colour: str = "", *, arrow: bool = False) -> Sample:
@@ -289,18 +290,22 @@ def _swatch(mark: Mark) -> Sample:
     return sample
 
 
+def _striped(mark: Mark) -> Sample:
+    """Return the sample of cells with stripes."""
+
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (4.0, 10.0, 16.0)]
+        return [
+            _square(x, y, unit, mark.inside()),
+            *(DrawnLine(np.array((x, y)) + line * unit, mark.line(unit)) for line in stripes),
+        ]
+
+    return sample
+
+
 def _square(x: float, y: float, unit: float, paint: Paint) -> DrawnLine:
     corners = np.array(((4.0, -6.0), (22.0, -6.0), (22.0, 6.0), (4.0, 6.0))) * unit
     return DrawnLine(np.array((x, y)) + corners, paint, closed=True)
-
-
-def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    dotted = Paint(stroke=hue("floor"), width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
-    inner = np.array(((7.0, -3.0), (19.0, -3.0), (19.0, 3.0), (7.0, 3.0))) * unit
-    return [
-        _square(x, y, unit, Paint(fill=hue("wall"))),
-        DrawnLine(np.array((x, y)) + inner, dotted, closed=True),
-    ]
 
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -367,7 +372,19 @@ def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return [
         DrawnCircle(x, y, 6.0 * unit, mark.inside()),
         DrawnCircle(x, y, 6.0 * unit, mark.line(unit)),
+        DrawnCircle(x, y, 1.5 * unit, Paint(fill=hue(mark.colour))),
+        heading_tick(x, y, 6.0 * unit, 0.0, mark.line(unit)),
     ]
+
+
+def _began_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return dot(x + 0.5 * ICON * unit, y, unit, hue("start"))
+
+
+def _short_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    mark = MARKS["short"]
+    lines = (((2.0, 0.0), (24.0, 0.0)), ((2.0, -5.0), (2.0, 5.0)), ((24.0, -5.0), (24.0, 5.0)))
+    return [DrawnLine(np.array((x, y)) + np.array(line) * unit, mark.line(unit)) for line in lines]
 
 
 def _spot_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -432,6 +449,9 @@ _SAMPLES: Mapping[str, Sample] = {
     "waypoint": _waypoint_sample,
     "signal": _signal_sample,
     "end": _end_sample,
+    "nearest": _end_sample,
+    "began": _began_sample,
+    "short": _short_sample,
     "touched": _touched_sample,
     "pierced": _pierced_sample,
     "overlap": _overlap_sample,
@@ -440,7 +460,6 @@ _SAMPLES: Mapping[str, Sample] = {
     "pushed": _push_sample,
     "decoy": _decoy_sample,
     "remembered": _memory_sample,
-    "opens": _opens_sample,
     "spot": _spot_sample,
     "named": _named_sample,
 }

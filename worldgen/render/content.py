@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from worldgen.render.frame import Frame
 from worldgen.render.marks import MARKS, hue, robot_colours
 from worldgen.render.overlay import Trail
-from worldgen.support.arrays import Bools
+from worldgen.render.shortfall import Shortfall, shortfall_of
+from worldgen.support.arrays import Bools, Floats
 from worldgen.timeline import CellState
 from worldgen.world import Robot, World
 
@@ -53,7 +55,7 @@ class View:
     is_card: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Content:
     """One picture's content.
 
@@ -65,6 +67,7 @@ class Content:
         frame: The map's place in the picture.
         changes: The cells that the world's timeline changes.
         named: The cells that the text next to the picture names.
+        words: Corners of the words on the map so far, upper left and lower right, px.
     """
 
     world: World
@@ -74,11 +77,17 @@ class Content:
     frame: Frame
     changes: Changes
     named: Sequence[tuple[int, int]] = ()
+    words: list[tuple[Floats, Floats]] = field(default_factory=list)
 
     @property
     def trail(self) -> Trail | None:
         """The run of a single robot, which is drawn with more of its details."""
         return self.trails[0] if self.trails and not self.has_several else None
+
+    @cached_property
+    def shortfall(self) -> Shortfall | None:
+        """How near a single robot gets that repeats itself."""
+        return shortfall_of(self.world, self.trail) if self.trail else None
 
     @property
     def has_several(self) -> bool:

@@ -31,18 +31,34 @@ def event_window(world: World, trails: Sequence[Trail], pixels: float) -> Window
     radius = max(robot.radius for robot in world.robots) / world.cell_size
     # The side of the view, in cells, in which the robot has its least visible size.
     visible = 2.0 * radius * pixels / card.robot
-    if not trails or longest <= visible:
-        return Window(0, 0, world.width, world.height)
+    whole = Window(0, 0, world.width, world.height)
+    if not trails:
+        return whole
     points = np.concatenate([_event(trail, world) for trail in _in_the_event(trails)])
     low = points.min(axis=0) - card.around * radius
     high = points.max(axis=0) + card.around * radius
-    side = math.ceil(max(visible, *(high - low)))
+    # With the target, unless the robot would be too small to see.
+    has_target = False
+    if not world.is_fleet:
+        target = world.target
+        middle = np.array((target.x, target.y)) / world.cell_size
+        room = target.radius / world.cell_size + 1.0
+        lower = np.minimum(low, middle - room)
+        upper = np.maximum(high, middle + room)
+        has_target = float(max(upper - lower)) <= min(visible, longest)
+        if has_target:
+            low, high = lower, upper
+    needed = float(max(high - low))
+    # Where everything is visible, only what is small enough is worth losing sight of the rest.
+    if longest <= visible and not (has_target and needed <= card.small * longest):
+        return whole
+    side = math.ceil(needed)
     sizes = [min(side, world.width), min(side, world.height)]
     middle = 0.5 * (low + high)
     # Within the world, so that no space is lost on what is outside.
     x, y = (
-        min(max(0, math.floor(middle[axis] - 0.5 * size)), whole - size)
-        for axis, (size, whole) in enumerate(zip(sizes, (world.width, world.height), strict=True))
+        min(max(0, math.floor(middle[axis] - 0.5 * size)), cells - size)
+        for axis, (size, cells) in enumerate(zip(sizes, (world.width, world.height), strict=True))
     )
     return Window(x, y, *sizes)
 
@@ -56,8 +72,8 @@ def _in_the_event(trails: Sequence[Trail]) -> Sequence[Trail]:
 
 def _event(trail: Trail, world: World) -> Floats:
     """Return the places, in cells, at which something happens: the period, or the last part."""
-    points = trail.loop if trail.loop_from is not None else trail.points
-    if trail.loop_from is None:
+    points = trail.points if trail.repeats_from is None else trail.loop
+    if trail.repeats_from is None:
         lengths = arc_length(points)
         radius = max(robot.radius for robot in world.robots)
         points = points[lengths >= lengths[-1] - _LAST * radius]

@@ -80,11 +80,14 @@ class Card(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         side: Its usual side, px.
         robot: Diameter of the robot, px, below which the picture shows a part of the world only.
         around: Radii of the robot to show around what happens.
+        small: Share of the longer side of a world below which a picture of what happens replaces
+            one of all of it.
     """
 
     side: float
     robot: float
     around: float
+    small: float
 
 
 class Specification(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -139,6 +139,8 @@ class Trail:
         y: (n,) float64, m.
         loop_from: Index of the point where the endless cycle begins; the rest is one or more
             repetitions of the cycle. ``None`` if the run has none.
+        stays_from: Index of the point from which a run without a proved cycle reaches nothing new.
+            ``None`` if it has a cycle, or reaches something new until it ends.
         marks: Events along the path.
         pierced: Wall cells that the robot entered.
         disturbances: What disturbed the robot.
@@ -168,6 +170,7 @@ class Trail:
     named: tuple[tuple[int, int], ...] = ()
     headings: Floats | None = None
     name: str = ""
+    stays_from: int | None = None
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.
@@ -189,13 +192,16 @@ class Trail:
             )
         if not (np.isfinite(self.x).all() and np.isfinite(self.y).all()):
             raise InvalidParameter("not-finite", "trail: x and y must be finite numbers of metres")
-        if self.loop_from is not None and not 0 <= self.loop_from < len(self.x):
-            raise InvalidParameter(
-                "out-of-range",
-                "trail: loop_from={loop_from} is outside 0 to {last}",
-                loop_from=self.loop_from,
-                last=len(self.x) - 1,
-            )
+        for name in ("loop_from", "stays_from"):
+            row = getattr(self, name)
+            if row is not None and not 0 <= row < len(self.x):
+                raise InvalidParameter(
+                    "out-of-range",
+                    "trail: {name}={value} is outside 0 to {last}",
+                    name=name,
+                    value=row,
+                    last=len(self.x) - 1,
+                )
 
     @property
     def points(self) -> Floats:
@@ -203,16 +209,21 @@ class Trail:
         return np.column_stack((self.x, self.y))
 
     @property
+    def repeats_from(self) -> int | None:
+        """Index of the point from which the robot repeats itself, proved or not; ``None`` if it doesn't."""
+        return self.stays_from if self.loop_from is None else self.loop_from
+
+    @property
     def approach(self) -> Floats:
-        """The path until the cycle begins, (k, 2) float64, m; all of it if there is no cycle."""
-        return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
+        """The path until the robot repeats itself, (k, 2) float64, m; all of it if it doesn't."""
+        first = self.repeats_from
+        return self.points if first is None else self.points[: first + 1]
 
     @property
     def loop(self) -> Floats:
-        """The cycle, (k, 2) float64, m; no points if there is no cycle."""
-        return (
-            self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
-        )
+        """The path on which the robot repeats itself, (k, 2) float64, m; no points if it doesn't."""
+        first = self.repeats_from
+        return self.points[len(self.x) :] if first is None else self.points[first:]
 
     def places(self, kind: MarkKind) -> Floats:
         """Return the places of marks of one kind, a (k, 2) float64 array in m."""

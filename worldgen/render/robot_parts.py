@@ -49,6 +49,21 @@ def start_parts(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
     return parts
 
 
+def start_dot(robot: Robot, frame: Frame, colour: str) -> list[Primitive]:
+    """Return the start in a picture of a run, which shows the robot itself elsewhere: a dot."""
+    return dot(*frame.to_pixels(robot.start.x, robot.start.y), frame.unit, colour)
+
+
+def dot(x: float, y: float, unit: float, colour: str) -> list[Primitive]:
+    """Return the mark of a start in a picture of a run, visible on walls and floor."""
+    radius = MARKS["began"].size * unit
+    ring = Paint(fill=hue("floor"), opacity=0.8)
+    return [
+        DrawnCircle(x, y, radius + 1.5 * unit, ring),
+        DrawnCircle(x, y, radius, Paint(fill=colour)),
+    ]
+
+
 def start_disc(x: float, y: float, radius: float, unit: float, colour: str) -> list[Primitive]:
     """Return the mark of a start without its heading, visible on walls and floor."""
     mark = MARKS["start"]

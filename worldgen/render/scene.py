@@ -10,23 +10,25 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from worldgen.render.body_parts import witness_parts
 from worldgen.render.caption import caption
 from worldgen.render.certificate_parts import blocked_share, cut_chain
+from worldgen.render.change_labels import change_labels
 from worldgen.render.content import Changes, Content, View
 from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
 from worldgen.render.frame import Frame
 from worldgen.render.marks import MARKS, Mark, hue
 from worldgen.render.memory_parts import floor_of_memory, lines_of_memory, plan_of_memory
 from worldgen.render.named_parts import axis_numbers, named_cells, named_parts
-from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail, Trails, each_trail
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.robot_parts import (
     blocked_parts,
     end_number,
+    start_dot,
     start_heading,
     start_number,
     start_parts,
@@ -34,23 +36,22 @@ from worldgen.render.robot_parts import (
     target_parts,
     waypoint_parts,
 )
+from worldgen.render.shortfall_parts import shortfall_parts
 from worldgen.render.trail_parts import (
     approach_parts,
     band_parts,
     body_parts,
     breach_crosses,
-    end_parts,
     loop_parts,
     overlap_parts,
     pierced_parts,
+    robot_at,
     run_parts,
+    stay_parts,
     touched_parts,
 )
 from worldgen.support.arrays import Bools
 from worldgen.world import Cut, JointWitness, Robot, Witness, World
-
-# Limit on dotted outlines; more of them turn into a grey blur.
-MOST_CORNERS = 4000
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,13 +102,17 @@ def compose(
     return Picture(frame, frame.picture_width, height, title, parts)
 
 
-def card_parts(
-    world: World, trails: Trails, frame: Frame, *, witness: bool = True
-) -> list[Primitive]:
-    """Return the map of a small picture, without caption and signal, lowest layer first."""
-    paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, hue("paper"))
+def card_content(world: World, trails: Trails, frame: Frame, *, witness: bool = True) -> Content:
+    """Return the content of a small picture, which has no signal."""
     view = View(False, witness, is_card=True)
-    return [paper, *_map(Content(world, each_trail(trails), view, "", frame, Changes.of(world)))]
+    return Content(world, each_trail(trails), view, "", frame, Changes.of(world))
+
+
+def card_parts(content: Content) -> list[Primitive]:
+    """Return the map of a small picture, without caption, lowest layer first."""
+    frame = content.frame
+    paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, hue("paper"))
+    return [paper, *_map(content)]
 
 
 def moment_parts(
@@ -230,12 +235,11 @@ def _closes(content: Content, mark: Mark) -> list[Primitive]:
 
 def _opens(content: Content, mark: Mark) -> list[Primitive]:
     opens = content.changes.opens
-    unit = content.frame.unit
-    # Dotted outlines of very many corners would only make the file large.
-    if not opens.any() or corner_count(opens) > MOST_CORNERS:
+    if not opens.any():
         return []
-    dotted = Paint(stroke=hue("floor"), width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
-    return [DrawnLine(content.frame.corners(line), dotted, closed=True) for line in outlines(opens)]
+    # Stripes stand out from a light ground, not from a wall.
+    light = DrawnCells(opens, hue("floor"), opacity=mark.fill)
+    return [light, *_cells(opens, msgspec.structs.replace(mark, fill=0.0), content.frame)]
 
 
 def _touched(content: Content, mark: Mark) -> list[Primitive]:
@@ -309,6 +313,45 @@ def _of_trails(
         ]
 
     return drawn
+
+
+def _start(content: Content, mark: Mark) -> list[Primitive]:
+    # A picture of a run shows the robot itself elsewhere.
+    return [] if content.trails else _of_robots(start_parts, "start")(content, mark)
+
+
+def _began(content: Content, mark: Mark) -> list[Primitive]:
+    return _of_robots(start_dot, "start")(content, mark) if content.trails else []
+
+
+def _heading(content: Content, mark: Mark) -> list[Primitive]:
+    return [] if content.trails else _of_robots(start_heading, "start")(content, mark)
+
+
+def _end(content: Content, mark: Mark) -> list[Primitive]:
+    # What is repeated has no end; where several robots are then shows how they stand.
+    return [
+        part
+        for number, trail in enumerate(content.trails)
+        if content.has_several or trail.repeats_from is None
+        for part in robot_at(
+            trail,
+            len(trail.x) - 1,
+            content.frame,
+            content.robot(number),
+            content.colour("end", number),
+            "end",
+        )
+    ]
+
+
+def _nearest(content: Content, mark: Mark) -> list[Primitive]:
+    trail = content.trail
+    if trail is None or trail.repeats_from is None:
+        return []
+    short = content.shortfall
+    row = len(trail.x) - 1 if short is None else short.row
+    return robot_at(trail, row, content.frame, content.robot(0), hue(mark.colour), "nearest")
 
 
 def _pierced(content: Content, mark: Mark) -> list[Primitive]:
@@ -388,20 +431,25 @@ _DRAWN: Mapping[str, Callable[[Content, Mark], list[Primitive]]] = {
     "cut": _cut,
     "cut-poses": _cut_poses,
     "band": _of_trails(band_parts),
-    "start": _of_robots(start_parts, "start"),
-    "end": _of_trails(end_parts, "end"),
+    "start": _start,
+    "began": _began,
+    "end": _end,
+    "nearest": _nearest,
     "witness": _witness,
     "trail": _of_trails(run_parts),
     "approach": _of_trails(approach_parts),
     "body": _of_trails(body_parts),
     "loop": _of_trails(loop_parts),
-    "heading": _of_robots(start_heading, "start"),
+    "stay": _of_trails(stay_parts),
+    "heading": _heading,
     "pushed": _pushed,
     "memory": _memory,
     "plan": _plan,
     "pierced": _pierced,
     "overlap": _of_trails(overlap_parts),
     "breach": _breach,
+    "short": shortfall_parts,
+    "since": change_labels,
     "target": _of_robots(target_parts, "target"),
     "waypoint": _of_robots(waypoint_parts, "target"),
     "blocked": _blocked,

@@ -11,16 +11,18 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.errors import InvalidParameter
-from worldgen.render.caption import BAR, scale_bar
+from worldgen.render.caption import BAR, key_of_cards, wrapped
+from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.event_window import event_window
 from worldgen.render.frame import Frame
+from worldgen.render.lettering import length_words, scale_bar
 from worldgen.render.marks import SPECIFICATION, darker, hue, rgb
 from worldgen.render.overlay import Trail
 from worldgen.render.png import draw_parts
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
-from worldgen.render.scene import card_parts
+from worldgen.render.scene import card_content, card_parts
 from worldgen.world import World
 
 # Longer side of a map, px.
@@ -35,6 +37,9 @@ _TYPE = 15
 _BAR_ROOM = 20
 # Size of the text at a scale bar, px.
 _SMALL_TYPE = 12
+# Height of a line of small text, px, and the most lines of it.
+_SMALL_LINE = 16
+_MOST_LINES = 4
 # Width of a robot's path, px.
 _WIDTH = 2.2
 # The end of the legend.
@@ -51,12 +56,14 @@ class Panel:
         trails: The robots' paths, in the sheet's order. A list has the paths that all robots drive
             with one controller, in one colour.
         notes: A line below it for each robot, in the robot's colour.
+        words: What happens in it; wrapped below the notes.
     """
 
     world: World
     title: str
     trails: tuple[Trail | list[Trail], ...]
     notes: tuple[str, ...] = ()
+    words: str = ""
 
 
 def draw_sheet(
@@ -86,19 +93,26 @@ def draw_sheet(
         )
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
     # Draw the panels, and arrange them in rows.
-    drawn = [_panel(panel, pixels) for panel in panels]
+    contents: list[Content] = []
+    drawn = [_panel(panel, pixels, contents) for panel in panels]
     width = max(image.width for image in drawn)
     rows = [drawn[k : k + columns] for k in range(0, len(drawn), columns)]
     heights = [max(image.height for image in row) + _GAP for row in rows]
     # A sheet of few worlds is as wide as its legend.
     wide = columns * (width + _GAP)
     top = _GAP
+    key = None
     if robots:
         wide = max(wide, math.ceil(_legend_width(robots)))
         top += _LINE + _GAP
+    elif contents and any(content.trails for content in contents):
+        key = _key(contents, wide + _GAP)
+        top += key.height
     sheet = Image.new("RGB", (wide + _GAP, top + sum(heights)), hue("paper"))
     if robots:
         _draw_legend(sheet, robots)
+    elif key is not None:
+        sheet.paste(key, (0, 0))
     # Paste the panels.
     for row, height in zip(rows, heights, strict=True):
         for k, image in enumerate(row):
@@ -109,16 +123,30 @@ def draw_sheet(
     return stream.getvalue()
 
 
-def _panel(panel: Panel, pixels: int) -> Image.Image:
+def _key(contents: Sequence[Content], width: int) -> Image.Image:
+    """Return the key to pictures of one run each."""
+    unit = 1.1
+    parts, height = key_of_cards(contents, _GAP, width - 2.0 * _GAP, unit)
+    size = (width, math.ceil(height) + _GAP)
+    ground = DrawnLine(
+        np.array(((0.0, 0.0), (size[0], 0.0), size, (0.0, size[1])), np.float64),
+        Paint(fill=hue("paper")),
+        closed=True,
+    )
+    return draw_parts([ground, *parts], contents[0].frame, size)
+
+
+def _panel(panel: Panel, pixels: int, contents: list[Content]) -> Image.Image:
     # One run is drawn as every failure is, of several each path has a colour of its own.
     world = panel.world
     alone = [trail for trail in panel.trails if isinstance(trail, Trail)]
     if len(alone) == len(panel.trails) and (world.is_fleet or len(alone) < 2):
         frame = Frame.of(world, pixels, window=event_window(world, alone, pixels))
-        parts = card_parts(world, alone, frame)
+        contents.append(card_content(world, alone, frame))
+        parts = card_parts(contents[-1])
     else:
         frame = Frame.of(world, pixels)
-        parts = card_parts(world, (), frame)
+        parts = card_parts(card_content(world, (), frame))
         for k, shown in enumerate(panel.trails):
             shift = (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
             for trail in shown if isinstance(shown, list) else [shown]:
@@ -139,7 +167,9 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     # A narrow world keeps its text.
     width = max(chart.width, min(math.ceil(text), pixels))
     below = _LINE + chart.height + _BAR_ROOM
-    image = Image.new("RGB", (width, below + _LINE * len(panel.notes)), hue("paper"))
+    lines = wrapped(panel.words, width, _SMALL_TYPE, _MOST_LINES)
+    high = below + _LINE * len(panel.notes) + _SMALL_LINE * len(lines)
+    image = Image.new("RGB", (width, high), hue("paper"))
     image.paste(chart, (0, _LINE))
     pen = ImageDraw.Draw(image)
     _draw_scale(pen, frame, chart.width, below)
@@ -149,6 +179,10 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
         pen.text(
             (0, baseline), note, fill=rgb(darker(series_colour(k), 0.25)), font=font, anchor="ls"
         )
+    small = ImageFont.load_default(_SMALL_TYPE)
+    for k, line in enumerate(lines, start=1):
+        baseline = below + _LINE * len(panel.notes) + k * _SMALL_LINE - 4
+        pen.text((0, baseline), line, fill=rgb(hue("ink")), font=small, anchor="ls")
     return image
 
 
@@ -162,7 +196,7 @@ def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int)
     metres = scale_bar(BAR * width / frame.scale)
     length = metres * frame.scale
     font = ImageFont.load_default(_SMALL_TYPE)
-    words = f"{metres:g} m"
+    words = length_words(metres)
     low = bottom - 7
     bar = ((1, low - 5), (1, low), (1 + length, low), (1 + length, low - 5))
     pen.line(bar, fill=rgb(hue("ink")), width=2)

@@ -28,8 +28,6 @@ THIN = (0.15, 0.5, 1.5)
 # Limit on the points of a drawn trail; more make an SVG of megabytes.
 MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
-# Outlines that together are the floor which a body covers.
-MOST_SWEPT = 90
 # Limit on the marks of one kind; more would hide the map, and overlapping ones merge anyway.
 MOST_DOTS = 400
 # Share of the floor's colour in a wall that the robot entered, so that its stripes stand out.
@@ -37,54 +35,59 @@ _LIGHTER = 0.6
 
 
 def band_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
-    """Return the floor that the robot's body covers in its period: the gaps it does not fit through."""
+    """Return the light band below what the robot repeats, which sets it off from the path into it."""
     mark = MARKS["band"]
-    if trail.loop_from is None or stays_put(trail, frame, robot):
+    if trail.repeats_from is None or stays_put(trail, frame, robot):
         return []
-    if not robot.is_disc and trail.headings is not None:
-        rows = np.unique(np.linspace(trail.loop_from, len(trail.x) - 1, MOST_SWEPT).astype(int))
-        # Their outlines overlap, so each has the colour of what they cover together.
-        paint = Paint(fill=mix(hue("floor"), colour, mark.fill), opacity=0.3)
-        return [
-            part for row in rows for part in body_shapes(robot, _pose(trail, row), frame, (paint,))
-        ]
-    width = 2.0 * robot.radius * frame.scale
-    paint = Paint(stroke=colour, width=width, opacity=mark.fill)
+    paint = Paint(stroke=colour, width=mark.width * frame.unit, opacity=mark.fill)
     return [DrawnLine(_thinned(frame.points(trail.loop)), paint)]
 
 
-def end_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
-    """Return the robot where its run ended, below its path, with its heading if that is known."""
-    mark = MARKS["end"]
+def robot_at(
+    trail: Trail, row: int, frame: Frame, robot: Robot, colour: str, name: str
+) -> list[Primitive]:
+    """Return the robot at a point of its path, in true size, with its heading if that is known.
+
+    Args:
+        trail: Its path.
+        row: Index of the point.
+        frame: The map's place in the picture.
+        robot: The robot.
+        colour: Its colour.
+        name: The mark: ``end`` or ``nearest``.
+    """
+    mark = MARKS[name]
     unit = frame.unit
-    last = len(trail.x) - 1
     if not robot.is_disc and trail.headings is not None:
-        pose = _pose(trail, last)
+        pose = _pose(trail, row)
         paints = (mark.inside(colour), mark.line(unit, colour))
         return [*body_shapes(robot, pose, frame, paints), *front_mark(robot, pose, frame, colour)]
     places = trail.places("end")
-    x, y = frame.points(places[:1] if len(places) else trail.points[-1:])[0].tolist()
+    at = places[:1] if name == "end" and len(places) else trail.points[row][None]
+    x, y = frame.points(at)[0].tolist()
     radius = max((robot.radius if robot.is_disc else robot.inner_radius) * frame.scale, mark.size)
     parts: list[Primitive] = [
         DrawnCircle(x, y, radius, mark.inside(colour)),
         DrawnCircle(x, y, radius, mark.line(unit, colour)),
+        # An arrival depends on this point.
+        DrawnCircle(x, y, 2.0 * unit, Paint(fill=colour)),
     ]
     if trail.headings is not None:
         tick = Paint(stroke=colour, width=MARKS["heading"].width * unit)
-        parts.append(heading_tick(x, y, radius, float(trail.headings[last]), tick))
+        parts.append(heading_tick(x, y, radius, float(trail.headings[row]), tick))
     return parts
 
 
 def approach_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
-    """Return the path into the period, which fades in."""
-    if trail.loop_from is None:
+    """Return the path into what the robot repeats, which fades in."""
+    if trail.repeats_from is None:
         return []
     return _fading(_thinned(frame.points(trail.approach)), "approach", colour, frame.unit)
 
 
 def run_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
-    """Return the path of a run without a period, which fades in."""
-    if trail.loop_from is not None:
+    """Return the path of a run that repeats nothing, which fades in."""
+    if trail.repeats_from is not None:
         return []
     points = _thinned(frame.points(trail.points))
     unit = frame.unit
@@ -96,24 +99,29 @@ def run_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Pri
 
 def loop_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
     """Return one period as a closed line with one arrow, or a spot if it is too small to see."""
-    if trail.loop_from is None:
-        return []
+    return [] if trail.loop_from is None else _repeated(trail, frame, robot, colour, "loop")
+
+
+def stay_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
+    """Return the path on which a run without a proved period reaches nothing new."""
+    return [] if trail.stays_from is None else _repeated(trail, frame, robot, colour, "stay")
+
+
+def _repeated(trail: Trail, frame: Frame, robot: Robot, colour: str, name: str) -> list[Primitive]:
     points = _thinned(frame.points(trail.loop))
     unit = frame.unit
     if stays_put(trail, frame, robot):
         return _spot(points[0], robot.inner_radius * frame.scale, colour, unit)
     length = float(arc_length(points)[-1])
-    lines: list[Primitive] = [
-        DrawnLine(points, paint) for paint in MARKS["loop"].lines(unit, colour)
-    ]
-    return [*lines, *_heads(points, "loop", colour, unit, max(length, 1.0))]
+    lines: list[Primitive] = [DrawnLine(points, paint) for paint in MARKS[name].lines(unit, colour)]
+    return [*lines, *_heads(points, name, colour, unit, max(length, 1.0))]
 
 
 def body_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:
     """Return a few outlines of a body along its period, or its whole path."""
     if robot.is_disc or trail.headings is None:
         return []
-    begin = trail.loop_from or 0
+    begin = trail.repeats_from or 0
     mark = MARKS["body"]
     poses = spread_poses(
         trail.x[begin:], trail.y[begin:], trail.headings[begin:], robot.radius, MOST_FOOTPRINTS
@@ -239,8 +247,8 @@ def _heads(points: Floats, name: str, colour: str, unit: float, spacing: float) 
 
 
 def stays_put(trail: Trail, frame: Frame, robot: Robot) -> bool:
-    """Return True if the period is too small to see as a line."""
-    if trail.loop_from is None:
+    """Return True if what the robot repeats is too small to see as a line."""
+    if trail.repeats_from is None:
         return False
     radius = robot.radius if robot.is_disc else robot.inner_radius
     spread = float(np.max(np.ptp(trail.loop, axis=0))) * frame.scale

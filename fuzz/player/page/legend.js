@@ -1,20 +1,22 @@
 // The legend of a picture: its marks, each with a sample and the words of `marks.json`.
 
-import { BURNING, SOLID, openRun, openWorld } from "#player/decode.js";
+import { BURNING, FREE, SOLID, openRun, openWorld } from "#player/decode.js";
 import { el } from "#player/dom.js";
 import { drawHead } from "#player/picture/arrows.js";
 import { drawBody, drawTargetMark, drawTick } from "#player/picture/ends.js";
 import { LEGEND, MARKS } from "#player/picture/marks.js";
 import { hasMap } from "#player/picture/memory.js";
+import { drivenIn, staysFrom } from "#player/picture/scene_robots.js";
+import { shortfallOf } from "#player/picture/shortfall.js";
 import { circle, disc, fillMark, palette, robotColour, stroke, strokeMark } from "#player/picture/pen.js";
 
 export const SAMPLE = { width: 26, height: 14 }; // pixels
 
 // Marks that each of several robots has in its own colour.
-const OWN = new Set(["start", "target", "waypoint", "witness", "approach", "loop", "trail", "end"]);
+const OWN = new Set(["start", "began", "target", "waypoint", "witness", "approach", "loop", "trail", "end"]);
 
 // Marks that the legend of a small picture explains.
-const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "blocked", "touched", "pierced", "named"]);
+const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "stay", "blocked", "short", "touched", "pierced", "named", "closes", "opens", "burns"]);
 
 /** @typedef {{name: string, words: string, number?: number}} LegendItem */
 
@@ -28,21 +30,26 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   const { events } = openWorld(world),
     happens = new Set(events?.state ?? []);
   const all = run ? [{ run, number: number ?? null }, ...(others ?? [])] : [];
-  const loops = all.some((one) => one.run.loop);
+  const loops = all.some((one) => one.run.loop),
+    stays = isStill && all.some((one) => staysFrom(one.run) !== null);
   /** @type {Record<string, boolean | undefined>} */
   const present = {
-    start: true,
+    start: !isStill || run === null,
+    began: isStill && run !== null,
     target: true,
     waypoint: Boolean(world.waypoints?.length),
     signal: Boolean(sensors?.signal) && !world.others?.length,
     witness: Boolean(openWorld(world).witness),
     cut: Boolean(world.cut),
     "cut-poses": Boolean(world.cut_poses),
-    approach: loops,
+    approach: loops || stays,
     loop: loops,
-    trail: all.some((one) => !one.run.loop),
+    stay: stays,
+    trail: !stays && all.some((one) => !one.run.loop),
     ahead: run !== null && !isStill,
-    end: run !== null && isStill,
+    end: run !== null && isStill && (all.length > 1 || !(loops || stays)),
+    nearest: isStill && all.length === 1 && (loops || stays),
+    short: isStill && run !== null && isShort(world, run),
     touched: all.some((one) => openRun(one.run).bump.some(Boolean)),
     pierced: all.some((one) => one.run.marks.some(({ cell }) => cell)),
     blocked: all.some((one) => one.run.blocked_by?.length),
@@ -51,10 +58,17 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     burnt: happens.has(BURNING),
     burns: happens.has(BURNING),
     closes: happens.has(SOLID),
+    opens: happens.has(FREE),
     named: Boolean(named?.length),
   };
   const robots = all.length > 1 ? all.map((one) => ({ name: "trail", words: `robot ${one.number}`, number: one.number ?? undefined })) : [];
   return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "", number: all.length > 1 && OWN.has(name) ? 0 : undefined }))];
+}
+
+// Whether a still picture shows what is missing to the target.
+function isShort(world, run) {
+  const [one] = drivenIn({ world, run, step: run.steps, number: null, others: [], show: {}, whole: true });
+  return shortfallOf(world, one) !== null;
 }
 
 /**
@@ -72,6 +86,16 @@ export function legendOf(drawn) {
  * @returns {HTMLElement}
  */
 export const legendOfCells = ({ world, ...drawn }) => listOf(world ? marksOf({ ...drawn, world, sensors: null }, true).filter(({ name }) => ABOUT.has(name)) : []);
+
+/**
+ * Makes the legend of many small pictures: every mark that is in one of them.
+ * @param {Pick<DrawnFailure, "world" | "run" | "others" | "number">[]} pictures
+ * @returns {HTMLElement}
+ */
+export function legendOfMany(pictures) {
+  const marks = new Map(pictures.flatMap(({ world, ...drawn }) => (world ? marksOf({ ...drawn, world, sensors: null }, true) : [])).map((item) => [item.name, { name: item.name, words: MARKS[item.name].label ?? "" }]));
+  return el("details", { class: "legend-part" }, el("summary", {}, "What the marks mean"), listOf(LEGEND.flatMap((name) => marks.get(name) ?? []).filter(({ name }) => MARKS[name].on_cards)));
+}
 
 /** @param {LegendItem[]} items */
 function listOf(items) {
@@ -140,6 +164,16 @@ export function drawSample(context, colours, name, left, top, number) {
       context.fillText("1", x, y + 3);
     },
     end: () => drawBody(pen, "end", { x, y, heading: 0 }, undefined, 6, colour),
+    began: () => disc(pen, x, y, 4.5, colour),
+    nearest: () => drawBody(pen, name, { x, y, heading: 0 }, undefined, 6, colour),
+    short() {
+      across();
+      for (const at of [left + 1, left + width - 1]) {
+        context.moveTo(at, y - 4);
+        context.lineTo(at, y + 4);
+      }
+      strokeMark(pen, name);
+    },
     touched() {
       square();
       context.fillStyle = colours.wall;
@@ -181,9 +215,9 @@ export function drawSample(context, colours, name, left, top, number) {
       stroke(pen, colour, mark.width);
       context.globalAlpha = 1;
     } else strokeMark(pen, name, colour);
-    if (name === "loop" || (name === "trail" && !(number && number > 0))) drawHead(pen, x, y, 0, mark.size, colour);
+    if (name === "loop" || name === "stay" || (name === "trail" && !(number && number > 0))) drawHead(pen, x, y, 0, mark.size, colour);
   }
-  if (name === "start" || name === "end") drawTick(pen, { x, y, heading: 0 }, 6, colour);
+  if (["start", "end", "nearest"].includes(name)) drawTick(pen, { x, y, heading: 0 }, 6, colour);
   context.restore();
 }
 

@@ -106,7 +106,7 @@ function drawPlots(canvas, player, run, curves, view, pointed) {
   }
   for (let k = 0; k < plots; k += 1) drawPlot(context, colours, curves, k, run, { view, across, top: k * HIGH, width });
   drawTimes(context, colours, run, { view, across, top: height, width });
-  for (const { step, kind } of run.marks) rule(context, across(step), height, kind === "last" ? colours.target : kind === "entry" ? colours.loop : colours.breach, [4, 3]);
+  for (const { step, kind } of run.marks) rule(context, across(step), height, ["last", "stays"].includes(kind) ? colours.target : kind === "entry" ? colours.loop : colours.breach, [4, 3]);
   rule(context, across(player.step), height, colours.ink, []);
   if (pointed !== null) rule(context, across(pointed), height, colours.quiet, [2, 2]);
 }

@@ -134,6 +134,8 @@ interface DrawnRun {
   thinned: number;
   /** Entry and period. */
   loop: [number, number] | null;
+  /** Whether its task is to be everywhere instead of to arrive. */
+  covers?: boolean;
   marks: Mark[];
   /** With several robots: the numbers of the robots that this one drives into forever. */
   blocked_by?: number[];
@@ -471,6 +473,8 @@ interface Pen {
   px(value: number): number;
   py(value: number): number;
   colours: Record<string, string>;
+  /** Left, top, right and bottom of the words on the map so far. */
+  words?: [number, number, number, number][];
 }
 
 /** Pixels of the page, and how many of the canvas each has. */
@@ -511,7 +515,7 @@ interface SceneRobot {
   number: number | null;
   isFront: boolean;
   open: OpenRun;
-  /** Row at which the period begins; the number of rows without one. */
+  /** Row from which the robot repeats itself; the number of rows if it doesn't. */
   entry: number;
   step: number;
   radius: number;

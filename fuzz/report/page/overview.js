@@ -1,6 +1,7 @@
 // The failures as cards that can be filtered, ordered and grouped.
 
 import { causeWords, choice, el, grouped, plural, unfinished, verdictDot } from "#player/dom.js";
+import { legendOfMany } from "#player/legend.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
@@ -66,7 +67,7 @@ export function makeOverview(section, failures, causes = new Map()) {
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
-  section.append(toolbar(failures, wanted, refresh, count), list);
+  section.append(toolbar(failures, wanted, refresh, count), legendOfMany(failures.map(({ now }) => now)), list);
   list.addEventListener("keydown", moveBetweenCards);
   refresh();
   const drawAll = () => {

@@ -161,7 +161,7 @@ function marksOf({ verdict, entry, hit, last_new_cell: last }) {
     return [{ step: hit.step, kind: "breach", name, text, cell: hit.cell }];
   }
   if (verdict === "stalled" || verdict === "timeout") {
-    return [{ step: last, kind: "last", name: "Nothing new after", text: "enters a new cell for the last time" }];
+    return [{ step: last, kind: "stays", name: "Nothing new after", text: "enters a new cell for the last time" }];
   }
   return [];
 }

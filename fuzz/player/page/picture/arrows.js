@@ -63,12 +63,12 @@ function headsOn(pen, { x, y }, from, to, size, isOne) {
  * @param {{x: ArrayLike<number>, y: ArrayLike<number>}} open
  * @param {number} from
  * @param {number} to
- * @param {string} name - `loop` or `trail`
+ * @param {string} name - `loop`, `stay` or `trail`
  * @param {string} colour
  */
 export function drawHeads(pen, open, from, to, name, colour) {
   const size = 1.25 * MARKS[name].size * pen.unit;
-  for (const [x, y, angle] of headsOn(pen, open, Math.max(0, from), to, size, name === "loop")) drawHead(pen, x, y, angle, size, colour);
+  for (const [x, y, angle] of headsOn(pen, open, Math.max(0, from), to, size, name !== "trail")) drawHead(pen, x, y, angle, size, colour);
 }
 
 /**

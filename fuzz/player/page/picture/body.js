@@ -1,9 +1,10 @@
 // The robot at a time, where its run ends, and its outlines along the path.
 
 import { drawFront, shownRadius } from "#player/picture/ends.js";
-import { bodyPath, fillMark, frontOf, stroke, strokeMark } from "#player/picture/pen.js";
+import { bodyPath, disc, fillMark, frontOf, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf } from "#player/picture/scene_robots.js";
 import { MARKS } from "#player/picture/marks.js";
+import { shortfallOf } from "#player/picture/shortfall.js";
 
 const MOST_OUTLINES = 6; // of a body along its path
 const APART = 1.3; // radii between two of them
@@ -28,16 +29,41 @@ export function drawRobot(pen, one) {
 }
 
 /**
- * Draws a robot where its run ended, below its path.
+ * Draws a robot where its run ended, below its path; one that repeats itself has no end, unless it
+ * is one of several.
  * @param {Pen} pen
  * @param {SceneRobot} one
  */
-export function drawEnd(pen, { pose, footprint, radius, number }) {
-  const colour = colourOf(pen, "end", number),
-    shown = shownRadius(pen, "end", radius);
+export function drawEnd(pen, one) {
+  if (one.number || one.entry >= one.open.at.length) drawStanding(pen, one, one.pose, "end");
+}
+
+/**
+ * Draws a robot that repeats itself where it is nearest to its target.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {SceneRobot} one
+ */
+export function drawNearest(pen, world, one) {
+  const { open, entry, number } = one;
+  if (number || entry >= open.at.length) return;
+  const row = shortfallOf(world, one)?.row ?? open.at.length - 1;
+  drawStanding(pen, one, { x: open.x[row], y: open.y[row], heading: open.heading[row] }, "nearest");
+}
+
+/**
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ * @param {{x: number, y: number, heading: number}} pose
+ * @param {string} name
+ */
+function drawStanding(pen, { footprint, radius, number }, pose, name) {
+  const colour = colourOf(pen, name, number),
+    shown = shownRadius(pen, name, radius);
   bodyPath(pen, footprint, pose, shown);
-  fillMark(pen, "end", colour);
-  strokeMark(pen, "end", colour);
+  fillMark(pen, name, colour);
+  strokeMark(pen, name, colour);
+  if (!footprint) disc(pen, pose.x, pose.y, (2 * pen.unit) / pen.scale, colour); // an arrival depends on this point
   drawFront(pen, pose, footprint, shown, colour);
 }
 

@@ -1,9 +1,10 @@
 // Changes of cells over time: the next change of each cell, and the burnt floor. Hatching shows
 // future changes.
 
-import { BURNING, FREE, SOLID } from "#player/decode.js";
+import { BURNING, FREE, SOLID, openWorld } from "#player/decode.js";
 import { MARKS } from "#player/picture/marks.js";
 import { rimOf, stroke } from "#player/picture/pen.js";
+import { placeWords, sizeOfWords } from "#player/picture/placed_words.js";
 
 // The next change of a cell: its new state plus one, because 0 means no change.
 const CLOSES = SOLID + 1,
@@ -122,6 +123,37 @@ function hatch(pen, world, is, name, slant) {
     stroke(pen, pen.colours[colour], thick * unit);
   }
   context.restore();
+}
+
+const WORDS = { [SOLID]: "wall", [BURNING]: "fire", [FREE]: "free" };
+const MOST_SINCE = 3; // labels: fires change hundreds of cells, and the first one says enough
+const APART = 3; // cells between two of them
+
+/**
+ * Says next to cells that change what they first become, and when.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {SceneRobot[]} robots
+ */
+export function drawChangeLabels(pen, world, robots) {
+  const { events, cells } = openWorld(world);
+  if (!events) return;
+  const { px, py, colours, unit } = pen,
+    labelled = [];
+  for (let k = 0; k < events.ms.length && labelled.length < MOST_SINCE; k += 1) {
+    const [ix, iy, state] = [events.ix[k], events.iy[k], events.state[k]],
+      isSolid = cells[iy * world.width + ix] === SOLID;
+    if (isSolid === (state === SOLID) && state !== BURNING) continue; // not a change
+    if (labelled.some(([x, y]) => Math.max(Math.abs(ix - x), Math.abs(iy - y)) < APART)) continue;
+    if (px(ix + 1) <= 0 || px(ix) >= pen.width || py(iy) <= 0 || py(iy + 1) >= pen.height) continue;
+    labelled.push([ix, iy]);
+    const words = `${WORDS[state]} at ${Number((events.ms[k] / 1000).toPrecision(2))} s`,
+      [wide, high] = sizeOfWords(pen, words),
+      away = 3 * unit,
+      [across, down] = [px(ix + 0.5) - wide / 2, py(iy + 0.5) - high / 2];
+    const places = [[px(ix + 1) + away, down], [px(ix) - away - wide, down], [across, py(iy + 1) - away - high], [across, py(iy) + away]];
+    placeWords(pen, world, robots[robots.length - 1], words, places, colours[MARKS.since.colour], [[px(ix + 0.5), py(iy + 0.5), 0.4 * pen.scale]]);
+  }
 }
 
 /**

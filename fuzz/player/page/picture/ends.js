@@ -82,6 +82,18 @@ function drawGoal(pen, { target: [x, y, radius], aim = 0, footprint }, colour) {
 }
 
 /**
+ * Draws each start as a dot: in a still picture of a run, which shows the robot itself elsewhere.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
+export function drawBegan(pen, world) {
+  for (const { start, number } of endsOf(world)) {
+    disc(pen, start[0], start[1], (MARKS.began.size * pen.unit) / pen.scale, colourOf(pen, "began", number));
+    stroke(pen, pen.colours.floor, 1.5 * pen.unit);
+  }
+}
+
+/**
  * Draws each robot's body at its start, true to scale unless that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world

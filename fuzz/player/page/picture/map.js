@@ -3,10 +3,10 @@
 import { cellsAt, stepWithin } from "#player/decode.js";
 import { grouped, plural } from "#player/dom.js";
 import { drawBlocked } from "#player/picture/blocked.js";
-import { drawEnd, drawOutlines, drawRobot } from "#player/picture/body.js";
+import { drawEnd, drawNearest, drawOutlines, drawRobot } from "#player/picture/body.js";
 import { drawCut, drawCutPoses, drawWitness } from "#player/picture/certificate.js";
-import { drawBurnt, drawComing, drawOpenings } from "#player/picture/changes.js";
-import { drawHeadings, drawStart, drawTarget, drawWaypoints } from "#player/picture/ends.js";
+import { drawBurnt, drawChangeLabels, drawComing, drawOpenings } from "#player/picture/changes.js";
+import { drawBegan, drawHeadings, drawStart, drawTarget, drawWaypoints } from "#player/picture/ends.js";
 import { drawFloor, drawGrid, drawSignal, drawWalls } from "#player/picture/ground.js";
 import { MARKS } from "#player/picture/marks.js";
 import { drawMemory, drawRemembered } from "#player/picture/memory.js";
@@ -16,6 +16,7 @@ import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
 import { drawScaleBar } from "#player/picture/scale_bar.js";
 import { drivenIn } from "#player/picture/scene_robots.js";
+import { drawShortfall } from "#player/picture/shortfall.js";
 import { drawBearing, drawBeams } from "#player/picture/senses.js";
 import { drawTouched } from "#player/picture/touched.js";
 import { drawAhead, drawApproach, drawBand, drawBreachPath, drawLoop } from "#player/picture/trail.js";
@@ -46,8 +47,10 @@ const DRAWN = {
   cut: ({ pen, world, show }) => show.witness && drawCut(pen, world),
   "cut-poses": ({ pen, world, show }) => show.witness && drawCutPoses(pen, world),
   band: ({ pen, robots, show, whole }) => show.trail && robots.forEach((one) => drawBand(pen, one, whole)),
-  start: ({ pen, world }) => drawStart(pen, world),
+  start: ({ pen, world, robots, whole }) => (whole && robots.length > 0) || drawStart(pen, world),
+  began: ({ pen, world, robots, whole }) => whole && robots.length > 0 && drawBegan(pen, world),
   end: ({ pen, robots, whole }) => whole && robots.forEach((one) => drawEnd(pen, one)),
+  nearest: ({ pen, world, robots, whole }) => whole && robots.length === 1 && drawNearest(pen, world, robots[0]),
   witness: ({ pen, world, show, whole, ms, cells }) => {
     if (!show.witness) return;
     drawWitness(pen, world, whole ? null : ms);
@@ -61,9 +64,11 @@ const DRAWN = {
     robots.forEach((one) => drawLoop(pen, one, whole));
     if (scene) drawBreachPath(pen, scene);
   },
-  heading: ({ pen, world }) => drawHeadings(pen, world),
+  heading: ({ pen, world, robots, whole }) => (whole && robots.length > 0) || drawHeadings(pen, world),
   memory: ({ pen, front, show }) => front && show.memory && drawMemory(pen, front.run, front.within),
   pierced: ({ pen, scene }) => scene && drawPierced(pen, scene),
+  short: ({ pen, world, robots, show, whole }) => show.trail && whole && robots.length === 1 && drawShortfall(pen, world, robots[0]),
+  since: ({ pen, world, robots, show, whole }) => show.changes && whole && drawChangeLabels(pen, world, robots),
   target: ({ pen, world }) => drawTarget(pen, world),
   waypoint: ({ pen, world }) => drawWaypoints(pen, world),
   beam: ({ pen, scene, cells, front, show, sensors }) => scene && front && show.sensors && sensors && drawBeams(pen, { ...scene, sensors }, cells, front.pose),
@@ -91,7 +96,8 @@ export function drawScene(canvas, scene, view = null) {
   const pen = penFor(canvas, view, world, scene.on);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
-  const ms = run ? step * run.dt * 1000 : (scene.ms ?? 0);
+  // A still picture shows the cells as they are at first, and what they become.
+  const ms = run && whole ? 0 : run ? step * run.dt * 1000 : (scene.ms ?? 0);
   const driven = run ? runScene(scene, run) : null,
     robots = driven ? drivenIn(driven) : [],
     last = robots[robots.length - 1];

@@ -26,7 +26,7 @@ function roundLength(most, perMetre) {
  * @param {number} metres
  * @returns {string}
  */
-function lengthWords(metres) {
+export function lengthWords(metres) {
   if (metres >= 1000) return `${metres / 1000} km`;
   if (metres >= 0.1) return `${metres} m`;
   if (metres >= 0.01) return `${Number((metres * 100).toPrecision(3))} cm`;

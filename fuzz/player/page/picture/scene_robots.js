@@ -28,7 +28,8 @@ export function drivenIn(scene) {
     const ends = (world.others?.length && one.number ? [world, ...world.others][one.number - 1] : null) ?? world;
     const now = (step * run.dt) / one.run.dt,
       open = openRun(one.run);
-    const entry = one.run.loop ? rowAt(one.run, one.run.loop[0]) : open.at.length;
+    const since = one.run.loop ? one.run.loop[0] : scene.whole ? staysFrom(one.run) : null,
+      entry = since === null ? open.at.length : rowAt(one.run, since);
     return {
       ...one,
       open,
@@ -41,6 +42,18 @@ export function drivenIn(scene) {
       isDriving: !scene.whole && now <= one.run.steps,
     };
   });
+}
+
+/**
+ * Returns from which step on a run without a proved period is drawn as staying where it is: its
+ * second half, if that reaches nothing new; else null.
+ * @param {DrawnRun} run
+ * @returns {number | null}
+ */
+export function staysFrom(run) {
+  const last = run.marks.find(({ kind }) => kind === "stays"),
+    half = Math.floor(run.steps / 2);
+  return !run.loop && last && last.step <= half ? half : null;
 }
 
 /**

@@ -5,12 +5,11 @@ import { drawHeads } from "#player/picture/arrows.js";
 import { shownRadius } from "#player/picture/ends.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { MARKS } from "#player/picture/marks.js";
-import { addBody, circle, fillMark, innerRadius, line, stroke, strokeMark } from "#player/picture/pen.js";
+import { circle, fillMark, innerRadius, line, stroke, strokeMark } from "#player/picture/pen.js";
 import { colourOf } from "#player/picture/scene_robots.js";
 
 const RECENT = 300; // rows of a long path, while it plays, that fade
-const MOST_BAND = 3_000; // rows of a period, while it plays, of which the floor is still drawn
-const MOST_SWEPT = 90; // outlines that together are the floor which a body covers
+const MOST_BAND = 3_000; // rows of a period, while it plays, of which the band is still drawn
 const SPOT = 3; // units: a smaller period is drawn as a spot
 
 /**
@@ -30,8 +29,8 @@ export function drawAhead(pen, { open, number }) {
  * @param {boolean} isWhole - Whether this is a still picture of a whole run
  */
 export function drawApproach(pen, one, isWhole) {
-  const { open, entry, until, run, pose, number } = one,
-    name = run.loop ? "approach" : "trail",
+  const { open, entry, until, pose, number } = one,
+    name = entry < open.at.length ? "approach" : "trail",
     { width, casing, fade } = MARKS[name],
     colour = colourOf(pen, name, number),
     last = Math.min(until, entry + 1),
@@ -48,7 +47,7 @@ export function drawApproach(pen, one, isWhole) {
     stroke(pen, colour, width * unit);
     context.globalAlpha = 1;
   });
-  if (!run.loop) drawHeads(pen, open, 0, last, "trail", colour);
+  if (name === "trail") drawHeads(pen, open, 0, last, name, colour);
 }
 
 // Returns the rows at which pieces of about equal length begin.
@@ -60,43 +59,31 @@ function evenly({ x, y }, to, count) {
 }
 
 /**
- * Draws the floor that the robot's body covers in its period: the gaps that it does not fit through.
+ * Draws the light band below what the robot repeats, which sets it off from the path into it.
  * @param {Pen} pen
  * @param {SceneRobot} one
  * @param {boolean} isWhole
  */
 export function drawBand(pen, one, isWhole) {
-  const { open, entry, until, footprint, radius, number } = one;
+  const { open, entry, until, number } = one;
   if (entry >= until - 1 || isSpot(pen, one) || (!isWhole && until - entry > MOST_BAND)) return;
-  const { context } = pen,
-    colour = colourOf(pen, "band", number);
-  context.globalAlpha = MARKS.band.fill;
-  if (footprint) {
-    context.beginPath();
-    const step = Math.max(1, (until - 1 - entry) / MOST_SWEPT);
-    for (let row = entry; row < until; row += step) {
-      const k = Math.round(row);
-      addBody(pen, footprint, { x: open.x[k], y: open.y[k], heading: open.heading[k] }, 0);
-    }
-    context.fillStyle = colour;
-    context.fill();
-  } else {
-    line(pen, open.x, open.y, entry, until);
-    stroke(pen, colour, 2 * radius * pen.scale);
-  }
-  context.globalAlpha = 1;
+  pen.context.globalAlpha = MARKS.band.fill;
+  line(pen, open.x, open.y, entry, until);
+  stroke(pen, colourOf(pen, "band", number), MARKS.band.width * pen.unit);
+  pen.context.globalAlpha = 1;
 }
 
 /**
- * Draws the period as a closed line with one arrow.
+ * Draws the period as a closed line with one arrow, or the path that reaches nothing new.
  * @param {Pen} pen
  * @param {SceneRobot} one
  * @param {boolean} isWhole
  */
 export function drawLoop(pen, one, isWhole) {
   const { open, entry, until, pose, number } = one,
-    { width, casing } = MARKS.loop,
-    colour = colourOf(pen, "loop", number),
+    name = one.run.loop ? "loop" : "stay",
+    { width, casing } = MARKS[name],
+    colour = colourOf(pen, name, number),
     { unit } = pen;
   if (entry >= until) return;
   if (isWhole && isSpot(pen, one)) {
@@ -109,7 +96,7 @@ export function drawLoop(pen, one, isWhole) {
     line(pen, open.x, open.y, until - 1, until, pose);
     stroke(pen, colour, width * unit);
   }
-  drawHeads(pen, open, entry, until, "loop", colour);
+  drawHeads(pen, open, entry, until, name, colour);
 }
 
 /**

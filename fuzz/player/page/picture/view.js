@@ -20,25 +20,40 @@ export function eventView(scene, width, height, least = CARD.robot) {
   const robots = drivenIn(scene),
     radius = Math.max(...robots.map((one) => one.radius));
   const whole = fitView(world, width, height);
-  if (2 * radius * whole.scale >= least) return null;
   const named = new Set(robots.flatMap(({ run }) => run.blocked_by ?? []));
   const involved = robots.filter(({ run, number }) => run.blocked_by?.length || (number && named.has(number)));
   // The box of the period, or of the last part of the path.
   let [left, low, right, high] = [Infinity, Infinity, -Infinity, -Infinity];
-  for (const { open, entry, run } of involved.length > 0 ? involved : robots) {
+  for (const { open, entry } of involved.length > 0 ? involved : robots) {
     const { x, y } = open;
     let rest = LAST * radius;
-    for (let row = x.length - 1; row >= (run.loop ? entry : 0) && rest >= 0; row -= 1) {
+    const repeats = entry < x.length;
+    for (let row = x.length - 1; row >= (repeats ? entry : 0) && rest >= 0; row -= 1) {
       left = Math.min(left, x[row]);
       right = Math.max(right, x[row]);
       low = Math.min(low, y[row]);
       high = Math.max(high, y[row]);
-      if (!run.loop && row > 0) rest -= Math.hypot(x[row] - x[row - 1], y[row] - y[row - 1]);
+      if (!repeats && row > 0) rest -= Math.hypot(x[row] - x[row - 1], y[row] - y[row - 1]);
     }
   }
-  const around = 2 * CARD.around * radius,
+  const around = CARD.around * radius,
     room = height - BAR_ROOM;
-  const scale = Math.max(whole.scale, Math.min(least / (2 * radius), width / (right - left + around), room / (high - low + around)));
+  [left, low, right, high] = [left - around, low - around, right + around, high + around];
+  const scaleOf = (wide, tall) => Math.min(width / wide, room / tall);
+  // With the target, unless the robot would be too small to see.
+  let hasTarget = false;
+  if (!world.others?.length) {
+    const [x, y, size] = world.target,
+      far = size + 1,
+      box = [Math.min(left, x - far), Math.min(low, y - far), Math.max(right, x + far), Math.max(high, y + far)];
+    hasTarget = 2 * radius * scaleOf(box[2] - box[0], box[3] - box[1]) >= least;
+    if (hasTarget) [left, low, right, high] = box;
+  }
+  // Where everything is visible, only what is small enough is worth losing sight of the rest.
+  const needed = Math.max(right - left, high - low);
+  if (2 * radius * whole.scale >= least && !(hasTarget && needed <= CARD.small * Math.max(world.width, world.height))) return null;
+  const scale = scaleOf(right - left, high - low);
+  if (scale <= whole.scale) return null;
   // Within the world, so that no space is lost on what is outside.
   const within = (middle, size, side) => (size >= side ? side / 2 : Math.min(side - size / 2, Math.max(size / 2, middle)));
   return {
