@@ -71,7 +71,7 @@ test("a contact just after a step does not make the robot seem fast", () => {
 test("the legend explains only the marks that are drawn", () => {
   const words = (drawn) => legendOf(drawn).querySelectorAll("li").map((item) => item.textContent);
   const { world, run } = straight();
-  assert.deepEqual(words({ world, run }), ["start", "target", "trail", "ahead"].map((name) => MARKS[name].label));
+  assert.deepEqual(words({ world, run }), ["start", "began", "target", "trail", "ahead", "end"].map((name) => MARKS[name].label));
   const loops = { ...run, loop: [1, 2], marks: [{ step: 1, kind: "breach", name: "", text: "", cell: [1, 1] }] };
   const more = words({ world: { ...world, cut: [[1, 1]] }, run: loops });
   for (const item of ["the path into the loop", "the period, repeated forever", "wall entered, or cell that did harm", MARKS.cut.label]) assert.ok(more.includes(item), item);

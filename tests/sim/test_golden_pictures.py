@@ -21,9 +21,9 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "2cb56757f09a003a",
+        "7bdc0d72e63324cd",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "7b3872850254f619"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "5d59ddb69e26ce4d"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",

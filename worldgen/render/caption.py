@@ -214,7 +214,7 @@ def _shown(content: Content) -> set[str]:
     if "spot" in names and not content.has_several:
         names -= {"loop", "stay"}
     if content.shortfall is not None:
-        names.add("short")
+        names = names - {"end"} | {"nearest", "short"}
     return names
 
 
@@ -227,8 +227,7 @@ def _of_trail(trail: Trail, *, is_one: bool) -> set[str]:
         "approach": bool(trail.repeats_from),
         "loop": trail.loop_from is not None,
         "stay": trail.stays_from is not None,
-        "end": is_one and trail.repeats_from is None,
-        "nearest": is_one and trail.repeats_from is not None,
+        "end": is_one,
         "touched": "bump" in kinds,
         "pierced": bool(trail.pierced),
         "overlap": "overlap" in kinds and not trail.pierced,

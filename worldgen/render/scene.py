@@ -329,11 +329,11 @@ def _heading(content: Content, mark: Mark) -> list[Primitive]:
 
 
 def _end(content: Content, mark: Mark) -> list[Primitive]:
-    # What is repeated has no end; where several robots are then shows how they stand.
+    # What is repeated has no end; where several robots are at last shows how they stand.
     return [
         part
         for number, trail in enumerate(content.trails)
-        if content.has_several or trail.repeats_from is None
+        if content.has_several or content.shortfall is None
         for part in robot_at(
             trail,
             len(trail.x) - 1,
@@ -346,12 +346,10 @@ def _end(content: Content, mark: Mark) -> list[Primitive]:
 
 
 def _nearest(content: Content, mark: Mark) -> list[Primitive]:
-    trail = content.trail
-    if trail is None or trail.repeats_from is None:
+    trail, short = content.trail, content.shortfall
+    if trail is None or short is None:
         return []
-    short = content.shortfall
-    row = len(trail.x) - 1 if short is None else short.row
-    return robot_at(trail, row, content.frame, content.robot(0), hue(mark.colour), "nearest")
+    return robot_at(trail, short.row, content.frame, content.robot(0), hue(mark.colour), "nearest")
 
 
 def _pierced(content: Content, mark: Mark) -> list[Primitive]:

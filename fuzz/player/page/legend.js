@@ -31,7 +31,8 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     happens = new Set(events?.state ?? []);
   const all = run ? [{ run, number: number ?? null }, ...(others ?? [])] : [];
   const loops = all.some((one) => one.run.loop),
-    stays = isStill && all.some((one) => staysFrom(one.run) !== null);
+    stays = isStill && all.some((one) => staysFrom(one.run) !== null),
+    isNear = isStill && run !== null && all.length === 1 && isShort(world, run);
   /** @type {Record<string, boolean | undefined>} */
   const present = {
     start: !isStill || run === null,
@@ -47,9 +48,9 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     stay: stays,
     trail: !stays && all.some((one) => !one.run.loop),
     ahead: run !== null && !isStill,
-    end: run !== null && isStill && (all.length > 1 || !(loops || stays)),
-    nearest: isStill && all.length === 1 && (loops || stays),
-    short: isStill && run !== null && isShort(world, run),
+    end: run !== null && isStill && !isNear,
+    nearest: isNear,
+    short: isNear,
     touched: all.some((one) => openRun(one.run).bump.some(Boolean)),
     pierced: all.some((one) => one.run.marks.some(({ cell }) => cell)),
     blocked: all.some((one) => one.run.blocked_by?.length),
@@ -65,7 +66,7 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "", number: all.length > 1 && OWN.has(name) ? 0 : undefined }))];
 }
 
-// Whether a still picture shows what is missing to the target.
+// Whether a still picture shows how near the robot gets to its target.
 function isShort(world, run) {
   const [one] = drivenIn({ world, run, step: run.steps, number: null, others: [], show: {}, whole: true });
   return shortfallOf(world, one) !== null;
@@ -77,7 +78,11 @@ function isShort(world, run) {
  * @returns {HTMLElement}
  */
 export function legendOf(drawn) {
-  return el("details", { class: "legend-part", open: true }, el("summary", {}, "Legend"), listOf(marksOf(drawn)));
+  // The player begins with a still picture of the whole run.
+  const all = [...marksOf(drawn), ...marksOf(drawn, true)],
+    robots = all.filter(({ name, number }, k) => name === "trail" && number && all.findIndex((one) => one.number === number) === k);
+  const marks = LEGEND.flatMap((name) => all.find((one) => one.name === name && !one.number) ?? []);
+  return el("details", { class: "legend-part", open: true }, el("summary", {}, "Legend"), listOf([...robots, ...marks]));
 }
 
 /**

@@ -37,6 +37,7 @@ export function makePlayer(canvas, drawn, changed) {
     canvas,
     step: last,
     last,
+    isOverview: !drawn.beside, // the whole run, as a still picture, until a time is chosen
     playing: false,
     period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,
@@ -51,7 +52,7 @@ export function makePlayer(canvas, drawn, changed) {
         player.view = { ...player.view, x, y };
       }
       if (drawn.paint) drawn.paint(player);
-      else drawScene(canvas, { ...player.drawn, world, run, step: player.step, show: player.show }, player.view);
+      else drawScene(canvas, { ...player.drawn, world, run, step: player.step, show: player.show, whole: player.isOverview }, player.view);
       const { beside } = drawn;
       if (beside) drawBeside(player, beside);
       if (player.drawnMore) player.drawnMore();
@@ -129,12 +130,14 @@ function clockOf(player) {
   };
   return {
     go(step) {
+      player.isOverview = false;
       player.step = Math.min(player.last, Math.max(0, step));
       player.update();
     },
     play(on) {
       const { run } = player.drawn;
       if (!run || on === player.playing) return;
+      player.isOverview = false;
       player.playing = on;
       cancelAnimationFrame(frame);
       if (on) {

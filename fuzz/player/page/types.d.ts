@@ -619,6 +619,8 @@ interface Beside {
 }
 
 interface Player extends Clock, Camera {
+  /** Whether it shows the whole run: until a time is chosen. */
+  isOverview: boolean;
   drawn: Drawn;
   canvas: HTMLCanvasElement;
   step: number;

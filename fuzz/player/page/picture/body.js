@@ -29,13 +29,14 @@ export function drawRobot(pen, one) {
 }
 
 /**
- * Draws a robot where its run ended, below its path; one that repeats itself has no end, unless it
- * is one of several.
+ * Draws a robot where its run ended, below its path; of a single one that repeats itself, instead
+ * where it is nearest to its target.
  * @param {Pen} pen
+ * @param {SceneWorld} world
  * @param {SceneRobot} one
  */
-export function drawEnd(pen, one) {
-  if (one.number || one.entry >= one.open.at.length) drawStanding(pen, one, one.pose, "end");
+export function drawEnd(pen, world, one) {
+  if (!shortfallOf(world, one)) drawStanding(pen, one, one.pose, "end");
 }
 
 /**
@@ -45,10 +46,9 @@ export function drawEnd(pen, one) {
  * @param {SceneRobot} one
  */
 export function drawNearest(pen, world, one) {
-  const { open, entry, number } = one;
-  if (number || entry >= open.at.length) return;
-  const row = shortfallOf(world, one)?.row ?? open.at.length - 1;
-  drawStanding(pen, one, { x: open.x[row], y: open.y[row], heading: open.heading[row] }, "nearest");
+  const { open } = one,
+    row = shortfallOf(world, one)?.row;
+  if (row !== undefined) drawStanding(pen, one, { x: open.x[row], y: open.y[row], heading: open.heading[row] }, "nearest");
 }
 
 /**

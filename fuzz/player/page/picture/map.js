@@ -49,7 +49,7 @@ const DRAWN = {
   band: ({ pen, robots, show, whole }) => show.trail && robots.forEach((one) => drawBand(pen, one, whole)),
   start: ({ pen, world, robots, whole }) => (whole && robots.length > 0) || drawStart(pen, world),
   began: ({ pen, world, robots, whole }) => whole && robots.length > 0 && drawBegan(pen, world),
-  end: ({ pen, robots, whole }) => whole && robots.forEach((one) => drawEnd(pen, one)),
+  end: ({ pen, world, robots, whole }) => whole && robots.forEach((one) => drawEnd(pen, world, one)),
   nearest: ({ pen, world, robots, whole }) => whole && robots.length === 1 && drawNearest(pen, world, robots[0]),
   witness: ({ pen, world, show, whole, ms, cells }) => {
     if (!show.witness) return;
@@ -71,8 +71,8 @@ const DRAWN = {
   since: ({ pen, world, robots, show, whole }) => show.changes && whole && drawChangeLabels(pen, world, robots),
   target: ({ pen, world }) => drawTarget(pen, world),
   waypoint: ({ pen, world }) => drawWaypoints(pen, world),
-  beam: ({ pen, scene, cells, front, show, sensors }) => scene && front && show.sensors && sensors && drawBeams(pen, { ...scene, sensors }, cells, front.pose),
-  bearing: ({ pen, scene, front, show, sensors }) => scene && front && show.sensors && sensors && drawBearing(pen, scene, front.pose),
+  beam: ({ pen, scene, cells, front, show, sensors, whole }) => !whole && scene && front && show.sensors && sensors && drawBeams(pen, { ...scene, sensors }, cells, front.pose),
+  bearing: ({ pen, scene, front, show, sensors, whole }) => !whole && scene && front && show.sensors && sensors && drawBearing(pen, scene, front.pose),
   driving: ({ pen, robots, whole }) => !whole && robots.forEach((one) => drawRobot(pen, one)),
   blocked: ({ pen, robots }) => drawBlocked(pen, robots),
   number: ({ pen, world, robots, show }) => show.numbers !== false && drawNumbers(pen, world, robots, Boolean(show.trail)),

@@ -44,7 +44,7 @@ export const MARKS = {
   "target": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 5.0, "fade": [], "on_cards": true, "label": "target, which the robot's centre must enter"},
   "waypoint": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 9.0, "fade": [], "on_cards": true, "label": "waypoint, with its place in the order"},
   "goal": {"colour": "target", "width": 1.4, "dash": [4.0, 4.0], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 12.0, "fade": [], "on_cards": true, "label": ""},
-  "short": {"colour": "target", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 6.0, "fade": [], "on_cards": true, "label": "straight to the target: the wall that stops it, or the distance left"},
+  "short": {"colour": "target", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 6.0, "fade": [], "on_cards": true, "label": "straight to the target: the wall in between, or the distance"},
   "since": {"colour": "robot", "width": 0.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 14.0, "fade": [], "on_cards": true, "label": ""},
   "beam": {"colour": "target", "width": 1.0, "dash": [], "opacity": 0.3, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
   "bearing": {"colour": "target", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
