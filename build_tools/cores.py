@@ -174,6 +174,8 @@ CORES = (
             "wg_body_may_turn",
             "wg_body_decide",
             "wg_body_clearance",
+            "wg_car_search",
+            "wg_car_free",
             "wg_body_free",
         ),
     ),

@@ -137,7 +137,13 @@ def live_world(world: World) -> dict[str, Any]:
     if not robot.is_disc:
         found |= {"body": _live_body(world), "headings": goal_headings(robot.target)}
     if robot.drive.is_car:
-        found["car"] = True
+        drive = robot.drive
+        found["headings"] = goal_headings(robot.target)
+        found["car"] = {
+            "turning_radius": drive.turning_radius,
+            "reverse": drive.reverse,
+            "steering_rate": drive.steering_rate,
+        }
     if robot.waypoints:
         found["waypoints"] = [_live_goal(goal, robot) for goal in robot.waypoints]
     if world.is_dynamic:

@@ -850,16 +850,24 @@ interface LiveWorld {
   speed: number;
   /** A body instead of the disc. */
   body?: LiveBody;
-  /** Headings of the lattice that a body may have at the target: the first, and how many follow; null if there is none. */
+  /** Headings of the lattice that a body or a car may have at the target: the first, and how many follow; null if there is none. */
   headings?: [number, number] | null;
   /** Set if the robot turns by steering. */
-  car?: boolean;
+  car?: LiveCar;
   /** Goals before the target, in order, if there are any. */
   waypoints?: { target: Triple; headings?: [number, number] | null }[];
   /** Set if cells change over time. */
   changes?: boolean;
   /** Their number, if there are several. */
   robots?: number;
+}
+
+interface LiveCar {
+  /** m. */
+  turning_radius: number;
+  reverse: boolean;
+  /** Full locks per second; 0 for at once. */
+  steering_rate: number;
 }
 
 /** A convex polygon that turns about its axle. */

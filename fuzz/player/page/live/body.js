@@ -65,7 +65,7 @@ const cutOf = (boxes, reason) => ({ reachable: false, reason, witness: null, cut
  * @param {Core} core
  * @param {LiveWorld & {body: LiveBody}} world
  */
-function bodyIn(core, world) {
+export function bodyIn(core, world) {
   const { solid, width, height } = solidOf(world);
   const { corners } = world.body;
   const walls = core.make("WgWalls", { solid: core.array(solid, "uint8_t"), width, height });
@@ -79,6 +79,8 @@ function bodyIn(core, world) {
     return core.view(found, 1, "int64_t")[0] === 1n;
   };
   return {
+    /** A WgBody. */
+    at: body,
     isClear: (/** @type {Pose} */ pose) => ask("wg_body_is_clear", pose),
     mayMove: (/** @type {Pose} */ pose, /** @type {number} */ x, /** @type {number} */ y) => ask("wg_body_may_move", pose, x, y),
     mayTurn: (/** @type {Pose} */ pose, /** @type {number} */ turn) => ask("wg_body_may_turn", pose, turn),

@@ -1,13 +1,12 @@
 // Decides a static world for all goals of its robot: worldgen/reach/deciding.py.
 
+import { proveCar } from "#player/live/car.js";
 import { proveBody } from "#player/live/body.js";
 import { prove, undecided } from "#player/live/prove.js";
 import { proofOfPath, short } from "#player/live/witness.js";
 
 /** @typedef {import("#player/live/core.js").Core} Core */
 /** @typedef {NonNullable<LiveProof["witness"]>} Witness */
-
-const NOT_A_CAR = "its body alone can pass; the path of a car is searched by worldgen verify";
 
 /**
  * Decides a world for its robot; a car is only stopped by what stops its body.
@@ -19,7 +18,7 @@ const NOT_A_CAR = "its body alone can pass; the path of a car is searched by wor
 export async function proveGoals(core, world, pause) {
   const legs = legsOf(core, world, pause);
   if (!world.car) return world.waypoints ? legs.decide() : legs.from(0, null);
-  return (await legs.firstBlocked(0)) ?? undecided(NOT_A_CAR);
+  return (await legs.firstBlocked(0)) ?? proveCar(core, { ...world, car: world.car }, pause);
 }
 
 /**

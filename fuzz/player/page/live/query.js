@@ -86,7 +86,7 @@ export const isSame = (p, q) =>
  * @param {string} name
  * @param {Fraction} radius cells
  */
-function disc(name, radius) {
+export function discFields(name, radius) {
   const units = mul(radius, UNITS);
   const squared = square(units);
   return {
@@ -189,11 +189,11 @@ export function askOf(core, world, query) {
     toward_y: even(div(query.y, fraction(HALF))),
     clear_from: ceil(square(mul(FOUR, radius))),
     limit: refinement(radius) ? 0n : linkLimit(radius),
-    ...disc("disc", radius),
-    ...disc("start_disc", add(radius, unit)),
-    ...disc("start_core", inner),
-    ...disc("goal_disc", mul(radius, sub(ONE, ROUNDING))),
-    ...disc("both", add(radius, div(query.reach, UNITS))),
+    ...discFields("disc", radius),
+    ...discFields("start_disc", add(radius, unit)),
+    ...discFields("start_core", inner),
+    ...discFields("goal_disc", mul(radius, sub(ONE, ROUNDING))),
+    ...discFields("both", add(radius, div(query.reach, UNITS))),
     ...targetOf(query),
     "pace.metre_over": metre.over,
     "pace.metre_under": metre.under,
