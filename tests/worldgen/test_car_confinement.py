@@ -77,7 +77,7 @@ def test_a_car_that_may_reverse_is_not_confined():
 
 def test_a_car_that_faces_its_target_is_not_confined():
     assert decide(dead_end(0.8, heading=3.14159)).result == REACHABLE
-    assert confine_car(dead_end(0.8, heading=3.14159)) is None
+    assert confine_car(dead_end(0.8, heading=3.14159)).proof is None
 
 
 @pytest.mark.gate
@@ -85,18 +85,30 @@ def test_a_car_that_faces_its_target_is_not_confined():
 def test_no_car_is_confined_that_has_a_path(seed):
     world = generate("maze", seed, size=14, drive="car", turning_radius=0.15)
     assert decide(world).result == REACHABLE
-    assert confine_car(world) is None
+    assert confine_car(world).proof is None
 
 
-def test_a_confinement_that_lacks_boxes_is_refused(proof):
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_a_confinement_that_lacks_boxes_is_refused(proof, column):
     world = dead_end(0.8)
     assert check_car_confinement(world, proof).valid
-    for axis in range(3):
+    # All runs of the most frequent heading, of the most frequent row, and those that begin in one column.
+    values = proof.boxes[:, column]
+    without = proof.boxes[values != np.bincount(values).argmax()]
+    report = check_car_confinement(world, replace(proof, boxes=without))
+    assert not report.valid and "does not hold" in report.reason
+
+
+def test_a_confinement_that_lacks_any_single_box_is_refused(proof):
+    world = dead_end(0.8)
+    for run in np.random.default_rng(3).choice(len(proof.boxes), 12, replace=False):
         boxes = proof.boxes.copy()
-        layers = np.moveaxis(boxes, axis, 0)
-        layers[layers.sum(axis=(1, 2)).argmax()] = False
-        report = check_car_confinement(world, replace(proof, boxes=boxes))
-        assert not report.valid and "does not hold" in report.reason
+        heading, row, left, right = boxes[run]
+        middle = (left + right) // 2
+        boxes[run] = heading, row, left, middle - 1
+        boxes = np.vstack([boxes, [heading, row, middle + 1, right]])
+        boxes = boxes[boxes[:, 2] <= boxes[:, 3]]
+        assert not check_car_confinement(world, replace(proof, boxes=boxes)).valid
 
 
 def test_a_confinement_holds_for_its_own_car_only(proof):
@@ -107,7 +119,18 @@ def test_a_confinement_holds_for_its_own_car_only(proof):
     }
     for other in others.values():
         assert not check_car_confinement(other, proof).valid
-    wrong = (replace(proof, step=2.0), replace(proof, side=0.001), replace(proof, step=0.0))
+    (ahead, left, radius), *_ = proof.discs
+    wrong = (
+        replace(proof, step=2.0),
+        replace(proof, side=0.001),
+        replace(proof, step=0.0),
+        replace(proof, headings=proof.headings + 1),
+        replace(proof, discs=()),
+        replace(proof, discs=((ahead, left, 1.01 * radius),)),
+        replace(proof, discs=((ahead + 0.1, left, radius),)),
+        replace(proof, boxes=proof.boxes - 1),
+        replace(proof, boxes=proof.boxes[:0]),
+    )
     for changed in wrong:
         assert not check_car_confinement(dead_end(0.8), changed).valid
 

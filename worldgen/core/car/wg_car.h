@@ -79,28 +79,48 @@ void wg_car_free(WgCarQuery *asked);
 
 // confine.c
 
-// Boxes of poses of a car, and where it gets from them in a step. Rectangles are (left, right, low, high),
-// in columns and rows relative to a box's own, included.
+// Boxes of poses of a car that never reverses, and where it gets from them. Box (heading, row, column) has the places
+// (column to column + 1, row to row + 1) times ``side``, and the headings half a part of a turn around its own.
 typedef struct WgCarFlood {
+    double side;             // of a box, cells
     int64_t columns;
     int64_t rows;
     int64_t headings;
-    int64_t most_turn;       // headings by which a step turns at most
-    int64_t parts;           // rectangles of a step, the last one at its end
-    const int32_t *steps;    // (headings, 2 most_turn + 1, parts, 4) by heading and turn
-    const uint8_t *places;   // (rows, columns) one of these:
+    int64_t most_turn;       // of a step, headings
+    int64_t parts;           // of a step, after which its place is bounded
+    // (headings, 2 most_turn + 1, parts, 4) by heading and turn: the boxes, left, right, low, high, relative to the first
+    // one, in which the car may be after each part
+    const int32_t *steps;
+    const uint8_t *may_arrive;  // (headings, 2 most_turn + 1, parts) 1 if its heading may be the target's there
+    // The body is never smaller than these discs, whose middles are ahead of the axle. The first is about the axle.
+    int64_t discs;
+    const double *reaches;   // (discs,) cells from a box's middle at which a wall meets it at all poses of the box
+    const int32_t *shifts;   // (headings, discs, 2) columns and rows from a box to the middles of its discs
+    double target_x;         // cells
+    double target_y;
+    double target_reach;     // cells from there to the middle of a box in which the car may arrive
+    double step;             // cells that a step is long
+    int64_t start_arrives;   // 1 if its heading may be the target's at the start
+    int64_t starts;
+    const int64_t *start;    // (starts, 3) headings, rows and columns of the boxes in which it may start
+    int64_t most;            // limit on the steps tried
+
+    int64_t outcome;         // a WgCarFlooded
+    int64_t tried;           // steps
+    int64_t count;           // of runs
+    int64_t *runs;           // (count, 4) heading, row, first and last column: the boxes that the car cannot leave
 } WgCarFlood;
 
-enum {
-    WG_CAR_IN_WALL = 0,  // everywhere in the box, the car overlaps a wall
-    WG_CAR_ELSEWHERE = 1,
-    WG_CAR_AT_TARGET = 2,  // it may arrive from there in less than a step
+enum WgCarFlooded {
+    WG_CAR_CONFINED = 0,
+    WG_CAR_ESCAPES = 1,   // a box is reached in which it may arrive
+    WG_CAR_UNKNOWN = 2,   // the limit is reached
 };
 
-// Adds to some boxes all that the car can reach from them, until one is near the target.
-//
-// reached: (headings, rows, columns), 1 for boxes that it may be in.
-// escapes: 1 if one is near the target, else 0.
-WgStatus wg_car_flood(const WgCarFlood *asked, uint8_t *reached, int64_t *escapes);
+// Finds the boxes that the car can get into.
+WgStatus wg_car_flood(const WgWalls *walls, WgCarFlood *asked);
+
+// Releases the runs.
+void wg_car_flood_free(WgCarFlood *asked);
 
 #endif

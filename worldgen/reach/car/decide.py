@@ -43,21 +43,27 @@ def decide_car(
                 room = f"leaves the footprint {witness.clearance:.4g} m to spare"
             reason = f"a car's path of {witness.length:.4g} m {room}"
             return Decision(REACHABLE, witness if certificate else None, reason)
+    boxes = ""
     if cut and not drive.reverse:
         always = replace(world.bare, walls=world.still_walls, timeline=Timeline())
-        confinement = confine_car(always)
-        if confinement is not None:
+        confined = confine_car(always)
+        if confined.proof is not None:
             reason = (
                 f"a car that turns on circles of {drive.turning_radius:g} m and never reverses "
-                f"cannot leave {int(confinement.boxes.sum()):,} boxes of poses"
+                f"cannot leave {confined.proof.count:,} boxes of poses"
             )
-            return Decision(BLOCKED, None, reason, confinement)
+            return Decision(BLOCKED, None, reason, confined.proof)
+        if confined.side is not None:
+            boxes = (
+                f", boxes of poses down to {confined.side:.2g} m and 1/{confined.headings} turn "
+                "do not confine it"
+            )
     alone = "its body alone can pass"
     if body.result != REACHABLE:
         alone = f"of its body alone: {body.reason}"
     ways = "forward and backward" if drive.reverse else "forward only"
     reason = (
         f"a car of turning radius {drive.turning_radius:g} m, {ways}: no path was found among "
-        f"{path.searched} poses, and {alone}"
+        f"{path.searched} poses{boxes}, and {alone}"
     )
     return Decision(UNDECIDED, None, reason)

@@ -1,18 +1,22 @@
 """Check where a car that never reverses is confined to, without any of the code that found it.
 
 It does not search. From each box, it computes where a step can lead, and whether these places are in
-boxes of the proof, or in walls. Lengths are in cells.
+boxes of the proof, or in walls. Lengths are in cells. The boxes of a heading are the bits of one
+integer, so that a few operations on integers do a step from all of them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
+import shapely
 
 from worldgen.reach.check.body import Mistake, footprint_of
 from worldgen.reach.check.certificate import CheckReport
 from worldgen.reach.decision.confinement import CarConfinement
+from worldgen.robot import Robot, Target
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import World
 
@@ -22,16 +26,20 @@ from worldgen.world import World
 # it turns by half a circle.
 _OFF = 1 / 40  # cells between a car on its arc and the place that the simulator tests
 _WIDER = (
-    0.005  # more than the share of its way by which its place is rounded: 0.002 along each axis
+    0.0025  # more than the share of its way by which its place is rounded: 0.002 along each axis
 )
 _TURN = 4 * math.tau / 65_536  # rad by which it may turn more than its way allows
 _UNIT = 1 / 1024  # cells by which its start is rounded, at most
+# On a leg, its heading is that of some point of the leg's arc. A leg's length times its turn is at most 8/64 of a cell,
+# and again a bit more if it turns by half a circle.
+_LEG = 0.18
 # Pieces of a step in which its directions are bounded, and the parts after which its place is.
 _PIECES = 96
-_PARTS = 4
+_PARTS = 2
 # Limits on the numbers of a proof that take part in a table.
 _MOST_HEADINGS = 4096
-_MOST_BOXES = 50_000_000
+_MOST_PLACES = 4_000_000
+_MOST_MARGIN = 2000
 
 
 def check_car_confinement(world: World, proof: CarConfinement) -> CheckReport:
@@ -42,73 +50,13 @@ def check_car_confinement(world: World, proof: CarConfinement) -> CheckReport:
         proof: The proof.
     """
     try:
-        _check(world, proof)
+        _Check(world, proof).run()
     except Mistake as mistake:
         return CheckReport(False, str(mistake), 0.0)
-    count = int(proof.boxes.sum())
-    reason = f"the car cannot leave {count:,} boxes of poses, and none of them is near the target"
-    return CheckReport(True, reason, 0.0)
-
-
-def _check(world: World, proof: CarConfinement) -> None:
-    robot = world.robots[0]
-    size = world.cell_size
-    _require(robot.drive.is_car and not robot.drive.reverse, "the robot may reverse, or turn")
-    inner = robot.radius / size if robot.is_disc else footprint_of(robot, size).inner
-    inner -= _OFF
-    _require(inner > 0.0, "the body holds no disc about the axle")
-    boxes = proof.boxes
-    side = proof.side / size
-    step = proof.step / size
-    turning = robot.drive.turning_radius / size
-    _require(boxes.ndim == 3 and 8 <= len(boxes) <= _MOST_HEADINGS, "the boxes have no headings")
-    _require(boxes.size <= _MOST_BOXES, "there are too many boxes")
-    _require(side > 0.0 and 0.0 < step <= turning, "the side of a box or a step has no length")
-    rows, columns = boxes.shape[1:]
-    _require(
-        columns * side >= world.width - 1e-9 and rows * side >= world.height - 1e-9,
-        "the boxes do not cover the grid",
+    reason = (
+        f"the car cannot leave {proof.count:,} boxes of poses, and does not arrive in any of them"
     )
-    x: Floats = (np.arange(columns, dtype=np.float64) + 0.5) * side
-    y: Floats = (np.arange(rows, dtype=np.float64) + 0.5) * side
-    is_free = _gap_to_walls(world.still_walls, x, y) >= inner - side * math.sqrt(0.5)
-
-    # All poses that the start may be rounded to are in boxes.
-    part = math.tau / len(boxes)
-    heading = math.remainder(world.start.heading, math.tau)
-    layers = {math.floor((heading + off) / part + 0.5) for off in (-_TURN, _TURN)}
-    ends = []
-    for place in (world.start.y, world.start.x):
-        ends.append([math.floor((place / size + off) / side) for off in (-_UNIT, _UNIT)])
-    inside = ends[0][0] >= 0 and ends[1][0] >= 0 and ends[0][1] < rows and ends[1][1] < columns
-    _require(inside, "the start is outside the boxes")
-    area = boxes[:, ends[0][0] : ends[0][1] + 1, ends[1][0] : ends[1][1] + 1]
-    _require(bool(area[[k % len(boxes) for k in layers]].all()), "the start is in no box")
-
-    # No box is within a step of a goal; the robot has to arrive at all of its goals.
-    reached = []
-    for goal in robot.goals:
-        away = np.hypot(x[None, :] - goal.x / size, y[:, None] - goal.y / size)
-        reach = goal.radius / size + _OFF + step * (1.0 + _WIDER) + side * math.sqrt(0.5)
-        reached.append(bool(boxes[:, away <= reach].any()))
-    _require(not all(reached), "a box is near the target")
-
-    # Where a step leads from each box.
-    room = _Counts(is_free)
-    most = math.floor((step / turning + _TURN) / part) + 1
-    for k in np.flatnonzero(boxes.any(axis=(1, 2))).tolist():
-        for turn in range(-most, most + 1):
-            if (abs(turn) - 1) * part > step / turning + _TURN:
-                continue
-            places = _places(k * part, turn * part, part, step, turning, side)
-            leaves = boxes[k].copy()
-            for rectangle in places:
-                leaves &= room.at(rectangle) > 0
-            left, right, low, high = places[-1]
-            # The boxes from which the rectangle reaches a box are those in the mirrored rectangle.
-            gets = _Counts(leaves).at((-right, -left, -high, -low)) > 0
-            missed = gets & is_free & ~boxes[(k + turn) % len(boxes)]
-            _require(not missed.any(), f"a car leaves the boxes of heading {k} in one step")
+    return CheckReport(True, reason, 0.0)
 
 
 def _require(holds: bool, sentence: str) -> None:
@@ -116,80 +64,263 @@ def _require(holds: bool, sentence: str) -> None:
         raise Mistake(f"the confinement does not hold: {sentence}")
 
 
-def _gap_to_walls(solid: Bools, x: Floats, y: Floats) -> Floats:
-    """Return (rows, columns) distances of places from the nearest solid cell, or outside, up to 64."""
+class _Check:
+    """The check of one proof."""
+
+    def __init__(self, world: World, proof: CarConfinement) -> None:
+        self._world = world
+        self._robot = world.robots[0]
+        drive = self._robot.drive
+        _require(drive.is_car and not drive.reverse, "the robot may reverse, or turn")
+        size = world.cell_size
+        self._turning = drive.turning_radius / size
+        self._side, self._step = proof.side / size, proof.step / size
+        self._headings = proof.headings
+        _require(1 < proof.headings <= _MOST_HEADINGS, f"it has {proof.headings} headings")
+        is_sized = 0.0 < self._side < math.inf and 0.0 < self._step <= math.pi * self._turning
+        _require(is_sized, "a box or a step has no size, or a step is half a turn or more")
+        self._part = math.tau / proof.headings
+        # A pose may be this much farther ahead in a leg than on its arc, measured by its heading.
+        self._lean = math.sqrt(_LEG / self._turning)
+        discs = np.array(proof.discs, np.float64).reshape(-1, 3) / size
+        _check_discs(self._robot, size, discs)
+        # No step leads farther, and no disc is farther away, in boxes.
+        farthest = max(self._step, float(np.hypot(discs[:, 0], discs[:, 1]).max()))
+        margin = math.ceil(farthest * (1.0 + _WIDER) / self._side) + 4
+        _require(margin <= _MOST_MARGIN, "a step is as long as too many boxes")
+        runs = self._runs(proof.boxes, margin)
+        # The frame beside each row holds what leaves it.
+        self._width = self._shape[1] + 2 * margin
+        self._layers = self._layers_of(runs)
+        self._mark_room(discs)
+        self._near = [self._near_goal(goal) for goal in self._robot.goals]
+
+    def _runs(self, runs: Ints, margin: int) -> Ints:
+        """Return the runs of boxes in a window of the world, which holds all that a step leads to."""
+        _require(runs.ndim == 2 and runs.shape[1] == 4 and len(runs) > 0, "it has no runs of boxes")
+        shape = [math.ceil(cells / self._side - 1e-9) for cells in self._world.walls.shape]
+        most = np.array([self._headings, *shape, shape[1]]) - 1
+        is_inside = (runs >= 0).all() and (runs <= most).all() and (runs[:, 2] <= runs[:, 3]).all()
+        _require(bool(is_inside), "a run of boxes is not in the world")
+        self._first = [max(0, int(runs[:, column].min()) - margin) for column in (1, 2)]
+        ends = [int(runs[:, column].max()) + margin + 1 for column in (1, 3)]
+        self._shape = tuple(
+            min(end, count) - first
+            for end, count, first in zip(ends, shape, self._first, strict=True)
+        )
+        _require(math.prod(self._shape) <= _MOST_PLACES, f"its boxes are {self._side} cells wide")
+        self._y, self._x = (
+            (first + np.arange(count) + 0.5) * self._side
+            for first, count in zip(self._first, self._shape, strict=True)
+        )
+        return runs - np.array([0, self._first[0], self._first[1], self._first[1]])
+
+    def _bits(self, marked: Bools) -> int:
+        """Return (rows, columns) bools as bits."""
+        framed = np.pad(marked, ((0, 0), (0, self._width - marked.shape[1])))
+        return int.from_bytes(np.packbits(framed, bitorder="little").tobytes(), "little")
+
+    def _layers_of(self, runs: Ints) -> dict[int, int]:
+        """Return the boxes of each heading."""
+        runs = runs[np.argsort(runs[:, 0], kind="stable")]
+        headings, first = np.unique(runs[:, 0], return_index=True)
+        layers = {}
+        for heading, part in zip(headings.tolist(), np.split(runs, first[1:]), strict=True):
+            boxes = np.zeros(self._shape, np.bool_)
+            for _, row, left, right in part.tolist():
+                boxes[row, left : right + 1] = True
+            layers[heading] = self._bits(boxes)
+        return layers
+
+    def _mark_room(self, discs: Floats) -> None:
+        """Find where the disc about the axle may be; and the others, from their own places."""
+        # All poses of a box, and all places between two boxes, are this near to a middle.
+        corner = self._side * math.sqrt(0.5)
+        gaps = _gap_to_walls(self._world.still_walls, self._x, self._y, float(discs[:, 2].max()))
+        self._room = self._bits(gaps >= discs[0, 2] - _OFF - corner)
+        self._others = []
+        for ahead, left, radius in discs[1:].tolist():
+            away = math.hypot(ahead, left)
+            slack = 2.0 * corner + away * (self._part / 2.0 + _TURN + self._lean)
+            self._others.append((ahead, left, self._bits(gaps >= radius - _OFF - slack)))
+
+    def _free(self, heading: int) -> int:
+        """Return the boxes of a heading in which the body may be."""
+        free = self._room
+        cosine, sine = math.cos(heading * self._part), math.sin(heading * self._part)
+        for ahead, left, room in self._others:
+            right = round((ahead * cosine - left * sine) / self._side)
+            up = round((ahead * sine + left * cosine) / self._side)
+            free &= _shifted(room, -right - up * self._width)
+        return free
+
+    def run(self) -> None:
+        """Check all boxes.
+
+        Raises:
+            Mistake: If the proof does not hold.
+        """
+        self._check_start()
+        met = [self._starts_near(goal) for goal in self._robot.goals]
+        for heading in self._layers:
+            self._check_layer(heading, met)
+        # The robot has to arrive at all of its goals.
+        _require(not all(met), "the car may arrive at the target")
+
+    def _check_start(self) -> None:
+        """Check that all poses that the start may be rounded to are in boxes."""
+        size = self._world.cell_size
+        start = self._world.start
+        heading = math.remainder(start.heading, math.tau)
+        ends = []
+        for place, first in zip((start.y, start.x), self._first, strict=True):
+            least, most = (math.floor((place / size + off) / self._side) for off in (-_UNIT, _UNIT))
+            ends.append((least - first, most - first))
+        rows, columns = self._shape
+        (bottom, top), (left, right) = ends
+        inside = 0 <= bottom <= top < rows and 0 <= left <= right < columns
+        inside = inside and top - bottom <= 1 and right - left <= 1
+        _require(inside, "the start is outside the boxes")
+        for off in (-_TURN, _TURN):
+            layer = math.floor((heading + off) / self._part + 0.5) % self._headings
+            boxes = self._layers.get(layer, 0)
+            places = ((row, column) for row in (bottom, top) for column in (left, right))
+            holds = all(boxes >> (row * self._width + column) & 1 for row, column in places)
+            _require(holds, "the start is in no box")
+
+    def _starts_near(self, goal: Target) -> bool:
+        """Return True if the car may be at a goal within half a part of its first step."""
+        size = self._world.cell_size
+        start = self._world.start
+        away = math.hypot(goal.x - start.x, goal.y - start.y) / size
+        half = self._step / (2 * _PARTS)
+        may_turn = half / self._turning + _TURN + self._lean
+        near = goal.radius / size + _OFF + half * (1.0 + _WIDER) + 2.0 * _UNIT
+        return away <= near and _may_face(goal, start.heading, may_turn)
+
+    def _near_goal(self, goal: Target) -> int:
+        """Return the places from which half a part of a step may lead to a goal."""
+        size = self._world.cell_size
+        away = np.hypot(self._x[None, :] - goal.x / size, self._y[:, None] - goal.y / size)
+        reach = goal.radius / size + _OFF + self._step / (2 * _PARTS) * (1.0 + _WIDER)
+        return self._bits(away <= reach + self._side * math.sqrt(0.5)) & self._room
+
+    def _check_layer(self, heading: int, met: list[bool]) -> None:
+        """Check where steps lead from the boxes of one heading."""
+        most = math.ceil((self._step / self._turning + _TURN) / self._part)
+        half = self._step / (2 * _PARTS) / self._turning + 2.0 * _TURN + self._lean
+        for turn in range(-most, most + 1):
+            passing = self._layers[heading]
+            for place, low, high in self._parts(heading * self._part, turn * self._part):
+                left, right, below, above = place
+                # The boxes from which the rectangle reaches a place are those in the mirrored one.
+                mirrored = (-right, -left, -above, -below)
+                passing &= self._spread(self._room, mirrored)
+                for number, goal in enumerate(self._robot.goals):
+                    faces = _may_face(goal, (low + high) / 2.0, (high - low) / 2.0 + half)
+                    if faces and not met[number]:
+                        near = self._spread(self._near[number], mirrored)
+                        met[number] = passing & near != 0
+            after = (heading + turn) % self._headings
+            missed = self._spread(passing, place) & self._free(after) & ~self._layers.get(after, 0)
+            _require(missed == 0, f"a car leaves the boxes of heading {heading} in one step")
+
+    def _spread(self, boxes: int, rectangle: tuple[int, int, int, int]) -> int:
+        """Return all boxes from left to right and low to high of some boxes."""
+        left, right, low, high = rectangle
+        for count, stride in ((right - left + 1, 1), (high - low + 1, self._width)):
+            covered = 1
+            while covered < count:
+                more = min(covered, count - covered)
+                boxes |= boxes << more * stride
+                covered += more
+        return _shifted(boxes, left + low * self._width)
+
+    def _parts(
+        self, heading: float, turn: float
+    ) -> Iterator[tuple[tuple[int, int, int, int], float, float]]:
+        """Yield the boxes, relative to one, in which a step may be after each of its parts.
+
+        Each comes as left, right, low, high, with the least and the greatest heading there.
+
+        Args:
+            heading: Middle of the headings at its begin, rad.
+            turn: From there to the middle of those at its end.
+        """
+        edges = np.linspace(0.0, self._step, _PIECES + 1)
+        # In a piece, the heading is what both ends allow, each widened by half of its range.
+        since_begin = edges[1:] / self._turning + _TURN
+        until_end = (self._step - edges[:-1]) / self._turning + _TURN
+        low = np.maximum(heading - since_begin, heading + turn - until_end)
+        high = np.minimum(heading + since_begin, heading + turn + until_end)
+        middle = (low + high) / 2.0
+        half = np.maximum((high - low) / 2.0, 0.0) + self._part / 2.0
+        wider = _WIDER * self._step
+        length = self._step / _PIECES
+        bounds: list[tuple[Floats, Floats]] = []
+        for quarter in (0.0, math.pi / 2.0):
+            off = np.abs(np.remainder(middle - quarter + math.pi, math.tau) - math.pi)
+            # The cosine is largest where the direction is nearest to 0, and least where it is farthest.
+            largest = np.cos(np.maximum(off - half, 0.0)).cumsum() * length
+            least = np.cos(np.minimum(off + half, math.pi)).cumsum() * length
+            bounds.append((least - wider, largest + wider))
+        for number in range(1, _PARTS + 1):
+            last = number * _PIECES // _PARTS - 1
+            place: list[int] = []
+            for least, largest in bounds:
+                place.append(math.floor(least[last] / self._side))
+                place.append(math.floor(largest[last] / self._side) + 1)
+            yield (
+                (place[0], place[1], place[2], place[3]),
+                float(middle[last] - half[last]),
+                float(middle[last] + half[last]),
+            )
+
+
+def _check_discs(robot: Robot, cell_size: float, discs: Floats) -> None:
+    """Check that a body holds some discs: ahead, left and radius, cells."""
+    _require(len(discs) > 0 and bool(np.isfinite(discs).all()), "it names no discs in the body")
+    _require(not discs[0, :2].any(), "its first disc is not about the axle")
+    if robot.is_disc:
+        room = robot.radius / cell_size - np.hypot(discs[:, 0], discs[:, 1])
+    else:
+        body = shapely.Polygon(footprint_of(robot, cell_size).corners)
+        middles = shapely.points(discs[:, :2])
+        away = shapely.distance(body.exterior, middles)
+        room = np.where(shapely.covers(body, middles), away, -away)
+    # A disc without a radius stops nothing.
+    is_held = (discs[:, 2] <= np.maximum(room, 0.0) + 1e-9).all()
+    _require(bool(is_held), "a disc is not in the body")
+
+
+def _may_face(goal: Target, heading: float, off: float) -> bool:
+    """Return True if a heading that may be off by an angle may be that of a goal."""
+    if goal.heading is None:
+        return True
+    away = abs(math.remainder(math.remainder(goal.heading, math.tau) - heading, math.tau))
+    return away <= goal.heading_tolerance + off
+
+
+def _shifted(boxes: int, by: int) -> int:
+    return boxes << by if by >= 0 else boxes >> -by
+
+
+def _gap_to_walls(solid: Bools, x: Floats, y: Floats, most: float) -> Floats:
+    """Return (rows, columns) distances of places from the nearest solid cell, or outside, up to one."""
     framed = np.pad(solid, 1, constant_values=True)
     last = len(framed) - 1
-    least = np.full((len(y), len(x)), 64.0)
+    least = np.full((len(y), len(x)), most)
     for row in range(last + 1):
-        # Along this row of cells: how far it is to the nearest solid one, to the left and the right.
-        cells = np.append(np.flatnonzero(framed[row]) - 1, 2**40)
-        at = np.searchsorted(cells, x, side="right")
-        across = np.maximum(np.minimum(x - cells[at - 1] - 1.0, cells[at] - x), 0.0)
         # And up or down to the row; the first and the last one are the outside.
         above = y - row if row < last else np.zeros(len(y))
         below = row - 1.0 - y if row > 0 else np.zeros(len(y))
         along = np.maximum(np.maximum(above, below), 0.0)
-        near = along < 64.0
+        near = along < most
+        if not near.any():
+            continue
+        # Along this row of cells: how far it is to the nearest solid one, to the left and the right.
+        cells = np.append(np.flatnonzero(framed[row]) - 1, 2**40)
+        at = np.searchsorted(cells, x, side="right")
+        across = np.maximum(np.minimum(x - cells[at - 1] - 1.0, cells[at] - x), 0.0)
         least[near] = np.minimum(least[near], np.hypot(across[None, :], along[near, None]))
     return least
-
-
-class _Counts:
-    """Counts the marked boxes in rectangles around each box."""
-
-    def __init__(self, marked: Bools) -> None:
-        self._sums: Ints = np.pad(marked.astype(np.int64), ((1, 0), (1, 0))).cumsum(0).cumsum(1)
-        self._rows, self._columns = (np.arange(count) for count in marked.shape)
-
-    def at(self, rectangle: tuple[int, int, int, int]) -> Ints:
-        """Return the number of marked boxes from left to right and low to high, relative to each."""
-        left, right, low, high = rectangle
-        x0 = np.clip(self._columns + left, 0, len(self._columns))
-        x1 = np.maximum(np.clip(self._columns + right + 1, 0, len(self._columns)), x0)
-        y0 = np.clip(self._rows + low, 0, len(self._rows))
-        y1 = np.maximum(np.clip(self._rows + high + 1, 0, len(self._rows)), y0)
-        bands: Ints = self._sums[y1] - self._sums[y0]
-        found: Ints = bands[:, x1] - bands[:, x0]
-        return found
-
-
-def _places(
-    heading: float, turn: float, part: float, step: float, turning: float, side: float
-) -> list[tuple[int, int, int, int]]:
-    """Return the boxes, relative to one, in which a step may be after each of its parts.
-
-    Args:
-        heading: Middle of the headings at its begin, rad.
-        turn: From there to the middle of those at its end.
-        part: Width of both ranges.
-        step: Its length.
-        turning: The turning radius.
-        side: Side of a box.
-    """
-    edges = np.linspace(0.0, step, _PIECES + 1)
-    # In a piece, the heading is what both ends allow, each widened by half of its range.
-    since_begin = edges[1:] / turning + _TURN
-    until_end = (step - edges[:-1]) / turning + _TURN
-    low = np.maximum(heading - since_begin, heading + turn - until_end)
-    high = np.minimum(heading + since_begin, heading + turn + until_end)
-    middle = (low + high) / 2.0
-    half = np.maximum((high - low) / 2.0 + part / 2.0, 0.0)
-    found = []
-    wider = _WIDER * step
-    ranges = []
-    for quarter in (0.0, math.pi / 2.0):
-        off = np.abs(np.remainder(middle - quarter + math.pi, math.tau) - math.pi)
-        # The cosine is largest where the direction is nearest to 0, and least where it is farthest.
-        largest = np.cos(np.maximum(off - half, 0.0))
-        least = np.cos(np.minimum(off + half, math.pi))
-        ranges.append((least, largest))
-    length = step / _PIECES
-    for number in range(1, _PARTS + 1):
-        end = number * _PIECES // _PARTS
-        rectangle: list[int] = []
-        for least, largest in ranges:
-            rectangle.append(math.floor((least[:end].sum() * length - wider) / side))
-            rectangle.append(math.floor((largest[:end].sum() * length + wider) / side) + 1)
-        found.append((rectangle[0], rectangle[1], rectangle[2], rectangle[3]))
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from worldgen.support.arrays import Bools, Ints
+from worldgen.support.arrays import Ints
 
 NEVER_ENDS = 2**60
 """Last slab of a stay that does not end."""
@@ -37,18 +37,28 @@ class Confinement:
 
 @dataclass(frozen=True, eq=False)
 class CarConfinement:
-    """Boxes of poses that a car which never reverses cannot leave, none of them near the target.
+    """Boxes of poses that a car which never reverses cannot leave, with the target out of reach.
 
-    From any pose in them, the car is in one of them again, or in a wall, when it has driven a step.
-    Box (k, row, column) has places (column to column + 1, row to row + 1) times ``side``, and
-    headings from k - 1/2 to k + 1/2 of a turn's equal parts.
+    From any pose in them, the car is in one of them again, or in a wall, when it has driven a step. Box
+    (heading, row, column) has places (column to column + 1, row to row + 1) times ``side``, and
+    headings up to half a part of a turn from ``heading`` parts.
 
     Args:
         side: Side of a box, m.
         step: Length of a step, m.
-        boxes: (headings, rows, columns) bool, True for the boxes.
+        headings: Parts of a turn.
+        discs: Discs that the body holds, (ahead of the axle, to its left, radius), m; the first one is
+            about the axle. The car is in a wall where one of them is.
+        boxes: (n, 4) int64, runs of boxes: heading, row, first and last column.
     """
 
     side: float
     step: float
-    boxes: Bools
+    headings: int
+    discs: tuple[tuple[float, float, float], ...]
+    boxes: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of boxes."""
+        return int((self.boxes[:, 3] - self.boxes[:, 2] + 1).sum())
