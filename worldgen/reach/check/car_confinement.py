@@ -113,7 +113,8 @@ class _Check:
             (first + np.arange(count) + 0.5) * self._side
             for first, count in zip(self._first, self._shape, strict=True)
         )
-        return runs - np.array([0, self._first[0], self._first[1], self._first[1]])
+        within: Ints = runs - np.array([0, self._first[0], self._first[1], self._first[1]])
+        return within
 
     def _bits(self, marked: Bools) -> int:
         """Return (rows, columns) bools as bits."""
