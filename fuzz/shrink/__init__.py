@@ -2,7 +2,6 @@
 
 Contents:
     shrink: Runs every pass until none of them makes the failure simpler.
-    shrink_class: Returns the simplest result over several failures.
     Shrunk: The result of both.
     snippet: Writes a failure as a test module that contains its world.
     PASSES: The list of simplifications.
@@ -12,8 +11,8 @@ Contents:
 
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.passes import PASSES
-from fuzz.shrink.run import Shrunk, shrink, shrink_class
+from fuzz.shrink.run import Shrunk, shrink
 from fuzz.shrink.snippet import snippet
 from fuzz.simplicity import ORDER
 
-__all__ = ["ORDER", "PASSES", "Shrunk", "removable", "shrink", "shrink_class", "snippet"]
+__all__ = ["ORDER", "PASSES", "Shrunk", "removable", "shrink", "snippet"]

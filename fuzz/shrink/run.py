@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from fuzz.cause import CAUSE, CIRCUMSTANCE, GAP
@@ -116,46 +116,6 @@ def shrink(
             raise
         return replace(reducer.result(), interrupted=True)
     return reducer.result()
-
-
-def shrink_class(
-    failures: Iterable[Failure],
-    *,
-    seconds: float | None = None,
-    progress: Progress | None = None,
-    keep_on_interrupt: bool = False,
-) -> Shrunk:
-    """Return the simplest world that shrinking any of several failures leads to.
-
-    Shrinking ends in a local minimum, and different originals lead to different ones.
-
-    Args:
-        failures: At least one; the simplest are shrunk first.
-        seconds: Time for all of them together; each gets an equal share of the remaining time.
-        progress: Called with each simpler world.
-        keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
-
-    Raises:
-        InvalidParameter: If there are no failures, or as for :func:`shrink`.
-    """
-    waiting = sorted(failures, key=lambda one: one.order)
-    if not waiting:
-        raise InvalidParameter(
-            "nothing-given", "there is no failure to shrink", "pass at least one"
-        )
-    deadline = None if seconds is None else time.monotonic() + seconds
-    results: list[Shrunk] = []
-    for done, failure in enumerate(waiting):
-        # Divide the remaining time equally, so that a slow failure does not use up all of it.
-        left = None if deadline is None else (deadline - time.monotonic()) / (len(waiting) - done)
-        if results and left is not None and left <= 0.0:
-            break
-        results.append(
-            shrink(failure, seconds=left, progress=progress, keep_on_interrupt=keep_on_interrupt)
-        )
-        if results[-1].interrupted:
-            break
-    return min(results, key=lambda one: one.failure.order)
 
 
 class _Reducer:

@@ -5,13 +5,11 @@ from pathlib import Path
 
 import pytest
 
-import fuzz.shrink.run
 from fuzz.corpus import distinct, read_corpus, smallest
 from fuzz.failure import Failure
 from fuzz.overview import building
 from fuzz.overview.clearest import clearest
 from fuzz.report.answers import answers_for
-from fuzz.shrink import Shrunk, shrink_class
 from fuzz.shrink.queue import ShrinkQueue
 from fuzz.triage.judging import JudgedRun
 from fuzz.triage.triage import Triage
@@ -88,19 +86,6 @@ def test_a_campaign_shrinks_the_first_failure_of_each_group_first(equal):
     for job in reversed(jobs):
         queue.add(job)
     assert [queue.take().failure for _ in jobs] == sorted(failures, key=lambda one: one.order)
-
-
-def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(equal, monkeypatch):
-    begun = []
-
-    # The results are at opposite ends of the order.
-    def opposite(failure, **_settings):
-        begun.append(failure)
-        return Shrunk(equal[3 - equal.index(failure)], 9, 9, 1, (), complete=True)
-
-    monkeypatch.setattr(fuzz.shrink.run, "shrink", opposite)
-    best = shrink_class(reversed(equal))
-    assert begun == equal and best.failure is equal[0]
 
 
 def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(

@@ -10,7 +10,7 @@ import pytest
 from fuzz.campaign.unit import run_unit
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.shrink import removable, shrink, shrink_class
+from fuzz.shrink import removable, shrink
 from fuzz.shrink.edits import drop_lines, free_cells
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.predicate import StillFails
@@ -245,34 +245,6 @@ def test_each_edit_that_is_taken_makes_the_failure_simpler():
         scenario = before.scenario
         order = [simplicity(Case(world, scenario))[:6] for world in seen]
         assert len(order) > 3 and order == sorted(order, reverse=True)
-
-
-def test_the_simplest_of_several_restarts_is_kept():
-    failures = found("turn-right", "swept")
-    best = shrink_class(failures)
-    assert best.failure.size == min(shrink(world).failure.size for world in failures)
-
-
-def test_restarts_share_one_budget_of_time_and_still_give_a_result():
-    best = shrink_class(found("turn-right", "swept"), seconds=1e-9)
-    assert not best.complete and replay(best.failure).confirmed
-
-
-def test_there_is_nothing_to_restart_from_without_failures():
-    with raises(InvalidParameter, "nothing-given"):
-        shrink_class([])
-
-
-def test_ctrl_c_ends_restarts_with_the_best_so_far():
-    def stop(world):
-        raise KeyboardInterrupt
-
-    best = shrink_class([failure(), failure("turn-left")], progress=stop, keep_on_interrupt=True)
-    assert (
-        best.interrupted
-        and best.failure.world.walls.size < cup_world().walls.size
-        and replay(best.failure).confirmed
-    )
 
 
 def test_a_shrunk_failure_names_the_one_that_it_came_from():

@@ -15,12 +15,20 @@ from tests.worldgen.test_families_fire import beside, burning, in_the_end, layou
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
-from worldgen.reach import REACHABLE, check_certificate, decide, delayed, witness_margin
+from worldgen.reach import REACHABLE, check_certificate, decide, witness_margin
 from worldgen.timeline import CellState
+from worldgen.world import Witness
 
 SEEDS = st.integers(0, 2**64 - 1)
 STILL = [name for name in FAMILIES if not FAMILIES.get(name).changes]
 GROUNDS = st.sampled_from(STILL)
+
+
+def delayed(world, witness, delay):
+    """Return the witness of a robot that waits at the start, and does everything ``delay`` s later."""
+    times = np.concatenate([[0.0], witness.times + delay])
+    x, y = (np.concatenate([values[:1], values]) for values in (witness.x, witness.y))
+    return Witness(times, x, y, min(witness.clearance, world.robot_radius))
 
 
 def outbreaks(world):

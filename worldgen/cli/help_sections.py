@@ -19,15 +19,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "contact",
         "waypoints",
     ),
-    "Search": (
-        "strategies",
-        "shrink",
-        "pace",
-        "examples",
-        "epoch",
-        "workers",
-        "scheduler",
-    ),
+    "Search": ("strategies", "shrink", "pace", "examples", "epoch", "workers", "scheduler"),
     "Known failures and CI": (
         "baseline",
         "strict",

@@ -11,7 +11,7 @@ Imported when they are first used, because few need them, and the checkers load 
     check_certificate, CheckReport: check a proof.
     check_confinement: check the proof about a deadline.
     check_swap: check the proof about two robots that cannot pass each other.
-    witness_margin, delayed: how much later a timed witness may begin; the delayed witness.
+    witness_margin: how much later a timed witness may begin.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from worldgen.support.lazy import lazy_names
 if TYPE_CHECKING:
     from worldgen.reach.check.certificate import CheckReport, check_certificate
     from worldgen.reach.check.confinement import check_confinement
-    from worldgen.reach.check.margin import delayed, witness_margin
+    from worldgen.reach.check.margin import witness_margin
     from worldgen.reach.check.swap import check_swap
     from worldgen.reach.deadline import decide_in_time, latest_start, until
 
@@ -36,7 +36,7 @@ __getattr__, __dir__ = lazy_names(
         "check.certificate": ("CheckReport", "check_certificate"),
         "check.confinement": ("check_confinement",),
         "check.swap": ("check_swap",),
-        "check.margin": ("delayed", "witness_margin"),
+        "check.margin": ("witness_margin",),
         "deadline": ("decide_in_time", "latest_start", "until"),
     },
 )
@@ -55,7 +55,6 @@ __all__ = [
     "coverage_tour",
     "decide",
     "decide_in_time",
-    "delayed",
     "latest_start",
     "reachable_cells",
     "until",

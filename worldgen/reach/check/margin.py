@@ -13,16 +13,6 @@ from worldgen.support.arrays import Floats, Indices, Ints
 from worldgen.world import Witness, World
 
 
-def delayed(world: World, witness: Witness, delay: float) -> Witness:
-    """Return the witness of a robot that waits at the start, and does everything ``delay`` s later.
-
-    It claims a clearance for the world's robot only, not for any larger disc.
-    """
-    times = np.concatenate([[0.0], witness.times + delay])
-    x, y = (np.concatenate([values[:1], values]) for values in (witness.x, witness.y))
-    return Witness(times, x, y, min(witness.clearance, world.robot_radius))
-
-
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
     """Return the delay, s, up to which every delayed copy of a valid witness is valid.
 
