@@ -6,7 +6,6 @@ to files and to JSON: as a table of the known fields.
 
 from __future__ import annotations
 
-import re
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -262,10 +261,6 @@ _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.HANG: FaultEvidence,
     Verdict.INVALID_COMMAND: FaultEvidence,
 }
-_CRASHED = re.compile(
-    r"exit code (?P<exit_code>\d{1,9})$|killed by (?:signal )?(?P<signal>\w+)$"
-    r"|(?P<exception>[^\W\d]\w*)(?::|$)"
-)
 _TYPES: Mapping[type[object], Mapping[str, Any]] = {
     kind: typing.get_type_hints(kind) for kind in _KINDS.values()
 }
@@ -297,20 +292,9 @@ def read_evidence(verdict: Verdict, table: Mapping[str, Value]) -> Evidence | No
         The evidence, or ``None`` if a required field is missing.
     """
     kind = _KINDS[verdict]
-    if verdict == Verdict.CRASH:
-        table = {**_how_it_crashed(table.get("error")), **table}
     values = _values(kind, table)
     needed = (name for name, wanted in _TYPES[kind].items() if not _is_optional(wanted))
     return None if any(values[name] is None for name in needed) else kind(**values)
-
-
-def _how_it_crashed(error: object) -> dict[str, Value]:
-    """Return the facts that records of earlier versions have only inside their ``error``."""
-    found = _CRASHED.match(error) if isinstance(error, str) else None
-    facts = {} if found is None else found.groupdict()
-    code = facts.pop("exit_code", None)
-    known: dict[str, Value] = {name: fact for name, fact in facts.items() if fact is not None}
-    return known if code is None else {"exit_code": int(code)}
 
 
 def _values(kind: type[object], table: Mapping[str, Value]) -> dict[str, Any]:

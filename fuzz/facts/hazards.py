@@ -146,8 +146,7 @@ def hazard_details(world: World, episode: Episode, scenario: Scenario) -> dict[s
 
 def hazard_in(details: Mapping[str, Value]) -> Hazard | None:
     """Return the hazard that a record's details state, or ``None``."""
-    # Earlier versions wrote "disturbed: " and the reason in words.
-    name = str(details.get(_HAZARD, "")).partition(": ")[0]
+    name = str(details.get(_HAZARD, ""))
     return Hazard(name) if name in set(Hazard) else None
 
 
@@ -157,9 +156,7 @@ def doubt_in(details: Mapping[str, Value]) -> str:
     Empty if the record gives no reason.
     """
     doubt = str(details.get(_DOUBT, ""))
-    if doubt in set(Doubt):
-        return Doubt(doubt).sentence
-    return str(details.get(_HAZARD, "")).partition(": ")[2]
+    return Doubt(doubt).sentence if doubt in set(Doubt) else ""
 
 
 def is_hazard(failure: Failure) -> bool:

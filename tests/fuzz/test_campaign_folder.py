@@ -351,10 +351,8 @@ def test_each_failure_is_stored_once_and_the_folder_shows_some_of_them(whole):
 
 
 def of_an_earlier_version(out):
-    """Make a campaign's store one of a version that had no journal."""
+    """Make a campaign's store one of another version."""
     memory = out / ".campaign"
-    (memory / "units").mkdir()
-    (memory / "journal.txt").rename(memory / "units" / "000000.json")
     said = json.loads((memory / "campaign.json").read_text())
     said["code"]["worldgen"] = "earlier"
     (memory / "campaign.json").write_text(json.dumps(said))
@@ -477,14 +475,6 @@ def test_resuming_is_offered_only_where_it_would_be_accepted(spoil, change, is_o
     assert ("--resume" in str(caught.value)) == is_offered
     with contextlib.nullcontext() if is_offered else raises(OutputError, "another-campaign"):
         resume(tmp_path).store.close()
-
-
-def test_force_begins_anew_even_after_an_earlier_version(copied, tmp_path):
-    of_an_earlier_version(copied)
-    run(begin(replace(CONFIG, seed=6), copied, Budget(units=1), force=True))
-    run(begin(replace(CONFIG, seed=6), tmp_path / "fresh", Budget(units=1)))
-    assert left_in(copied)[1] == left_in(tmp_path / "fresh")[1]
-    assert not (copied / ".campaign/units").exists()
 
 
 def test_fewer_units_than_are_done_are_refused(copied):

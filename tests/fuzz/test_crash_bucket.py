@@ -16,7 +16,7 @@ from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
 from sim.controllers.programs.crash_report import report_of
 from sim.episode import Episode, simulate
-from sim.evidence import FaultEvidence, fault_evidence, read_evidence
+from sim.evidence import FaultEvidence, fault_evidence
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.reach import decide
@@ -140,11 +140,6 @@ def test_silent_aborts_are_told_apart_by_where_the_run_stood():
         "SIGABRT",
         "SIGABRT-bump",
     ]
-
-
-def test_evidence_from_before_buckets_keeps_its_name():
-    table = {"error": "KeyError: 'x'", "at": "mine.py:12", "step": 1}
-    assert crash_bucket(read_evidence(Verdict.CRASH, table)) == "KeyError"
 
 
 @pytest.mark.parametrize("facts", [{"exception": "../x"}, {"signal": "../x"}, {}])

@@ -124,12 +124,6 @@ def test_a_controller_that_declares_other_senses_does_not_see_smoke():
             Doubt.FAST_DRIFT.sentence,
             id="disturbed",
         ),
-        pytest.param(
-            {"hazard": "disturbed: the wind is strong"},
-            Hazard.DISTURBED,
-            "the wind is strong",
-            id="earlier-version",
-        ),
         pytest.param({"hazard": 3}, None, "", id="foreign"),
     ],
 )

@@ -61,23 +61,6 @@ def test_evidence_comes_back_from_its_table(verdict):
     assert read_evidence(verdict, evidence_table(EACH[verdict])) == EACH[verdict]
 
 
-@pytest.mark.parametrize(
-    ("error", "fact"),
-    [
-        pytest.param("ValueError: bad: gap", {"exception": "ValueError"}, id="exception"),
-        pytest.param("NoPath", {"exception": "NoPath"}, id="bare-exception"),
-        pytest.param("exit code 3", {"exit_code": 3}, id="exit-code"),
-        pytest.param("killed by SIGSEGV", {"signal": "SIGSEGV"}, id="signal"),
-        pytest.param("killed by signal 40", {"signal": "40"}, id="real-time-signal"),
-        pytest.param("closed its output", {}, id="closed-output"),
-        pytest.param("lost the map", {}, id="sentence"),
-    ],
-)
-def test_a_crash_recorded_by_an_earlier_version_gets_its_facts(error, fact):
-    read = read_evidence(Verdict.CRASH, {"error": error, "step": 2})
-    assert read == FaultEvidence(error=error, step=2, **fact)
-
-
 def test_what_is_unknown_is_not_in_the_table():
     assert evidence_table(ReachedEvidence(step=5)) == {"step": 5}
 

@@ -39,9 +39,6 @@ from worldgen.files.whole import open_no_link, read_text, refused_writes, write_
 
 _JOURNAL = "journal.txt"
 _FAILURES = "failures"
-# What earlier versions had in place of the journal. They cannot be continued, but a campaign must
-# not discard their results unasked.
-_EARLIER = ("units", "shrunk", "written.json")
 
 
 @dataclass(frozen=True)
@@ -123,16 +120,12 @@ class FolderStore:
         return Fingerprint(stored.configuration, stored.code), stored.goal
 
     def has_results(self) -> bool:
-        """Return True if anything was done or found, perhaps by an earlier version.
+        """Return True if anything was done or found.
 
         Records that do not fit the campaign's configuration count too: either may have been
         changed by accident.
         """
-        return (
-            self._journal.is_begun()
-            or any((self._path / _FAILURES).glob("*.grid"))
-            or any((self._path / name).exists() for name in _EARLIER)
-        )
+        return self._journal.is_begun() or any((self._path / _FAILURES).glob("*.grid"))
 
     def units_done(self) -> int:
         """Return the number of units in it: one more than the last unit's number.
@@ -170,7 +163,7 @@ class FolderStore:
         """
         self._forget_journal()
         # The journal goes first: it must not name failures that are gone.
-        names = (_JOURNAL, *_EARLIER, CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
+        names = (_JOURNAL, CAMPAIGN_FILE, SUMMARY_FILE, OVERVIEW_FILE, _FAILURES)
         with refused_writes(self._path):
             for path in (self._path / name for name in names):
                 if path.is_dir():
