@@ -19,6 +19,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sim._core import ffi
 from sim.controllers.base import CompiledController, Controller
 from sim.controllers.core_act import CoreAct
@@ -29,9 +31,12 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.packing import event_step
 from worldgen.reach.body.core_calls import Body
 from worldgen.reach.body.prove import goal_headings
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
+from worldgen.timeline import CellState
 from worldgen.world import Robot, Target, World
 
+FREE, SOLID, BURNING = CellState
 # JavaScript's numbers hold every integer below this.
 _WHOLE = 2**53
 # What build_tools/wasm.py makes of the cores.
@@ -147,10 +152,19 @@ def live_world(world: World) -> dict[str, Any]:
     if robot.waypoints:
         found["waypoints"] = [_live_goal(goal, robot) for goal in robot.waypoints]
     if world.is_dynamic:
-        found["changes"] = True
+        line, shape = world.timeline, world.walls.shape
+        found["changes"] = {
+            "closes": _places(line.cells_that_become(SOLID, BURNING, shape=shape)),
+            "opens": _places(line.cells_that_become(FREE, BURNING, shape=shape)),
+        }
     if world.is_fleet:
         found["robots"] = len(world.robots)
     return found
+
+
+def _places(cells: Bools) -> list[list[int]]:
+    """Return the cells that are set: column and row, 0 the lowest."""
+    return [[int(ix), int(iy)] for iy, ix in np.argwhere(cells)]
 
 
 def _live_body(world: World) -> dict[str, Any]:
@@ -170,7 +184,7 @@ def _live_goal(goal: Target, robot: Robot) -> dict[str, Any]:
 
 def has_live_proof(world: World) -> bool:
     """Return True if a page can decide whether the target of an edited world can be reached."""
-    return not (world.is_fleet or world.is_dynamic)
+    return not world.is_fleet
 
 
 def why_not_live(world: World, controller: Controller, options: RunOptions) -> str:

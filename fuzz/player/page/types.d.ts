@@ -856,8 +856,8 @@ interface LiveWorld {
   car?: LiveCar;
   /** Goals before the target, in order, if there are any. */
   waypoints?: { target: Triple; headings?: [number, number] | null }[];
-  /** Set if cells change over time. */
-  changes?: boolean;
+  /** Set if cells change over time: those that become solid or burn, and those that stop being solid. */
+  changes?: { closes: CellPlace[]; opens: CellPlace[] };
   /** Their number, if there are several. */
   robots?: number;
 }

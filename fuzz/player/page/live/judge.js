@@ -24,7 +24,7 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
   try {
     const began = performance.now();
     const elsewhere = whyNotProved(world);
-    const proof = elsewhere ? undecided(elsewhere) : await proveGoals(prover, world, pause);
+    const proof = elsewhere ? undecided(elsewhere) : await proveInTime(prover, world, pause);
     await pause();
     const proved = performance.now();
     /** @type {LiveRun | null} */
@@ -49,9 +49,38 @@ export async function judge({ prover, simulator }, { world, run: recipe, edited 
  * Returns why the proof of a world isn't made in a page, in a sentence; empty if it is.
  * @param {LiveWorld} world
  */
-function whyNotProved(world) {
-  if ((world.robots ?? 1) > 1) return "The proof for several robots is made by worldgen verify.";
-  return world.changes ? "The proof for a world that changes is made by worldgen verify." : "";
+const whyNotProved = (world) => ((world.robots ?? 1) > 1 ? "The proof for several robots is made by worldgen verify." : "");
+
+/**
+ * Decides a world whose cells may change: a path around all that is ever blocked holds at any time,
+ * and what always stops the robot stops it. What lies in between depends on the times.
+ * @param {Core} prover
+ * @param {LiveWorld} world
+ * @param {() => Promise<void>} pause
+ * @returns {Promise<LiveProof>}
+ */
+async function proveInTime(prover, world, pause) {
+  if (!world.changes) return proveGoals(prover, world, pause);
+  const { closes, opens } = world.changes;
+  const around = await proveGoals(prover, withCells(world, closes, "#"), pause);
+  if (around.reachable) return { ...around, reason: `${around.reason}, around all cells that ever close or burn` };
+  await pause();
+  const always = await proveGoals(prover, withCells(world, opens, "."), pause);
+  if (always.reachable === false) return { ...always, reason: `whatever changes: ${always.reason}` };
+  return undecided("Whether it can arrive depends on the times of the changes, which worldgen verify decides.");
+}
+
+/**
+ * Returns a world in which some cells are solid, or free, all the time.
+ * @param {LiveWorld} world
+ * @param {CellPlace[]} places
+ * @param {string} sign
+ * @returns {LiveWorld}
+ */
+function withCells(world, places, sign) {
+  const rows = world.cells.map((row) => [...row]);
+  for (const [ix, iy] of places) rows[rows.length - 1 - iy][ix] = sign;
+  return { ...world, cells: rows.map((row) => row.join("")), changes: undefined };
 }
 
 /**
