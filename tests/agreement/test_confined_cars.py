@@ -8,9 +8,12 @@ import pytest
 
 from sim import Command, simulate
 from tests.worldgen.test_car_confinement import dead_end
-from worldgen import Drive, generate
+from worldgen import Drive, Robot, Target, World, generate
 from worldgen.reach import BLOCKED, decide
+from worldgen.reach.car import confine
 from worldgen.reach.car.confine import confine_car
+from worldgen.reach.car.search import EFFORTS, find_path, witness_of
+from worldgen.reach.check.car_confinement import check_car_confinement
 from worldgen.robot import Pose
 
 TURN = math.tau / 65_536
@@ -175,3 +178,87 @@ def test_cars_that_turn_on_smaller_circles_leave_the_boxes():
         run = simulate(world, wilful(rng, world, 0.1), steps=600, time_step=0.1, record=True)
         left += not boxes_of(proof, poses_after(run.trace, proof.step, world.cell_size)).all()
     assert left > 3
+
+
+def small_world(seed):
+    """Draw a small world for a car that never reverses; None if its body alone cannot arrive."""
+    rng = np.random.default_rng(seed)
+    height, width = rng.integers(8, 22, 2)
+    walls = np.zeros((height, width), bool)
+    kind = rng.integers(3)
+    if kind == 0:
+        walls = rng.random((height, width)) < rng.choice([0.02, 0.05, 0.1])
+    elif kind == 1:
+        walls[:] = True
+        x, y = rng.integers(width), rng.integers(height)
+        for _ in range(rng.integers(2, 7)):
+            aisle = rng.integers(2, 5)
+            to_x, to_y = (
+                (rng.integers(width), y) if rng.random() < 0.5 else (x, rng.integers(height))
+            )
+            walls[min(y, to_y) : max(y, to_y) + aisle, min(x, to_x) : max(x, to_x) + aisle] = False
+            x, y = to_x, to_y
+    else:
+        for _ in range(rng.integers(2, 6)):
+            a, b = rng.integers(1, 9, 2)
+            row, column = rng.integers(height), rng.integers(width)
+            walls[row : row + a, column : column + b] = True
+    free = np.argwhere(~walls)
+    if len(free) < 2:
+        return None
+    (start_y, start_x), (target_y, target_x) = free[rng.integers(len(free), size=2)] + 0.5
+    heading = rng.choice([0.0, math.pi / 2, math.pi, -math.pi / 2, rng.uniform(-3.0, 3.0)])
+    off_x, off_y = rng.uniform(-0.2, 0.2, 2)
+    start = Pose((start_x + off_x) * 0.1, (start_y + off_y) * 0.1, float(heading))
+    wanted = (rng.uniform(-3.0, 3.0), rng.choice([0.02, 0.2, 0.6])) if rng.random() < 0.3 else ()
+    target = Target(
+        target_x * 0.1, target_y * 0.1, float(rng.choice([0.02, 0.05, 0.1])), *map(float, wanted)
+    )
+    body = {"radius": float(rng.choice([0.03, 0.05, 0.07, 0.1, 0.14]))}
+    if rng.random() < 0.3:
+        length, wide = rng.uniform(0.1, 0.5), rng.uniform(0.06, 0.25)
+        middle = rng.uniform(-0.3, 0.5) * length
+        front, rear = middle + length / 2, middle - length / 2
+        corners = ((front, wide / 2), (rear, wide / 2), (rear, -wide / 2), (front, -wide / 2))
+        body = {"footprint": corners}
+    drive = Drive(float(rng.choice([0.05, 0.1, 0.2, 0.3, 0.5, 1.0])))
+    world = World(walls, robots=[Robot(start, target, drive=drive, **body)])
+    free_body = replace(world, robots=[replace(world.robots[0], drive=Drive())])
+    return None if decide(free_body, certificate=False).result == BLOCKED else world
+
+
+def assert_proofs_are_true(seeds):
+    """Confine cars in small worlds; return how many have a path, and how many a proof of none."""
+    paths = proofs = 0
+    for world in filter(None, map(small_world, seeds)):
+        poses = find_path(world, EFFORTS[:1]).poses
+        has_path = len(poses) > 0 and witness_of(world, poses) is not None
+        proof = confine_car(world).proof
+        paths += has_path
+        proofs += proof is not None
+        if proof is None:
+            continue
+        assert not has_path
+        assert check_car_confinement(world, proof).valid
+        for seed in range(3):
+            rng = np.random.default_rng(seed)
+            time_step = float(rng.choice([0.1, 0.02, 0.5]))
+            driver = wilful(rng, world, time_step)
+            run = simulate(world, driver, steps=200, time_step=time_step, record=True)
+            assert run.verdict != "reached"
+            assert boxes_of(proof, poses_after(run.trace, proof.step, world.cell_size)).all()
+    return paths, proofs
+
+
+@pytest.mark.gate
+def test_no_small_world_is_blocked_that_has_a_path(monkeypatch):
+    # The smallest boxes take the most time, and are the least wrong.
+    monkeypatch.setattr(confine, "GRAINS", confine.GRAINS[:2])
+    paths, proofs = assert_proofs_are_true(range(80))
+    assert paths > 10 and proofs > 5
+
+
+@pytest.mark.nightly
+def test_no_small_world_of_many_is_blocked_that_has_a_path():
+    paths, proofs = assert_proofs_are_true(range(1000, 2500))
+    assert paths > 200 and proofs > 200

@@ -1,8 +1,8 @@
 """Time a body's path through walls that change: it waits where it is clear, and goes on.
 
-The path itself comes from the search for a body among walls that don't change: those of some moment. Then
-its moves and turns are timed, each as early as nothing blocks it. All is exact, but a body that would
-have to go out of the way of a change and come back finds no path.
+The path itself comes from the search for a body, or a car, among walls that don't change: those of some moment.
+Then its moves and turns are timed, each as early as nothing blocks it. All is exact, but a body that
+would have to go out of the way of a change and come back finds no path.
 
 Source: path-velocity decomposition, Kamal Kant and Steven Zucker, "Toward efficient trajectory planning",
     1986.
@@ -23,11 +23,13 @@ from worldgen.lattice import (
     UNIT,
     heading_from_lattice,
     heading_to_lattice,
+    in_cells,
     lattice_to_metres,
     metres_to_lattice,
 )
 from worldgen.reach.body.core_calls import Body, BodyPose
 from worldgen.reach.still.path import travel_ticks
+from worldgen.reach.still.walls import Walls
 from worldgen.reach.timed.spans import FOREVER, Spans
 from worldgen.support.arrays import Bools, Floats
 from worldgen.timeline import Timeline
@@ -63,7 +65,7 @@ def timed_witness(
     """Return a path of the world's body that waits for changes; None if none is found.
 
     Args:
-        world: A world that changes, of one robot with a footprint.
+        world: A world that changes, of one robot with a footprint, or a car.
         margin: s; see :func:`worldgen.reach.decide`.
         path_among: Returns a path in a world that does not change, or None.
     """
@@ -88,9 +90,8 @@ class _Times:
         inner = moments[(moments > 0) & (moments < FOREVER)].tolist()
         every = math.ceil((len(inner) + 1) / _MOST_STRETCHES)
         self._moments = [0, *inner[every - 1 :: every], FOREVER]
-        robot = world.robots[0]
         self._walls = [self._blocked(*pair) for pair in itertools.pairwise(self._moments)]
-        self._bodies = [Body(walls, robot.footprint, world.cell_size) for walls in self._walls]
+        self._tests = [_test_among(world, walls) for walls in self._walls]
 
     def _blocked(self, begin: int, end: int) -> Bools:
         spans = self._spans
@@ -111,11 +112,11 @@ class _Times:
     def along(self, path: Witness) -> Witness | None:
         """Return the earliest timing of a path; None if it is blocked for good."""
         world = self._world
-        poses = self._fine(path)
+        poses, waits = self._fine(path)
         stays = [[_Stay(*run, run[0], 0, 0) for run in self._clear_of(poses[0], None)]]
         stays[0] = [stay for stay in stays[0] if stay.begin == 0]
-        for p, q in itertools.pairwise(poses):
-            takes = travel_ticks(
+        for (p, q), wait in zip(itertools.pairwise(poses), waits, strict=True):
+            takes = wait or travel_ticks(
                 (p.x, p.y), (q.x, q.y), world.cell_size, world.robot_speed, self._spans.ticks
             )
             found = self._next(stays[-1], self._clear_of(p, q), self._clear_of(q, None), takes)
@@ -147,7 +148,7 @@ class _Times:
 
     def _clear_of(self, p: BodyPose, q: BodyPose | None) -> list[tuple[int, int]]:
         """Return the longest stretches of time in which the body may stand at a pose, or go to another."""
-        clear = [_may_go(body, p, q) for body in self._bodies]
+        clear = [may_go(p, q) for may_go in self._tests]
         runs = []
         first = 0
         for is_clear, group in itertools.groupby(clear):
@@ -157,8 +158,11 @@ class _Times:
             first = last
         return runs
 
-    def _fine(self, path: Witness) -> list[BodyPose]:
-        """Return a path's poses, with more of them on its moves where they are clear of walls that stay."""
+    def _fine(self, path: Witness) -> tuple[list[BodyPose], list[int]]:
+        """Return a path's poses, and the ticks for which a car steers between them.
+
+        There are more of them on its moves where they are clear of walls that stay.
+        """
         size = self._world.cell_size
         headings = () if path.headings is None else path.headings.tolist()
         poses = [
@@ -167,18 +171,25 @@ class _Times:
             )
             for x, y, heading in zip(path.x.tolist(), path.y.tolist(), headings, strict=True)
         ]
-        body = Body(self._spans.always, self._world.robots[0].footprint, size)
+        may_go = _test_among(self._world, self._spans.always)
         found = poses[:1]
-        for p, q in itertools.pairwise(poses):
+        waits = []
+        for (p, q), lasts in zip(itertools.pairwise(poses), np.diff(path.times), strict=True):
+            waits.append(math.ceil(lasts * self._spans.ticks - 1e-6) if p == q else 0)
             count = math.ceil(math.hypot(q.x - p.x, q.y - p.y) / UNIT)
+            if p.heading != q.heading or count < 2:
+                found.append(q)
+                continue
             between = [
                 p._replace(x=p.x + (q.x - p.x) * k // count, y=p.y + (q.y - p.y) * k // count)
                 for k in range(1, count)
             ]
             parts = [p, *between, q]
-            is_clear = all(_may_go(body, a, b) for a, b in itertools.pairwise(parts))
-            found += parts[1:] if is_clear else [q]
-        return found
+            if all(may_go(a, b) for a, b in itertools.pairwise(parts)):
+                found += between
+                waits += [0] * len(between)
+            found.append(q)
+        return found, waits
 
     def _witness(self, poses: Sequence[BodyPose], stays: Sequence[Sequence[_Stay]]) -> Witness:
         # From the earliest arrival back to the start.
@@ -205,7 +216,30 @@ class _Times:
             ]
         )
         times, x, y, headings = values.T.copy()
-        return Witness(times, x, y, 0.0, headings)
+        robot = self._world.robots[0]
+        return Witness(times, x, y, robot.radius if robot.is_disc else 0.0, headings)
+
+
+def _test_among(world: World, walls: Bools) -> Callable[[BodyPose, BodyPose | None], bool]:
+    """Return a test whether the robot may stand at a pose, or go from there to the next of a path."""
+    robot = world.robots[0]
+    if robot.is_disc:
+        disc = Walls(walls, in_cells(robot.radius, world.cell_size))
+        return lambda p, q: disc.is_clear((p.x, p.y), (p.x, p.y) if q is None else (q.x, q.y))
+    body = Body(walls, robot.footprint, world.cell_size)
+    if robot.drive.is_car:
+        return lambda p, q: _may_drive(body, p, q)
+    return lambda p, q: _may_go(body, p, q)
+
+
+def _may_drive(body: Body, p: BodyPose, q: BodyPose | None) -> bool:
+    """Return True if a car may drive a leg: it turns by half, rounded towards zero, before it, and then by the rest."""
+    if q is None or p.heading == q.heading:
+        return _may_go(body, p, q)
+    turn = (q.heading - p.heading + TURN // 2) % TURN - TURN // 2
+    before = p._replace(heading=(p.heading + int(turn / 2)) % TURN)
+    after = q._replace(heading=before.heading)
+    return all(_may_go(body, a, b) for a, b in ((p, before), (before, after), (after, q)))
 
 
 def _may_go(body: Body, p: BodyPose, q: BodyPose | None) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from worldgen.reach.body.in_time import timed_witness
 from worldgen.reach.car.confine import confine_car
-from worldgen.reach.car.search import find_path, witness_of
+from worldgen.reach.car.search import EFFORTS, find_path, witness_of
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.timeline import Timeline
-from worldgen.world import World
+from worldgen.world import Witness, World
 
 
 def decide_car(
@@ -16,8 +17,8 @@ def decide_car(
 ) -> Decision:
     """Return a witness for the world's car, a proof that it cannot arrive, or ``UNDECIDED``.
 
-    In a world that changes, the path avoids everything that is ever blocked, so it holds whenever
-    the car begins.
+    In a world that changes, the path avoids everything that is ever blocked, or it is timed: the car
+    waits on it where changes are in its way.
 
     Args:
         world: A world of one robot, a car.
@@ -43,6 +44,14 @@ def decide_car(
                 room = f"leaves the footprint {witness.clearance:.4g} m to spare"
             reason = f"a car's path of {witness.length:.4g} m {room}"
             return Decision(REACHABLE, witness if certificate else None, reason)
+    if world.is_dynamic:
+        witness = timed_witness(world, margin, _path_in)
+        if witness is not None:
+            reason = (
+                f"a car's path of {witness.length:.4g} m in {witness.duration:.4g} s is clear at its "
+                "times"
+            )
+            return Decision(REACHABLE, witness if certificate else None, reason)
     boxes = ""
     if cut and not drive.reverse:
         always = replace(world.bare, walls=world.still_walls, timeline=Timeline())
@@ -67,3 +76,9 @@ def decide_car(
         f"{path.searched} poses{boxes}, and {alone}"
     )
     return Decision(UNDECIDED, None, reason)
+
+
+def _path_in(world: World) -> Witness | None:
+    """Return a car's path in a world that does not change; None if none is found quickly."""
+    poses = find_path(world, EFFORTS[:2]).poses
+    return witness_of(world, poses) if len(poses) else None
