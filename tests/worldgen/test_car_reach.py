@@ -79,6 +79,7 @@ def test_a_forward_car_is_confined_in_a_bend_beyond_the_closed_form(mirrored):
     assert decide(bend(1.001 * BEND_LIMIT, mirrored=mirrored)).result == "undecided"
 
 
+@pytest.mark.gate
 def test_a_car_of_3_metres_is_confined_in_the_bend():
     answer = verify_world(bend(3.0))
     assert answer["result"] == "blocked" and answer["certificate_valid"]
@@ -167,6 +168,57 @@ ARC = [(0.5 + 0.4 * math.sin(a), 1.4 - 0.4 * math.cos(a), a) for a in np.linspac
 def arc_world():
     x, y, _ = ARC[-1]
     return open_floor(target=Target(x, y, 0.05))
+
+
+def aisle_with_a_door(*, opens, closes=(), **parts):
+    """An aisle with a door across it that opens, and may close again."""
+    walls = np.ones((10, 60), np.bool_)
+    walls[1:9, 1:59] = False
+    events = [Event(opens, 30, iy, CellState.FREE) for iy in range(1, 9)]
+    events += [Event(time, 30, iy, CellState.SOLID) for time in closes for iy in range(1, 9)]
+    walls[1:9, 30] = True
+    start = Pose(0.5, 0.5, parts.pop("heading", 0.0))
+    robot = Robot(start, Target(5.0, 0.5, 0.1), **{"radius": 0.2, **parts})
+    return World(walls, robots=[robot], timeline=Timeline.of(events))
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"drive": Drive(1.0)},
+        pytest.param(
+            {"drive": Drive(1.0, steering_rate=0.5), "heading": 0.3}, marks=pytest.mark.gate
+        ),
+        {"drive": Drive(1.0), "footprint": ((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))},
+    ],
+    ids=["disc", "steers", "footprint"],
+)
+def test_a_car_waits_until_a_door_opens(parts):
+    world = aisle_with_a_door(opens=20.0, **parts)
+    decision = decide(world)
+    assert decision.result == "reachable"
+    assert check_certificate(world, decision.certificate).valid
+    assert decision.certificate.duration > 20.0
+    # It still steers while it stands.
+    legs = (np.diff(getattr(decision.certificate, name)) for name in ("x", "y", "headings"))
+    stands = ~np.any([leg != 0.0 for leg in legs], axis=0)
+    rate = parts["drive"].steering_rate
+    assert not rate or (np.diff(decision.certificate.times)[stands] >= 1.0 / rate).sum() > 1
+    # The same path at other times leads through the door.
+    early = replace(decision.certificate, times=decision.certificate.times / 2)
+    assert not check_certificate(world, early).valid
+
+
+@pytest.mark.gate
+def test_a_car_does_not_wait_for_a_door_that_closes_too_soon():
+    assert (
+        decide(aisle_with_a_door(opens=20.0, closes=(20.1,), drive=Drive(1.0))).result
+        != "reachable"
+    )
+    assert (
+        decide(aisle_with_a_door(opens=20.0, closes=(28.0,), drive=Drive(1.0))).result
+        == "reachable"
+    )
 
 
 def test_a_straight_line_and_an_arc_of_the_turning_circle_are_accepted():

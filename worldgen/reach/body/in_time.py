@@ -25,6 +25,7 @@ from worldgen.lattice import (
     heading_to_lattice,
     in_cells,
     lattice_to_metres,
+    lattice_units,
     metres_to_lattice,
 )
 from worldgen.reach.body.core_calls import Body, BodyPose
@@ -69,6 +70,10 @@ def timed_witness(
         margin: s; see :func:`worldgen.reach.decide`.
         path_among: Returns a path in a world that does not change, or None.
     """
+    start = world.start
+    places = [lattice_units(value, world.cell_size) for value in (start.x, start.y)]
+    if world.robots[0].is_disc and any(place.denominator > 1 for place in places):
+        return None  # a disc's path begins exactly at its start
     times = _Times(world, margin)
     still = replace(world.bare, timeline=Timeline())
     for walls in itertools.islice(times.candidates(), _MOST_PATHS):
