@@ -320,12 +320,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, only: tuple[tuple[str, str
 @corpus.command(epilog="\b\n  worldgen corpus export failures/ --out failures.zip")
 @_paths
 @_filter
-@click.option(
-    "--out",
-    type=PATH,
-    required=True,
-    help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.",
-)
+@click.option("--out", type=PATH, required=True, help="A .zip, .csv or .parquet file.")
 @json_option
 @force_option
 def export(

@@ -15,7 +15,7 @@ from fuzz.corpus.merging import distinct
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
 from worldgen.errors import InvalidParameter, OutputError
-from worldgen.files.archives import ENDINGS, is_archive, writer_for
+from worldgen.files.archives import ZipWriter
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.plugins.installation import pip_install
 
@@ -45,19 +45,18 @@ def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) ->
     """
     # Refuse before the slow part, which draws the pictures.
     ending = out.suffix.lower()
-    if not is_archive(out) and ending not in (".csv", ".parquet"):
+    make = {".zip": _archive, ".csv": _bare_table, ".parquet": _parquet}.get(ending)
+    if make is None:
         raise InvalidParameter(
             "unknown-format",
             "{name!r}: unknown file type",
-            "choose a name that ends in {endings!l}, .csv or .parquet",
+            "choose a name that ends in .zip, .csv or .parquet",
             name=out.name,
-            endings=list(ENDINGS),
         )
     check_output(out, force)
     if ending == ".parquet":
         _pyarrow()
     ordered = distinct(entries)
-    make = _archive if is_archive(out) else _parquet if ending == ".parquet" else _bare_table
     write_bytes(out, make(ordered, out), force=force)
     return len(ordered)
 
@@ -65,7 +64,7 @@ def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) ->
 def _archive(entries: Sequence[CorpusEntry], out: Path) -> bytes:
     """Return an archive. Equal failures give equal bytes: it contains no file names or times."""
     stream = io.BytesIO()
-    archive = writer_for(out, stream)
+    archive = ZipWriter(stream)
     rows = []
     # A file, a picture and a table row for each failure.
     for name, entry in _named(entries):

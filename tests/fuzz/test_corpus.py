@@ -339,16 +339,15 @@ def test_prune_refuses_an_archive():
     assert result.code == 2 and result.error_code == "wrong-kind-of-file"
 
 
-@pytest.mark.parametrize("ending", [".zip", ".tar.gz"])
-def test_equal_failures_are_an_equal_archive(ending, tmp_path):
+def test_equal_failures_are_an_equal_archive(tmp_path):
     one = [
         failure(tmp_path / "A", "x", seen=1_600_000_000),
         failure(tmp_path / "A", "y", kind="loop-b"),
     ]
     two = [failure(tmp_path / "B/deep", "q", kind="loop-b"), failure(tmp_path / "B", "r"), *one]
-    export(read(*one), tmp_path / f"one{ending}")
-    export(read(*two), tmp_path / f"two{ending}")
-    assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
+    export(read(*one), tmp_path / "one.zip")
+    export(read(*two), tmp_path / "two.zip")
+    assert (tmp_path / "one.zip").read_bytes() == (tmp_path / "two.zip").read_bytes()
 
 
 @pytest.mark.gate

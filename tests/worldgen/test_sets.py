@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tarfile
 import time
 import zipfile
 
@@ -42,15 +43,21 @@ def pillars(rng, *, size: int = 12):
     walls[rng.between(4, 7)][rng.between(4, 7)] = True
     return World(walls, start=Pose(0.2, 0.2), target=Target(1.0, 1.0, 0.05))
 """
-every_kind = pytest.mark.parametrize("out", ["set", "set.zip", "set.tar.gz", "set.tar.bz2"])
+every_kind = pytest.mark.parametrize("out", ["set", "set.zip"])
+TARS = {"set.tar.gz": "w:gz", "set.tar.bz2": "w:bz2"}  # only read
+read_kinds = pytest.mark.parametrize("out", ["set", "set.zip", *TARS])
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """A folder with the set of traps in each form, never interrupted; tests must not change it."""
     folder = tmp_path_factory.mktemp("whole")
-    for out in ("set", "set.zip", "set.tar.gz", "set.tar.bz2"):
+    for out in ("set", "set.zip"):
         assert run(*TRAPS, "--out", folder / out).code == 0
+    for out, mode in TARS.items():
+        with tarfile.open(folder / out, mode) as archive:
+            for file in sorted((folder / "set").iterdir()):
+                archive.add(file, file.name)
     return folder
 
 
@@ -108,7 +115,7 @@ def test_a_line_says_only_of_parameters_that_differ_and_keeps_their_types(value,
     }
 
 
-@every_kind
+@read_kinds
 def test_an_archive_holds_what_the_folder_does(whole, out):
     if out != "set":
         held = {member.name: member.read(1 << 20) for member in members(whole / out)}
@@ -129,7 +136,7 @@ def test_a_set_is_made_again_from_its_manifest_byte_for_byte(whole, tmp_path, ou
     assert contents(tmp_path / out) == contents(whole / out)
 
 
-@every_kind
+@read_kinds
 def test_every_set_is_what_its_manifest_says(whole, out):
     result = run("regenerate", whole / out, "--check", "--json")
     assert result.code == 0 and json.loads(result.out)["differences"] == []
@@ -547,6 +554,14 @@ def test_commands_read_sets_in_every_form(whole, out):
     )
     assert all(found["certificate_valid"] for found in result["files"])
     assert read_world(whole / out / "trap-7.grid") == with_metrics(generate("trap", 7, size=12))
+
+
+@pytest.mark.parametrize("out", TARS)
+def test_a_set_in_a_tar_file_is_read_and_never_written(whole, tmp_path, out):
+    assert run("verify", whole / out).code == 0
+    result = run(*TRAPS, "--out", tmp_path / out)
+    assert result.code == 2 and result.error_code == "unknown-format"
+    assert "ends in .zip" in result.err and not list(tmp_path.iterdir())
 
 
 def test_a_file_that_an_archive_lacks_is_one_sentence(whole):

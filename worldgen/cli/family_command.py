@@ -139,8 +139,8 @@ _count_option = click.option(
 _out_option = click.option(
     "--out",
     type=PATH,
-    help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
-    ".tar.bz2. Without it, the world goes to stdout.",
+    help="File to write, .grid or .grid.gz; with --count a folder or a .zip. Without it, the world "
+    "goes to stdout.",
 )
 _metrics_option = click.option(
     "--metrics/--no-metrics",

@@ -1,8 +1,8 @@
 """Archives of many small files.
 
-They are written reproducibly, and read one file at a time within limits. Times, owners and modes
-are fixed, so equal files in equal order give an equal archive. The compressed bytes depend on zlib
-and libbz2: ``docs/howto/sets.md`` explains what that means on other machines.
+Zip files are written reproducibly; those and tar files are read one file at a time within limits.
+Times, owners and modes are fixed, so equal files in equal order give an equal archive. The
+compressed bytes depend on zlib.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Protocol
+from typing import IO
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, OutputError
 from worldgen.files.whole import SupportsRead, read_up_to
 
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
@@ -34,16 +34,6 @@ _BLOCK = 512
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # Bytes skipped at a time.
 _PIECE = 1 << 20
-
-
-class ArchiveWriter(Protocol):
-    """An archive that grows file by file."""
-
-    def add(self, name: str, data: bytes) -> None:
-        """Append a file."""
-
-    def close(self) -> None:
-        """Write the end of the archive."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +69,18 @@ class Member:
         return data
 
 
-class _Zip:
+class ZipWriter:
+    """A zip file that grows file by file.
+
+    Args:
+        stream: Stream to write to.
+    """
+
     def __init__(self, stream: IO[bytes]) -> None:
         self._zip = zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=_LEVEL)
 
     def add(self, name: str, data: bytes) -> None:
+        """Append a file."""
         entry = zipfile.ZipInfo(name, _FIRST_DAY)
         entry.compress_type = zipfile.ZIP_DEFLATED
         entry.create_system = 3
@@ -91,35 +88,8 @@ class _Zip:
         self._zip.writestr(entry, data, compresslevel=_LEVEL)
 
     def close(self) -> None:
+        """Write the end of the archive."""
         self._zip.close()
-
-
-class _Tar:
-    """A plain tar file, and its compressor, if any."""
-
-    def __init__(
-        self, stream: IO[bytes] | gzip.GzipFile | bz2.BZ2File, *, compresses: bool
-    ) -> None:
-        self._stream = stream
-        self._compresses = compresses
-        self._size = 0
-
-    def add(self, name: str, data: bytes) -> None:
-        entry = tarfile.TarInfo(name)
-        entry.size = len(data)
-        entry.mode = _MODE
-        self._write(entry.tobuf(tarfile.USTAR_FORMAT, "utf-8", "strict"))
-        self._write(data + bytes(-len(data) % _BLOCK))
-
-    def close(self) -> None:
-        end = 2 * _BLOCK
-        self._write(bytes(end + -(self._size + end) % tarfile.RECORDSIZE))
-        if self._compresses:
-            self._stream.close()
-
-    def _write(self, data: bytes) -> None:
-        self._stream.write(data)
-        self._size += len(data)
 
 
 def is_archive(path: Path) -> bool:
@@ -127,24 +97,19 @@ def is_archive(path: Path) -> bool:
     return path.name.lower().endswith(ENDINGS)
 
 
-def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
-    """Return a writer for the archive format of the path's suffix.
+def check_written(path: Path) -> None:
+    """Refuse to write an archive that isn't a zip file.
 
-    Args:
-        path: Path; only its suffix matters.
-        stream: Stream to write to.
+    Raises:
+        OutputError: If the name is that of another archive.
     """
-    name = path.name.lower()
-    if name.endswith(".zip"):
-        return _Zip(stream)
-    if name.endswith((".gz", ".tgz")):
-        packed = gzip.GzipFile(
-            filename="", mode="wb", compresslevel=_LEVEL, fileobj=stream, mtime=0
+    if is_archive(path) and path.suffix.lower() != ".zip":
+        raise OutputError(
+            "unknown-format",
+            "{path}: worldgen reads such archives, and writes .zip",
+            "choose a name that ends in .zip",
+            path=path,
         )
-        return _Tar(packed, compresses=True)
-    if name.endswith(".bz2"):
-        return _Tar(bz2.BZ2File(stream, "wb"), compresses=True)
-    return _Tar(stream, compresses=False)
 
 
 @contextlib.contextmanager

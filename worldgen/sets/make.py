@@ -77,7 +77,7 @@ def make_set(
 
     Args:
         plan: Contents of the set.
-        out: A folder, or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
+        out: A folder, or a file that ends in ``.zip``.
         workers: Number of processes; the bytes are the same for any number. A search uses only this
             process.
         force: True to replace what exists.

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 from worldgen.errors import OutputError
-from worldgen.files.archives import is_archive, writer_for
+from worldgen.files.archives import ZipWriter, check_written, is_archive
 from worldgen.files.whole import refused_writes
 from worldgen.sets.journal import Journal
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manifest
@@ -22,8 +22,10 @@ def store_for(out: Path) -> SetFolder:
     """Return an archive if the name is an archive's, otherwise a folder.
 
     Raises:
-        OutputError: If a folder has an archive's name, or a file a folder's.
+        OutputError: If a folder has an archive's name, or a file a folder's; or if the archive
+            isn't a zip file.
     """
+    check_written(out)
     if is_archive(out):
         if out.is_dir():
             raise OutputError(
@@ -37,7 +39,7 @@ def store_for(out: Path) -> SetFolder:
         raise OutputError(
             "is-a-file",
             "{out} is a file",
-            "choose a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
+            "choose a folder for more than one world, or a .zip",
             out=out,
         )
     return SetFolder(out)
@@ -211,7 +213,7 @@ class SetArchive(SetFolder):
         # Pack into a temporary file and rename it, so that a reader never sees half an archive.
         with refused_writes(self._archive):
             with packed.open("wb") as stream:
-                archive = writer_for(self._archive, stream)
+                archive = ZipWriter(stream)
                 archive.add(MANIFEST, b"".join((manifest.first, *manifest.lines)))
                 for entry in manifest.entries:
                     archive.add(entry.file, self._bytes_of(entry))
