@@ -149,7 +149,10 @@ class Raster:
             (bounds[:, :2] >= 0).all(axis=1) & (bounds[:, 2:] <= (width, height)).all(axis=1)
         )
         pieces[across] = shapely.intersection(pieces[across], grid)
-        pieces = _halved(pieces[~shapely.is_empty(pieces)])
+        pieces = pieces[~shapely.is_empty(pieces)]
+        # Refuse what is sure to cost too much before it is cut: a star of many rays took 16 s.
+        self._check(_CORNER * _rows_of_sides(pieces))
+        pieces = _halved(pieces)
         bounds = shapely.bounds(pieces)
         lows = np.floor(bounds[:, 1] + 0.0).astype(np.int64).clip(0, height)
         highs = np.ceil(bounds[:, 3]).astype(np.int64).clip(0, height)
@@ -219,8 +222,11 @@ class Raster:
         return slice(first, max(last, first)), slice(begin, max(end, begin))
 
     def _spend(self, work: int) -> None:
+        self._check(work)
         self._painted += work
-        if self._painted > _MOST_PAINTED:
+
+    def _check(self, work: int) -> None:
+        if self._painted + work > _MOST_PAINTED:
             raise InvalidWorld(
                 "too-large", "the obstacles take too many cells", "use a larger cell_size"
             )
@@ -245,6 +251,18 @@ def _prepared(points: Floats) -> Any:
             )
         shape = shapely.make_valid(shape)
     return shape
+
+
+def _rows_of_sides(shapes: Any) -> int:
+    """Return how many whole rows the sides of polygons span together.
+
+    In each of these rows a side has a corner, however the polygons are cut into rows.
+    """
+    import shapely
+
+    points, ring = shapely.get_coordinates(shapely.get_rings(shapes), return_index=True)
+    rows = np.floor(np.abs(np.diff(points[:, 1])))
+    return int(rows[np.diff(ring) == 0].sum())
 
 
 def _halved(shapes: Any) -> Any:

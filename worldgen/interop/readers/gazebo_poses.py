@@ -162,27 +162,24 @@ def numbers(element: XmlElement, count: int) -> list[Fraction]:
             line=element.line,
         )
     if len(words) != count or not all(map(DECIMAL.fullmatch, words)):
-        raise FormatError(
-            "wrong-count",
-            "{name} is {text!q}",
-            "it has {count} numbers",
-            name=f"<{element.name}>",
-            text=element.text.strip()[:80],
-            count=count,
-            line=element.line,
-        )
+        raise _wrong_numbers(element, "wrong-count", "it has {count} numbers", count=count)
     found = [Fraction(word) for word in words]
     if any(abs(value) > _FURTHEST for value in found):
-        raise FormatError(
-            "out-of-range",
-            "{name} is {text!q}",
-            "its numbers are at most {most:g}",
-            name=f"<{element.name}>",
-            text=element.text.strip()[:80],
-            most=_FURTHEST,
-            line=element.line,
-        )
+        rule = "its numbers are at most {most:g}"
+        raise _wrong_numbers(element, "out-of-range", rule, most=_FURTHEST)
     return found
+
+
+def _wrong_numbers(element: XmlElement, code: str, rule: str, **facts: float) -> FormatError:
+    return FormatError(
+        code,
+        "{name} is {text!q}",
+        rule,
+        name=f"<{element.name}>",
+        text=element.text.strip()[:80],
+        line=element.line,
+        **facts,
+    )
 
 
 def own_pose(element: XmlElement) -> tuple[BodyPose, str, int]:

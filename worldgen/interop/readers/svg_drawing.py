@@ -6,24 +6,20 @@ Source: W3C, "Scalable Vector Graphics (SVG) 2", 2018, chapters 5 to 10 and 13; 
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import shapely
-from PIL import ImageColor
 
 from worldgen.errors import FormatError
 from worldgen.interop.format.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.geometry.drawing import (
     NO_LAYER,
-    TURN,
     UNITS,
     Drawing,
     arc_points,
@@ -34,6 +30,24 @@ from worldgen.interop.geometry.drawing import (
 )
 from worldgen.interop.geometry.drawing_options import DrawingOptions
 from worldgen.interop.readers.plan_facts import OwnPlan, own_map, own_plan
+from worldgen.interop.readers.svg_paths import path_lines, rectangle_lines
+from worldgen.interop.readers.svg_styles import INHERITED, PROPERTIES, css_rules, declarations
+from worldgen.interop.readers.svg_values import (
+    ABSOLUTE,
+    INCH,
+    PIXELS,
+    Matrix,
+    all_numbers,
+    attribute_number,
+    attribute_text,
+    parsed_colour,
+    parsed_length,
+    parsed_opacity,
+    placed,
+    shift_matrix,
+    transform_matrix,
+    view_matrix,
+)
 from worldgen.interop.readers.xml_tree import XmlElement, parse_xml
 from worldgen.parameters.bounds import check_between
 from worldgen.support.arrays import Floats
@@ -44,26 +58,6 @@ _MOST_COPIES = 20_000
 _MOST_CLIPS = 5_000
 _MOST_RULES = 3_000
 _MOST_DEPTH = 60
-_CURVE = TURN // 8
-_NUMBER = re.compile(r"[-+]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][-+]?\d++)?")
-_LENGTH = re.compile(rf"\s*+({_NUMBER.pattern})\s*+([a-zA-Z%]*+)\s*+$")
-# CSS's pixels of an inch, and the length of each unit in pixels. Plans to scale also use m.
-_INCH = 96.0
-_PIXELS = {
-    "": 1.0, "px": 1.0, "in": _INCH, "cm": _INCH / 2.54, "mm": _INCH / 25.4, "q": _INCH / 101.6,
-    "pt": _INCH / 72, "pc": _INCH / 6, "m": _INCH / 0.0254, "ft": _INCH * 12,
-}  # fmt: skip
-_ABSOLUTE = ("in", "cm", "mm", "q", "pt", "pc", "m", "ft")
-_TRANSFORM = re.compile(r"(?<![a-zA-Z])([a-zA-Z]++)\s*+\(([^()]*+)\)")
-# A word in quotes, an address or a comment of CSS; the end of the text closes an open one.
-_CSS_WORD = re.compile(
-    r"""(?s)(?P<word>"(?:[^"\\\n]|\\.)*+"?|'(?:[^'\\\n]|\\.)*+'?|url\(\s*+[^"'()\s]++)"""
-    r"""|/\*.*?(?:\*/|\Z)|<!--|-->"""
-)
-_CSS_SIGN = re.compile(r"[{};,!@]|/\*")
-_CSS_TOKEN = re.compile(r"[{};]|[^{};]+")
-_FLAGS = re.compile(r"\s*+,?+\s*+([01])")
-_ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 _GROUPS = ("svg", "g", "a", "switch", "symbol")
 # Shown only where something uses them, or never.
 _UNSHOWN = {
@@ -73,18 +67,8 @@ _UNSHOWN = {
     "meshgradient", "hatch", "solidcolor", "solidColor",
 }  # fmt: skip
 _MOVES = {"animate", "animateTransform", "animateMotion", "set"}
-_INHERITED = (
-    "fill", "stroke", "stroke-width", "fill-opacity", "stroke-opacity", "fill-rule",
-    "stroke-linecap", "stroke-linejoin", "stroke-miterlimit", "visibility", "color", "clip-rule",
-)  # fmt: skip
-_PROPERTIES = frozenset({
-    *_INHERITED, "display", "opacity", "clip-path", "mask", "marker", "marker-start", "marker-mid",
-    "marker-end", "transform", "stroke-dasharray", "vector-effect", "transform-origin",
-})  # fmt: skip
 # Our own plans show the robot and its target, too.
 _OWN_MARKS = frozenset({"target", "robot", "heading", "witness"})
-
-_Matrix = Any
 
 
 @dataclass(frozen=True)
@@ -93,7 +77,7 @@ class _Style:
 
     values: dict[str, str]
     opacity: float = 1.0
-    matrix: _Matrix = field(default_factory=lambda: np.eye(3))
+    matrix: Matrix = field(default_factory=lambda: np.eye(3))
     clip: Any = None
     layers: tuple[str, ...] = ()
 
@@ -143,14 +127,14 @@ class _Reader:
 
     def _read_sheet(self, element: XmlElement) -> None:
         # Programs ignore style sheets in another language.
-        if _text(element, "type").strip().lower() not in ("", "text/css"):
+        if attribute_text(element, "type").strip().lower() not in ("", "text/css"):
             return
-        is_limited = _text(element, "media").strip().lower() not in ("", "all", "screen")
-        for selectors, body in _css_rules(element.text):
+        is_limited = attribute_text(element, "media").strip().lower() not in ("", "all", "screen")
+        for selectors, body in css_rules(element.text):
             if selectors.lower().startswith("@import"):
                 self.drawing.unread("imports of style sheets", ())
                 continue
-            values = _declarations(re.sub("[{}]", ";", body))
+            values = declarations(re.sub("[{}]", ";", body))
             if is_limited or selectors.startswith("@") or "{" in body:
                 if any(values):
                     self.drawing.unread("rules of <style> under a condition", ())
@@ -188,7 +172,7 @@ class _Reader:
         """Return the properties of an element: attributes, style sheets, and its own style."""
         attributes = element.attributes
         values = {
-            name: str(attributes.peek(name)).strip() for name in attributes if name in _PROPERTIES
+            name: str(attributes.peek(name)).strip() for name in attributes if name in PROPERTIES
         }
         classes = set(str(attributes.peek("class", "")).split())
         important: dict[str, str] = {}
@@ -201,19 +185,17 @@ class _Reader:
             ):
                 values.update(rule.values)
                 important.update(rule.important)
-        own, own_important = _declarations(str(attributes.peek("style", "")))
+        own, own_important = declarations(str(attributes.peek("style", "")))
         return {**values, **own, **important, **own_important}
 
     def style(self, element: XmlElement, above: _Style) -> tuple[_Style, dict[str, str]]:
         """Return the style of an element, and its own properties."""
         own = self.own_values(element)
-        inherited = {
-            name: own[name] for name in _INHERITED if own.get(name, "inherit") != "inherit"
-        }
-        matrix = above.matrix @ _transform(own.get("transform", ""))
+        inherited = {name: own[name] for name in INHERITED if own.get(name, "inherit") != "inherit"}
+        matrix = above.matrix @ transform_matrix(own.get("transform", ""))
         style = _Style(
             {**above.values, **inherited},
-            above.opacity * _opacity(own.get("opacity")),
+            above.opacity * parsed_opacity(own.get("opacity")),
             matrix,
             above.clip,
             self._layers(element, above),
@@ -252,22 +234,26 @@ class _Reader:
         if found.attributes.peek("clipPathUnits") == "objectBoundingBox":
             self.drawing.unread("clips in units of their object", style.layers)
             return style
-        inner = replace(style, matrix=style.matrix @ _transform(_text(found, "transform")))
+        inner = replace(
+            style, matrix=style.matrix @ transform_matrix(attribute_text(found, "transform"))
+        )
         shapes = []
         for child in found.children:
             own_style, _ = self.style(child, replace(inner, clip=None, layers=()))
             drawn = child
             if child.name == "use":
-                other = self._referred(_text(child, "href") or _text(child, "xlink:href"))
+                other = self._referred(
+                    attribute_text(child, "href") or attribute_text(child, "xlink:href")
+                )
                 if other is None:
                     continue
-                at = _shift(_number(child, "x"), _number(child, "y"))
+                at = shift_matrix(attribute_number(child, "x"), attribute_number(child, "y"))
                 own_style = replace(own_style, matrix=own_style.matrix @ at)
                 drawn = other
             rings = [ring for ring, _ in self._outline(drawn)]
             area = filled(rings, even_odd=own_style.values.get("clip-rule") == "evenodd")
             if area is not None:
-                shapes.append(_placed(area, own_style.matrix))
+                shapes.append(placed(area, own_style.matrix))
         self.clipping.pop()
         clip = shapely.union_all(shapes) if shapes else shapely.Polygon()
         if style.clip is not None:
@@ -333,22 +319,22 @@ class _Reader:
         return (
             (name in _UNSHOWN and not is_used)
             or ":" in name
-            or (self.is_own and bool(_OWN_MARKS & set(_text(element, "class").split())))
+            or (self.is_own and bool(_OWN_MARKS & set(attribute_text(element, "class").split())))
         )
 
     def _use(self, element: XmlElement, style: _Style, depth: int) -> None:
-        reference = _text(element, "href") or _text(element, "xlink:href")
+        reference = attribute_text(element, "href") or attribute_text(element, "xlink:href")
         found = self._referred(reference)
         if found is None:
             if reference and not reference.startswith("#"):
                 self.drawing.unread("uses of other files", style.layers)
             return
-        at = _shift(_number(element, "x"), _number(element, "y"))
+        at = shift_matrix(attribute_number(element, "x"), attribute_number(element, "y"))
         values = {**style.values, "-use": "1"}
         if found.name in ("symbol", "svg"):
             for side in ("width", "height"):
                 if element.attributes.peek(side) is not None:
-                    values[f"-{side}"] = _text(element, side)
+                    values[f"-{side}"] = attribute_text(element, side)
         self.uses += 1
         self.walk(found, replace(style, matrix=style.matrix @ at, values=values), depth + 1)
         self.uses -= 1
@@ -356,31 +342,38 @@ class _Reader:
     def _viewport(self, element: XmlElement, style: _Style, above: _Style) -> _Style:
         """Return the style inside a nested <svg> or a <symbol>."""
         sizes = [
-            _length(above.values.get(f"-{side}") or _text(element, side) or "100%")
+            parsed_length(above.values.get(f"-{side}") or attribute_text(element, side) or "100%")
             for side in ("width", "height")
         ]
         values = {key: value for key, value in style.values.items() if key[:1] != "-"}
         x, y = (
             (0.0, 0.0)
             if element.name == "symbol"
-            else (_number(element, "x"), _number(element, "y"))
+            else (attribute_number(element, "x"), attribute_number(element, "y"))
         )
-        box = _numbers(_text(element, "viewBox"))
-        matrix = style.matrix @ _shift(x, y)
+        box = all_numbers(attribute_text(element, "viewBox"))
+        matrix = style.matrix @ shift_matrix(x, y)
         clip = style.clip
-        pixels = [value * _PIXELS[unit] if unit in _PIXELS else None for value, unit in sizes]
+        pixels = [value * PIXELS[unit] if unit in PIXELS else None for value, unit in sizes]
         inside = np.eye(3)
         if len(box) == 4 and box[2] > 0 and box[3] > 0:
             pixels = [
                 side if given is None else given
                 for given, side in zip(pixels, box[2:], strict=True)
             ]
-            inside = _view(
-                box, pixels[0] or 0.0, pixels[1] or 0.0, _text(element, "preserveAspectRatio")
+            inside = view_matrix(
+                box,
+                pixels[0] or 0.0,
+                pixels[1] or 0.0,
+                attribute_text(element, "preserveAspectRatio"),
             )
         width, height = pixels
-        if width is not None and height is not None and "visible" not in _text(element, "overflow"):
-            area = _placed(shapely.box(0, 0, width, height), matrix)
+        if (
+            width is not None
+            and height is not None
+            and "visible" not in attribute_text(element, "overflow")
+        ):
+            area = placed(shapely.box(0, 0, width, height), matrix)
             clip = area if clip is None else shapely.intersection(clip, area)
         return replace(style, values=values, matrix=matrix @ inside, clip=clip)
 
@@ -401,10 +394,10 @@ class _Reader:
                     [line for line, _ in lines], even_odd=style.values.get("fill-rule") == "evenodd"
                 )
                 if area is not None:
-                    self._add(_placed(area, style.matrix), style, darkness, alpha)
+                    self._add(placed(area, style.matrix), style, darkness, alpha)
         darkness, alpha = self._paint(style, "stroke", "none")
-        value, unit = _length(style.values.get("stroke-width", "1"))
-        width = value * _PIXELS.get(unit, 0.0 if unit else 1.0)
+        value, unit = parsed_length(style.values.get("stroke-width", "1"))
+        width = value * PIXELS.get(unit, 0.0 if unit else 1.0)
         if unit == "%" and self.drawing.page:
             left, low, right, high = self.drawing.page
             width = value / 100 * math.hypot(right - left, high - low) / math.sqrt(2)
@@ -430,7 +423,7 @@ class _Reader:
         join: Literal["round", "bevel", "mitre"] = joins.get(
             style.values.get("stroke-linejoin", ""), "mitre"
         )
-        limit = _length(style.values.get("stroke-miterlimit", "4"))[0] or 4.0
+        limit = parsed_length(style.values.get("stroke-miterlimit", "4"))[0] or 4.0
         is_fixed = effect == "non-scaling-stroke"
         if is_fixed:
             width /= self.page_scale
@@ -459,7 +452,7 @@ class _Reader:
                 join_style=join,
                 mitre_limit=max(limit, 1.0),
             )
-            self._add(area if is_fixed else _placed(area, style.matrix), style, *paint)
+            self._add(area if is_fixed else placed(area, style.matrix), style, *paint)
 
     def _add(self, area: Any, style: _Style, darkness: float, alpha: float) -> None:
         """Add a painted area: dark is a wall, opaque and light is floor, anything else a tint."""
@@ -473,7 +466,7 @@ class _Reader:
     def _paint(self, style: _Style, name: str, default: str) -> tuple[float, float]:
         """Return the darkness of a fill or stroke on white, and how opaque it is."""
         word = style.values.get(name, default).strip()
-        alpha = style.opacity * _opacity(style.values.get(f"{name}-opacity"))
+        alpha = style.opacity * parsed_opacity(style.values.get(f"{name}-opacity"))
         if word.lower() in ("none", "transparent") or alpha == 0.0:
             return 0.0, 0.0
         if word.lower() == "currentcolor":
@@ -481,7 +474,7 @@ class _Reader:
         if word.startswith("url("):
             # A pattern or a gradient; a fallback after it does not matter.
             return (alpha, alpha) if self._referred(word) is not None else (0.0, 0.0)
-        luma, own_alpha = _colour(word)
+        luma, own_alpha = parsed_colour(word)
         alpha *= own_alpha
         return alpha * (1.0 - luma), alpha
 
@@ -507,7 +500,7 @@ class _Reader:
         }
         kind = element.name
         if kind == "rect":
-            return _rectangle(element, number)
+            return rectangle_lines(element, number)
         if kind in ("circle", "ellipse"):
             radii = (number["r"],) * 2 if kind == "circle" else (number["rx"], number["ry"])
             if min(radii) <= 0:
@@ -519,16 +512,16 @@ class _Reader:
             ends = [[number["x1"], number["y1"]], [number["x2"], number["y2"]]]
             return [(np.array(ends), False)]
         if kind in ("polyline", "polygon"):
-            values = _numbers(_text(element, "points"))
+            values = all_numbers(attribute_text(element, "points"))
             points = np.array(values[: len(values) // 2 * 2], np.float64).reshape(-1, 2)
             return [(points, kind == "polygon")] if len(points) else []
-        return list(_path(element)) if kind == "path" else []
+        return list(path_lines(element)) if kind == "path" else []
 
     def _measure(self, element: XmlElement, name: str) -> float:
         text = element.attributes.peek(name)
         if text is None:
             return 0.0
-        value, unit = _length(str(text))
+        value, unit = parsed_length(str(text))
         if unit == "%" and self.drawing.page is not None:
             left, low, right, high = self.drawing.page
             across, along = right - left, high - low
@@ -536,7 +529,7 @@ class _Reader:
             return (
                 value / 100 * (math.hypot(across, along) / math.sqrt(2) if name == "r" else whole)
             )
-        return value * _PIXELS.get(unit, 1.0)
+        return value * PIXELS.get(unit, 1.0)
 
 
 def read_svg_drawing(
@@ -605,10 +598,10 @@ def _own_facts(root: XmlElement) -> OwnPlan | None:
 
 def _set_page(reader: _Reader, root: XmlElement) -> None:
     """Find the part of the drawing that is shown, and the length of its unit."""
-    box = _numbers(_text(root, "viewBox"))
-    sizes = [_length(_text(root, side) or "100%") for side in ("width", "height")]
+    box = all_numbers(attribute_text(root, "viewBox"))
+    sizes = [parsed_length(attribute_text(root, side) or "100%") for side in ("width", "height")]
     drawing = reader.drawing
-    pixels = [value * _PIXELS[unit] if unit in _PIXELS else None for value, unit in sizes]
+    pixels = [value * PIXELS[unit] if unit in PIXELS else None for value, unit in sizes]
     if len(box) == 4 and box[2] > 0 and box[3] > 0:
         drawing.page = (box[0], box[1], box[0] + box[2], box[1] + box[3])
         scales = [
@@ -620,337 +613,16 @@ def _set_page(reader: _Reader, root: XmlElement) -> None:
         width, height = pixels
         if width and height and width > 0 and height > 0:
             drawing.page = (0.0, 0.0, width, height)
-        scales = [1.0] if all(unit in _ABSOLUTE for _, unit in sizes) else []
+        scales = [1.0] if all(unit in ABSOLUTE for _, unit in sizes) else []
     if scales:
         reader.page_scale = min(scales)
-    if scales and all(
-        unit in _ABSOLUTE or pixels[at] is None for at, (_, unit) in enumerate(sizes)
-    ):
+    if scales and all(unit in ABSOLUTE or pixels[at] is None for at, (_, unit) in enumerate(sizes)):
         # A unit of exactly 1 mm stays exact.
-        value, unit = next(size for size in sizes if size[1] in _ABSOLUTE)
-        drawing.unit = min(scales) * 0.0254 / _INCH
+        value, unit = next(size for size in sizes if size[1] in ABSOLUTE)
+        drawing.unit = min(scales) * 0.0254 / INCH
         if len(box) == 4 and unit in UNITS:
-            at = next(at for at, size in enumerate(sizes) if size[1] in _ABSOLUTE)
+            at = next(at for at, size in enumerate(sizes) if size[1] in ABSOLUTE)
             exactly = value * UNITS[unit] / box[2 + at]
             if math.isclose(exactly, drawing.unit, rel_tol=1e-6):
                 drawing.unit = float(f"{exactly:.12g}")
         drawing.unit_from = "the page's width and height"
-
-
-def _css_rules(text: str) -> Iterator[tuple[str, str]]:
-    """Yield what is before the braces of each rule of a style sheet, and what is in them.
-
-    A rule such as ``@import``, which has no braces, has no body.
-    """
-    before: list[str] = []
-    body: list[str] = []
-    depth = 0
-    for token in _CSS_TOKEN.findall(_without_css_comments(text)):
-        is_end = token == "}" and depth == 1
-        if token == ";" and not depth and before:
-            is_end = before[0].lstrip().startswith("@")
-        if is_end:
-            yield "".join(before).strip(), "".join(body)
-            before, body, depth = [], [], 0
-        elif token == "{" and not depth:
-            depth = 1
-        else:
-            (body if depth else before).append(token)
-            if depth and token in "{}":
-                depth += 1 if token == "{" else -1
-    # The end of the sheet closes what is open.
-    if before:
-        yield "".join(before).strip(), "".join(body)
-
-
-def _without_css_comments(text: str) -> str:
-    """Return CSS without comments, and without words whose signs would look like CSS."""
-
-    def kept(found: re.Match[str]) -> str:
-        word = found["word"] or ""
-        return '""' if _CSS_SIGN.search(word) else word
-
-    return _CSS_WORD.sub(kept, text)
-
-
-def _declarations(text: str) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the properties of a style that matter here, and those that are ``!important``."""
-    values: dict[str, str] = {}
-    important: dict[str, str] = {}
-    for word in _without_css_comments(text).split(";"):
-        name, colon, value = word.partition(":")
-        name = name.strip().lower()
-        if colon and name in _PROPERTIES:
-            value, mark, _ = value.partition("!")
-            (important if mark else values)[name] = value.strip()
-    return values, important
-
-
-def _text(element: XmlElement, name: str) -> str:
-    return str(element.attributes.peek(name, ""))
-
-
-def _number(element: XmlElement, name: str) -> float:
-    value, unit = _length(_text(element, name) or "0")
-    return value * _PIXELS.get(unit, 1.0)
-
-
-def _numbers(text: str) -> list[float]:
-    return [float(word) for word in _NUMBER.findall(text)]
-
-
-def _length(text: str) -> tuple[float, str]:
-    """Return a number and its unit in lower case; 0 for what is neither."""
-    match = _LENGTH.match(text)
-    return (float(match[1]), match[2].lower()) if match else (0.0, "")
-
-
-def _opacity(text: str | None) -> float:
-    if text is None:
-        return 1.0
-    value, unit = _length(text)
-    return min(max(value / 100 if unit == "%" else value, 0.0), 1.0)
-
-
-def _colour(word: str) -> tuple[float, float]:
-    """Return the luma and the opacity of a colour, 0 to 1; what is unknown is black."""
-    match = re.fullmatch(r"rgba?\(([^()]*)\)", word.strip().lower())
-    try:
-        if match:
-            parts = [part for part in re.split(r"[\s,/]+", match[1].strip()) if part]
-            levels = [
-                float(part[:-1]) / 100
-                if part.endswith("%")
-                else float(part) / (255 if at < 3 else 1)
-                for at, part in enumerate(parts)
-            ]
-            red, green, blue, *more = levels
-            alpha = more[0] if more else 1.0
-        else:
-            red, green, blue, *rest = (level / 255 for level in ImageColor.getrgb(word.strip()))
-            alpha = rest[0] if rest else 1.0
-    except ValueError:
-        return 0.0, 1.0
-    luma = 0.299 * red + 0.587 * green + 0.114 * blue
-    return min(max(luma, 0.0), 1.0), min(max(alpha, 0.0), 1.0)
-
-
-def _shift(x: float, y: float) -> _Matrix:
-    return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
-
-
-def _view(box: list[float], width: float, height: float, aspect: str) -> _Matrix:
-    """Return the transform of a view box into a viewport of this size."""
-    scales = [width / box[2], height / box[3]]
-    words = aspect.split()
-    if words[:1] != ["none"]:
-        scales = [max(scales) if "slice" in words else min(scales)] * 2
-    word = words[0] if words else "xMidYMid"
-    shares = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
-    free = [width - box[2] * scales[0], height - box[3] * scales[1]]
-    x = free[0] * shares.get(word[1:4], 0.5) - box[0] * scales[0]
-    y = free[1] * shares.get(word[5:8], 0.5) - box[1] * scales[1]
-    return np.array([[scales[0], 0.0, x], [0.0, scales[1], y], [0.0, 0.0, 1.0]])
-
-
-def _transform(text: str) -> _Matrix:
-    """Return the matrix of a transform attribute."""
-    matrix = np.eye(3)
-    for name, words in _TRANSFORM.findall(text):
-        values = []
-        for number, unit in re.findall(rf"({_NUMBER.pattern})\s*([a-zA-Z%]*)", words):
-            values.append(
-                float(number)
-                * (_PIXELS.get(unit.lower(), 1.0) if name.startswith("translate") else 1.0)
-            )
-        kind = name.lower()
-        one = np.eye(3)
-        if kind == "matrix" and len(values) == 6:
-            one[:2] = np.array(values).reshape(3, 2).T
-        elif kind in ("translate", "translatex", "translatey") and values:
-            x, y = (values[0], values[1] if len(values) > 1 else 0.0)
-            one = _shift(*((0.0, x) if kind == "translatey" else (x, y)))
-        elif kind == "scale" and values:
-            one[0, 0], one[1, 1] = values[0], values[-1]
-        elif kind in ("scalex", "scaley") and values:
-            one["xy".index(kind[-1]), "xy".index(kind[-1])] = values[0]
-        elif kind == "rotate" and values:
-            one = _rotation(values[0])
-            if len(values) == 3:
-                one = _shift(*values[1:]) @ one @ _shift(-values[1], -values[2])
-        elif kind == "skewx" and values:
-            one[0, 1] = math.tan(math.radians(values[0]))
-        elif kind == "skewy" and values:
-            one[1, 0] = math.tan(math.radians(values[0]))
-        matrix = matrix @ one
-    return matrix
-
-
-def _rotation(degrees: float) -> _Matrix:
-    """Return a rotation, exact for quarter turns."""
-    quarters = degrees / 90.0
-    if quarters.is_integer():
-        cos, sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters) % 4]
-    else:
-        cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _placed(shape: Any, matrix: _Matrix) -> Any:
-    """Return a shape after a transform."""
-    if (matrix == np.eye(3)).all():
-        return shape
-    with np.errstate(all="ignore"):
-        return shapely.transform(shape, lambda xy: xy @ matrix[:2, :2].T + matrix[:2, 2])
-
-
-def _rectangle(element: XmlElement, number: dict[str, float]) -> list[tuple[Floats, bool]]:
-    x, y, width, height = (number[name] for name in ("x", "y", "width", "height"))
-    if width <= 0 or height <= 0:
-        return []
-    given = [element.attributes.peek(name) not in (None, "auto") for name in ("rx", "ry")]
-    rx, ry = number["rx"] if given[0] else number["ry"], number["ry"] if given[1] else number["rx"]
-    rx, ry = min(rx, width / 2), min(ry, height / 2)
-    corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
-    if rx <= 0 or ry <= 0:
-        return [(np.array(corners), True)]
-    centres = [
-        (x + rx, y + ry),
-        (x + width - rx, y + ry),
-        (x + width - rx, y + height - ry),
-        (x + rx, y + height - ry),
-    ]
-    quarters = [
-        arc_points(centre, (rx, ry), 0.0, math.pi + at * math.pi / 2, math.pi / 2)
-        for at, centre in enumerate(centres)
-    ]
-    return [(np.vstack(quarters), True)]
-
-
-def _path(element: XmlElement) -> Iterator[tuple[Floats, bool]]:
-    """Yield the subpaths of path data, and whether each is closed.
-
-    Like a browser, this draws a path up to its first error.
-    """
-    text = _text(element, "d")
-    if re.search(r"nan|inf", text, re.IGNORECASE):
-        raise FormatError(
-            "not-a-number",
-            "a path has a coordinate that is not a number",
-            "delete it",
-            line=element.line,
-        )
-    line: list[Any] = []
-    here = np.zeros(2)
-    begin = np.zeros(2)
-    control: Any = None
-    previous = ""
-    for command, values in _commands(text):
-        kind = command.upper()
-        base = here if command.islower() else np.zeros(2)
-        if kind == "M":
-            if line:
-                yield np.vstack(line), False
-            here = begin = base + values
-            line = [here]
-        elif kind == "Z":
-            if line:
-                yield np.vstack(line), True
-            here, line = begin, []
-        else:
-            line = line or [here]
-            if kind == "H":
-                end = np.array([base[0] + values[0], here[1]])
-                points: Any = [end]
-            elif kind == "V":
-                end = np.array([here[0], base[1] + values[0]])
-                points = [end]
-            elif kind == "A":
-                end = base + values[5:]
-                points = _svg_arc(here, end, values)
-            else:
-                given = [base + values[at : at + 2] for at in range(0, len(values), 2)]
-                if kind in ("S", "T"):
-                    kinds = ("C", "S") if kind == "S" else ("Q", "T")
-                    given = [2 * here - control if previous in kinds else here, *given]
-                end = given[-1]
-                if kind == "L":
-                    points = [end]
-                else:
-                    control = given[-2]
-                    points = _bezier([here, *given])
-            line.extend(points)
-            here = end
-        previous = kind
-    if line:
-        yield np.vstack(line), False
-
-
-def _commands(text: str) -> Iterator[tuple[str, Any]]:
-    """Yield the commands of path data with their numbers, up to the first error."""
-    at = 0
-    command = ""
-    space = re.compile(r"[\s,]*")
-    while True:
-        at = space.match(text, at).end()  # type: ignore[union-attr]
-        if at >= len(text):
-            return
-        if text[at].upper() in _ARGUMENTS:
-            command = text[at]
-            at += 1
-            if command in "Zz":
-                yield command, np.zeros(0)
-                continue
-        elif command in ("", "Z", "z"):
-            return
-        values = []
-        for index in range(_ARGUMENTS[command.upper()]):
-            # Flags of an arc may be written without a space between them.
-            pattern = _FLAGS if command in "Aa" and index in (3, 4) else _NUMBER
-            if pattern is _NUMBER:
-                at = space.match(text, at).end()  # type: ignore[union-attr]
-            match = pattern.match(text, at)
-            if match is None:
-                return
-            values.append(float(match[match.lastindex or 0]))
-            at = match.end()
-        yield command, np.array(values)
-        # More pairs after a move are lines.
-        command = {"M": "L", "m": "l"}.get(command, command)
-
-
-def _bezier(points: list[Any]) -> list[Any]:
-    share = np.linspace(0.0, 1.0, _CURVE + 1)[1:, None]
-    corners = [np.asarray(point)[None, :] for point in points]
-    while len(corners) > 1:
-        corners = [a + (b - a) * share for a, b in itertools.pairwise(corners)]
-    return list(corners[0])
-
-
-def _svg_arc(begin: Any, end: Any, values: Any) -> list[Any]:
-    """Return the points of an arc after its begin (SVG 2, appendix B.2.4)."""
-    rx, ry, degrees, large, sweep = (float(value) for value in values[:5])
-    rx, ry = abs(rx), abs(ry)
-    if rx == 0 or ry == 0 or (begin == end).all():
-        return [end]
-    tilt = math.radians(degrees)
-    turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
-    x, y = turn @ ((begin - end) / 2)
-    grown = (x / rx) ** 2 + (y / ry) ** 2
-    if grown > 1:
-        rx, ry = rx * math.sqrt(grown), ry * math.sqrt(grown)
-    part = (rx * ry) ** 2 - (rx * y) ** 2 - (ry * x) ** 2
-    part = math.sqrt(max(part, 0.0) / ((rx * y) ** 2 + (ry * x) ** 2))
-    if bool(large) == bool(sweep):
-        part = -part
-    middle = np.array([part * rx * y / ry, -part * ry * x / rx])
-    first = math.atan2((y - middle[1]) / ry, (x - middle[0]) / rx)
-    last = math.atan2((-y - middle[1]) / ry, (-x - middle[0]) / rx)
-    angle = last - first
-    if sweep and angle < 0:
-        angle += math.tau
-    if not sweep and angle > 0:
-        angle -= math.tau
-    centre = turn.T @ middle + (begin + end) / 2
-    points = arc_points((centre[0], centre[1]), (rx, ry), tilt, first, angle)
-    return [*points[1:-1], end]
