@@ -222,6 +222,15 @@ def test_what_all_compressed_parts_become_is_bounded_by_the_size_of_the_bag(
 
 @pytest.mark.gate
 @needs_rosbags
+def test_an_mcap_of_other_programs_is_not_called_damaged(tmp_path):
+    path = write_bag(tmp_path / "run", drive())
+    path.write_bytes(path.read_bytes().replace(b"ros2", b"json", 1))
+    with raises(FormatError, "unsupported", profile="json"):
+        read_bag(path)
+
+
+@pytest.mark.gate
+@needs_rosbags
 def test_the_list_and_the_files_of_a_bag_are_checked_before_they_are_opened(tmp_path):
     path = write_bag(tmp_path / "run", drive(), "db3")
     database = next(path.glob("*.db3"))

@@ -34,7 +34,8 @@ _METADATA = "metadata.yaml"
 
 _MCAP = b"\x89MCAP0\r\n"
 _ZSTD = b"\x28\xb5\x2f\xfd"
-# The kind of MCAP's record that holds other records, compressed.
+# Kinds of MCAP's records: the first, and the one that holds other records, compressed.
+_HEADER = 1
 _CHUNK = 6
 # The most that compressed parts become: chunks and messages, and files, bytes.
 _MOST_OF_A_CHUNK = 1 << 29
@@ -417,6 +418,8 @@ def _check_chunks(stream: IO[bytes], size: int, unpacking: _Unpacking) -> None:
                 "the bag ends in the middle of a record: its recording was cut off",
                 "repair it with mcap recover",
             )
+        if kind == _HEADER:
+            _check_profile(stream.read(min(length, 64)))
         if kind == _CHUNK:
             unpacked, _, named = struct.unpack("<QII", stream.read(32)[16:])
             compression = stream.read(min(named, 8)).decode("ascii", "replace")
@@ -427,6 +430,20 @@ def _check_chunks(stream: IO[bytes], size: int, unpacking: _Unpacking) -> None:
             if not is_true:
                 raise _too_large(_MOST_OF_A_CHUNK)
         at += 9 + length
+
+
+def _check_profile(header: bytes) -> None:
+    """Refuse an MCAP file whose messages are not those of ROS 2, by the begin of its header."""
+    (length,) = struct.unpack("<I", header[:4])
+    profile = header[4 : 4 + length].decode("utf-8", "replace")
+    if profile != "ros2":
+        raise FormatError(
+            "unsupported",
+            "is an MCAP file with the profile {profile!q}; only messages of ROS 2 are read, no JSON and "
+            "no Protobuf",
+            "convert it to a bag of ROS 2, or write its poses to a table t,x,y,heading and audit that",
+            profile=profile[:40],
+        )
 
 
 def _zstd() -> Any:
