@@ -196,7 +196,7 @@ def test_a_target_in_a_closed_room_is_proved_to_be_out_of_reach(page, tmp_path):
     before = page.evaluate("shift")
     drag(page, (12, 3), ROOM)
     page.locator("#change-proof.bad", has_text="blocked").wait_for()
-    page.locator(".legend li", has_text="cut: every gap").wait_for()
+    page.locator("#detail .legend li", has_text="cut: every gap").wait_for()
     assert page.evaluate("shift") == before
     world = saved(page, tmp_path)
     assert (world.target.x, world.target.y) == (1.25, 0.95)
@@ -333,7 +333,7 @@ def test_a_passage_in_which_a_body_cannot_turn_is_closed_by_a_cut_of_poses(brows
         drag(page, (7, 5), (7, 6), size=(12, 12))
         drag(page, (6, 5), (6, 6), size=(12, 12))
         page.locator("#change-proof.bad", has_text="runs of poses").wait_for()
-        page.locator(".legend li", has_text="no heading fits").wait_for()
+        page.locator("#detail .legend li", has_text="no heading fits").wait_for()
         changed = saved(page, tmp_path)
         assert changed.certificate.boxes is not None and check_certificate(changed).valid
         assert outcome(copied(page)) == ""
@@ -348,7 +348,7 @@ def test_waypoints_are_proved_one_after_the_other(browser, tmp_path):
     with failure_in(browser, address, failure) as page:
         begin(page, failure.verdict)
         page.locator("#change-proof.good").wait_for()
-        page.locator(".legend li", has_text="waypoint").wait_for()
+        page.locator("#detail .legend li", has_text="waypoint").wait_for()
         drag(page, (4, 4), (4, 4))
         page.locator("#change-proof.good").wait_for()
         assert check_certificate(saved(page, tmp_path)).valid

@@ -27,7 +27,7 @@ RUNS = {
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "dfe71c5e113cd372",
+        "9babe98a919a1594",
     ),
 }
 

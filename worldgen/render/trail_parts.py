@@ -30,6 +30,11 @@ MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
 # Limit on the marks of one kind; more would hide the map, and overlapping ones merge anyway.
 MOST_DOTS = 400
+# A tangled period is that many times as long as half the outline of its box, and is drawn thinner if it
+# would fill more than a share of that: with this share of its width at least.
+_TANGLE = 4.0
+_FULL = 0.5
+_THINNEST = 0.4
 # Share of the floor's colour in a wall that the robot entered, so that its stripes stand out.
 _LIGHTER = 0.6
 
@@ -39,8 +44,9 @@ def band_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Pr
     mark = MARKS["band"]
     if trail.repeats_from is None or stays_put(trail, frame, robot):
         return []
-    paint = Paint(stroke=colour, width=mark.width * frame.unit, opacity=mark.fill)
-    return [DrawnLine(_thinned(frame.points(trail.loop)), paint)]
+    points = _thinned(frame.points(trail.loop))
+    width = mark.width * frame.unit * _share_of_width(trail, points, frame.unit)
+    return [DrawnLine(points, Paint(stroke=colour, width=width, opacity=mark.fill))]
 
 
 def robot_at(
@@ -92,7 +98,7 @@ def run_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Pri
     points = _thinned(frame.points(trail.points))
     unit = frame.unit
     heads = _heads(
-        points, "trail", colour, unit, max(90.0 * unit, float(arc_length(points)[-1]) / 14)
+        points, "trail", colour, unit, max(90.0 * unit, float(arc_length(points)[-1]) / 6)
     )
     return [*_fading(points, "trail", colour, unit), *heads]
 
@@ -113,8 +119,21 @@ def _repeated(trail: Trail, frame: Frame, robot: Robot, colour: str, name: str) 
     if stays_put(trail, frame, robot):
         return _spot(points[0], robot.inner_radius * frame.scale, colour, unit)
     length = float(arc_length(points)[-1])
-    lines: list[Primitive] = [DrawnLine(points, paint) for paint in MARKS[name].lines(unit, colour)]
+    thin = _share_of_width(trail, points, unit) * unit
+    lines: list[Primitive] = [DrawnLine(points, paint) for paint in MARKS[name].lines(thin, colour)]
     return [*lines, *_heads(points, name, colour, unit, max(length, 1.0))]
+
+
+def _share_of_width(trail: Trail, points: Floats, unit: float) -> float:
+    """Return the share of its width with which a period is drawn that would fill its own box."""
+    if trail.loop_from is None:
+        return 1.0
+    width = MARKS["loop"].width * unit
+    sides = np.ptp(points, axis=0)
+    length = float(arc_length(points)[-1])
+    if length <= _TANGLE * float(sides.sum()):
+        return 1.0
+    return min(1.0, max(_THINNEST, _FULL * float(np.prod(sides + width)) / (length * width)))
 
 
 def body_parts(trail: Trail, frame: Frame, robot: Robot, colour: str) -> list[Primitive]:

@@ -233,8 +233,7 @@ function layers(player, parts) {
     ]),
   );
   const show = (name) => {
-    player.show[name] = parts.layers[name].checked;
-    player.update();
+    player.reveal(name, parts.layers[name].checked);
   };
   const words = (name) => (name === "witness" && drawn.world.cut ? "Cut" : LAYERS[name][0]);
   const boxes = names.map((name) =>

@@ -73,10 +73,7 @@ export function cameraKeys(player) {
  * @returns {Keys}
  */
 export function layerKeys(player) {
-  const toggle = (name) => () => {
-    player.show[name] = !player.show[name];
-    player.update();
-  };
+  const toggle = (name) => () => player.reveal(name, !player.show[name]);
   return Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, toggle(name)]));
 }
 

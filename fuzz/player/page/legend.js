@@ -8,6 +8,7 @@ import { LEGEND, MARKS } from "#player/picture/marks.js";
 import { hasMap } from "#player/picture/memory.js";
 import { drivenIn, staysFrom } from "#player/picture/scene_robots.js";
 import { shortfallOf } from "#player/picture/shortfall.js";
+import { isOnSpot } from "#player/picture/trail.js";
 import { circle, disc, fillMark, palette, robotColour, stroke, strokeMark } from "#player/picture/pen.js";
 
 export const SAMPLE = { width: 26, height: 14 }; // pixels
@@ -16,7 +17,7 @@ export const SAMPLE = { width: 26, height: 14 }; // pixels
 const OWN = new Set(["start", "began", "target", "waypoint", "witness", "approach", "loop", "trail", "end"]);
 
 // Marks that the legend of a small picture explains.
-const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "stay", "blocked", "short", "touched", "pierced", "named", "closes", "opens", "burns"]);
+const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "stay", "spot", "blocked", "short", "touched", "pierced", "named", "closes", "opens", "burns"]);
 
 /** @typedef {{name: string, words: string, number?: number}} LegendItem */
 
@@ -32,7 +33,9 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   const all = run ? [{ run, number: number ?? null }, ...(others ?? [])] : [];
   const loops = all.some((one) => one.run.loop),
     stays = isStill && all.some((one) => staysFrom(one.run) !== null),
-    isNear = isStill && run !== null && all.length === 1 && isShort(world, run);
+    one = isStill && run !== null && all.length === 1 ? drivenIn({ world, run, step: run.steps, number: null, others: [], show: {}, whole: true })[0] : null,
+    isNear = one !== null && shortfallOf(world, one) !== null,
+    isSpot = one !== null && isOnSpot(one);
   /** @type {Record<string, boolean | undefined>} */
   const present = {
     start: !isStill || run === null,
@@ -44,8 +47,9 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     cut: Boolean(world.cut),
     "cut-poses": Boolean(world.cut_poses),
     approach: loops || stays,
-    loop: loops,
-    stay: stays,
+    loop: loops && !isSpot,
+    stay: stays && !isSpot,
+    spot: isSpot,
     trail: !stays && all.some((one) => !one.run.loop),
     ahead: run !== null && !isStill,
     end: run !== null && isStill && !isNear,
@@ -64,12 +68,6 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   };
   const robots = all.length > 1 ? all.map((one) => ({ name: "trail", words: `robot ${one.number}`, number: one.number ?? undefined })) : [];
   return [...robots.sort((a, b) => (a.number ?? 0) - (b.number ?? 0)), ...LEGEND.filter((name) => present[name]).map((name) => ({ name, words: MARKS[name].label ?? "", number: all.length > 1 && OWN.has(name) ? 0 : undefined }))];
-}
-
-// Whether a still picture shows how near the robot gets to its target.
-function isShort(world, run) {
-  const [one] = drivenIn({ world, run, step: run.steps, number: null, others: [], show: {}, whole: true });
-  return shortfallOf(world, one) !== null;
 }
 
 /**
@@ -99,7 +97,7 @@ export const legendOfCells = ({ world, ...drawn }) => listOf(world ? marksOf({ .
  */
 export function legendOfMany(pictures) {
   const marks = new Map(pictures.flatMap(({ world, ...drawn }) => (world ? marksOf({ ...drawn, world, sensors: null }, true) : [])).map((item) => [item.name, { name: item.name, words: MARKS[item.name].label ?? "" }]));
-  return el("details", { class: "legend-part" }, el("summary", {}, "What the marks mean"), listOf(LEGEND.flatMap((name) => marks.get(name) ?? []).filter(({ name }) => MARKS[name].on_cards)));
+  return el("details", { class: "legend-part" }, el("summary", {}, "What the marks mean"), listOf(LEGEND.flatMap((name) => marks.get(name) ?? []).filter(({ name }) => MARKS[name].on_cards && name !== "named")));
 }
 
 /** @param {LegendItem[]} items */

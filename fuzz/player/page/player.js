@@ -61,6 +61,12 @@ export function makePlayer(canvas, drawn, changed) {
       player.draw();
       changed(player);
     },
+    reveal(name, on) {
+      // What the robot senses belongs to a time.
+      if (name === "sensors") player.isOverview = false;
+      player.show[name] = on;
+      player.update();
+    },
   };
   const player = /** @type {Player} */ (own);
   return Object.assign(player, clockOf(player), cameraOf(player));

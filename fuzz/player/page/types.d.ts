@@ -621,6 +621,8 @@ interface Beside {
 interface Player extends Clock, Camera {
   /** Whether it shows the whole run: until a time is chosen. */
   isOverview: boolean;
+  /** Shows or hides a layer. */
+  reveal(name: Layer, on: boolean): void;
   drawn: Drawn;
   canvas: HTMLCanvasElement;
   step: number;

@@ -23,7 +23,7 @@ function headsOn(pen, { x, y }, from, to, size, isOne) {
     lengths.push(lengths[lengths.length - 1] + pen.scale * Math.hypot(x[row] - x[row - 1], y[row] - y[row - 1]));
   const total = lengths[lengths.length - 1];
   if (!(total > 2 * size)) return [];
-  const count = isOne ? 1 : Math.min(MOST, Math.max(1, Math.round(total / Math.max(APART * pen.unit, total / 14))));
+  const count = isOne ? 1 : Math.min(MOST, Math.max(1, Math.round(total / Math.max(APART * pen.unit, total / 6))));
   const step = total / count,
     reach = 0.6 * size;
   /** @type {[number, number, number][]} */

@@ -10,6 +10,9 @@ import { colourOf } from "#player/picture/scene_robots.js";
 
 const RECENT = 300; // rows of a long path, while it plays, that fade
 const MOST_BAND = 3_000; // rows of a period, while it plays, of which the band is still drawn
+const TANGLE = 4; // half outlines of its box that a period is longer than before it counts as tangled
+const FULL = 0.5; // share of its box that a period may fill before it is drawn thinner
+const THINNEST = 0.4; // share of its width
 const SPOT = 3; // units: a smaller period is drawn as a spot
 
 /**
@@ -69,7 +72,7 @@ export function drawBand(pen, one, isWhole) {
   if (entry >= until - 1 || isSpot(pen, one) || (!isWhole && until - entry > MOST_BAND)) return;
   pen.context.globalAlpha = MARKS.band.fill;
   line(pen, open.x, open.y, entry, until);
-  stroke(pen, colourOf(pen, "band", number), MARKS.band.width * pen.unit);
+  stroke(pen, colourOf(pen, "band", number), MARKS.band.width * pen.unit * shareOfWidth(pen, one));
   pen.context.globalAlpha = 1;
 }
 
@@ -84,7 +87,7 @@ export function drawLoop(pen, one, isWhole) {
     name = one.run.loop ? "loop" : "stay",
     { width, casing } = MARKS[name],
     colour = colourOf(pen, name, number),
-    { unit } = pen;
+    unit = pen.unit * shareOfWidth(pen, one);
   if (entry >= until) return;
   if (isWhole && isSpot(pen, one)) {
     drawSpot(pen, open.x[entry], open.y[entry], innerRadius(one), colour);
@@ -100,16 +103,44 @@ export function drawLoop(pen, one, isWhole) {
 }
 
 /**
+ * Returns the share of its width with which a period is drawn that would fill its own box.
+ * @param {Pen} pen
+ * @param {SceneRobot} one
+ * @returns {number}
+ */
+function shareOfWidth({ scale, unit }, { open, entry, run }) {
+  if (!run.loop) return 1;
+  const beyond = Math.min(open.at.length, rowAt(run, run.loop[0] + run.loop[1]) + 1),
+    width = MARKS.loop.width * unit;
+  let length = 0;
+  for (let row = entry + 1; row < beyond; row += 1) length += Math.hypot(open.x[row] - open.x[row - 1], open.y[row] - open.y[row - 1]);
+  const [wide, high] = [extent(open.x, entry, beyond), extent(open.y, entry, beyond)];
+  if (length <= TANGLE * (wide + high)) return 1;
+  const box = (wide * scale + width) * (high * scale + width);
+  return Math.min(1, Math.max(THINNEST, (FULL * box) / (length * scale * width)));
+}
+
+/**
  * Returns whether a period is too small to see as a line.
  * @param {Pen} pen
  * @param {Pick<SceneRobot, "open" | "entry" | "run" | "radius" | "footprint">} one
  * @returns {boolean}
  */
 function isSpot(pen, one) {
-  const { open, entry, run } = one;
+  return spreadOf(one) < Math.max((SPOT * pen.unit) / pen.scale, 0.1 * innerRadius(one));
+}
+
+/**
+ * Returns whether a robot repeats itself on one spot, at any scale.
+ * @param {SceneRobot} one
+ * @returns {boolean}
+ */
+export const isOnSpot = (one) => one.entry < one.open.at.length && spreadOf(one) < 0.1 * innerRadius(one);
+
+// Returns the longer side of the box around what a robot repeats, cells.
+function spreadOf({ open, entry, run }) {
   const beyond = run.loop ? Math.min(open.at.length, rowAt(run, run.loop[0] + run.loop[1]) + 1) : open.at.length;
-  const spread = Math.max(extent(open.x, entry, beyond), extent(open.y, entry, beyond));
-  return spread < Math.max((SPOT * pen.unit) / pen.scale, 0.1 * innerRadius(one));
+  return Math.max(extent(open.x, entry, beyond), extent(open.y, entry, beyond));
 }
 
 function extent(values, from, to) {
