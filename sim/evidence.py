@@ -229,6 +229,12 @@ class FaultEvidence:
     bump: bool | None = None
     robot: int | None = None
 
+    @property
+    def report(self) -> str:
+        """What the program's own report says beyond the error: ``panic: index out of bounds``."""
+        said = ": ".join(filter(None, (self.reason, self.message)))
+        return "" if self.message is None or self.message in (self.error or "") else said
+
 
 Evidence: TypeAlias = (
     ReachedEvidence

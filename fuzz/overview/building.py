@@ -516,10 +516,14 @@ def _with_files(
 
 
 def _fault_of(failure: Failure) -> str:
+    """Return a controller's error with its place: ``mine.py:6: KeyError: 'left'``; may be empty."""
     evidence = failure.evidence
     if not isinstance(evidence, FaultEvidence):
         return ""
-    return ": ".join(filter(None, (evidence.at, evidence.error)))
+    place = evidence.at
+    if place is None and evidence.frames and {"file", "line"} <= evidence.frames[-1].keys():
+        place = f"{evidence.frames[-1]['file']}:{evidence.frames[-1]['line']}"
+    return ": ".join(filter(None, (place, evidence.error, evidence.report)))
 
 
 def _shown(failure: Failure, is_over: Callable[[], bool] | None, *, with_code: bool) -> RunFacts:

@@ -27,6 +27,13 @@ _MOSTLY = 0.8
 _FEWEST_BEFORE = 5
 _FEWEST_AFTER = 10
 
+# The longest step of an estimate, in the robot's fastest: what is added up never jumps, as what is
+# copied from a sense does after a reset.
+_LONGEST = 1.5
+
+# A wall may hold a robot from the start on. Then this many steps must have the same direction, too.
+_FEWEST_SAME = 20
+
 # A robot that moves less than this share of its fastest step hardly moves.
 _MOVES = 0.1
 
@@ -69,7 +76,8 @@ def pose_estimate(world: World, trace: Trace, numbers: Mapping[str, Floats]) -> 
     """Return the estimate of its position that a robot keeps, if it departs from the true one.
 
     Two numbers next to each other are an estimate if they begin at the robot's start, or at zero,
-    and their steps are as long as the robot's, before and after they are off.
+    and their steps are as long as the robot's where no wall holds it, before and after they are
+    off.
 
     Args:
         world: World of the run.
@@ -102,7 +110,10 @@ def _of_pair(world: World, trace: Trace, own: Floats, lag: int) -> PoseEstimate 
     farthest = world.robot_speed * trace.time_step
     length = np.hypot(*np.diff(true))
     free = (length > _MOVES * farthest) & ~(touches[1:] | touches[:-1])
-    alike = np.abs(np.hypot(*np.diff(own)) - length) <= _ALIKE * length
+    reckoned = np.hypot(*np.diff(own))
+    if reckoned.max() > _LONGEST * farthest:
+        return None
+    alike = np.abs(reckoned - length) <= _ALIKE * length
     limit = max(world.robot_radius, _STEPS_OFF * farthest)
 
     # Follow the error from the start on.
@@ -112,15 +123,18 @@ def _of_pair(world: World, trace: Trace, own: Floats, lag: int) -> PoseEstimate 
         if off[-1] <= limit:
             continue
         since = int(np.argmax(off > limit))
+        change = np.diff(error)
+        same = (np.hypot(*change) <= _ALIKE * length)[free]
         before = alike[:since][free[:since]]
         after = alike[since:][free[since:]]
-        if len(before) < _FEWEST_BEFORE or len(after) < _FEWEST_AFTER:
+        begins = len(before) >= _FEWEST_BEFORE and before.mean() >= _MOSTLY
+        if not begins and (len(same) < _FEWEST_SAME or same.mean() < _MOSTLY):
             continue
-        if min(before.mean(), after.mean()) < _MOSTLY:
+        if len(after) < _FEWEST_AFTER or after.mean() < _MOSTLY:
             continue
         # What comes from steps at walls, along the error that is left at the end.
-        change = error[:, -1] @ np.diff(error) / off[-1] ** 2
-        share = float(change[touches[1:] | touches[:-1]].sum())
+        along = error[:, -1] @ change / off[-1] ** 2
+        share = float(along[touches[1:] | touches[:-1]].sum())
         return PoseEstimate(("", ""), since + first, float(off[-1]), share)
     return None
 

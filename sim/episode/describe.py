@@ -210,6 +210,9 @@ def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
     answer = "" if fault.answer is None else f", answer {fault.answer!r}"
     partly = "" if fault.unfinished is None else f", but {fault.unfinished!r} without newline"
     said = f"; stderr: {fault.stderr[-1]}" if fault.stderr else ""
+    # The last line of a report may be a hint.
+    if fault.message and fault.report and fault.message not in said:
+        said = f"; stderr: {fault.report}"
     flush = "; does it flush its output?" if verdict == Verdict.HANG and fault.step == 1 else ""
     remedy = f"; {fault.remedy}" if fault.remedy else ""
     return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}{remedy}"

@@ -218,6 +218,32 @@ def overview_of(best, found, known=None, executor=None, seconds=None):
     return build_overview(config, state, conclusion, natural=False, executor=executor)
 
 
+@pytest.mark.parametrize(
+    ("evidence", "fault"),
+    [
+        (
+            {
+                "error": "exit code 101",
+                "reason": "panic",
+                "message": "index out of bounds",
+                "frames": [{"file": "mine.rs", "line": 18}],
+            },
+            "mine.rs:18: exit code 101: panic: index out of bounds",
+        ),
+        (
+            {"error": "ValueError: too far", "message": "too far", "at": "mine.py:9"},
+            "mine.py:9: ValueError: too far",
+        ),
+        ({"error": "killed by SIGSEGV", "signal": "SIGSEGV"}, "killed by SIGSEGV"),
+    ],
+)
+def test_a_fault_has_its_place_and_what_the_program_reports(evidence, fault):
+    found = found_by("Still").without("cause")
+    crash = replace(found, record=replace(found.record, verdict="crash", evidence=evidence))
+    ((row,), _) = with_worlds(causes_of([crash], {}), lambda _: [crash], most=0)
+    assert row.fault == fault
+
+
 class Stuck(InlineExecutor):
     """Workers of which none ends what it began."""
 

@@ -1,6 +1,7 @@
 """A robot's own estimate of its position is named where it departs from the true one."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from fuzz.triage.pose_estimate import pose_estimate
 from fuzz.triage.run_facts import run_facts
 from sim import Command, simulate
 from sim.scenario import Scenario
+from tests.helpers.faulty_robots import hall
 from tests.helpers.halls import cup
-from worldgen import generate
+from worldgen import Pose, generate
 
 HERE = "tests.fuzz.test_pose_estimate"
 STEPS = 600
@@ -71,6 +73,21 @@ class Knows(Reckons):
     def keep(self, observation):
         self.x = observation.x
         self.y = observation.y
+
+
+class KnowsFromTheFirstStep(Knows):
+    """Begins at zero, until it senses where it is."""
+
+    def begin(self, world):
+        self.x = self.y = 0.0
+
+
+class HeldFromTheStart(Reckons):
+    """Pushes against what is ahead of it for a while before it turns."""
+
+    def act(self, observation, memory):
+        command, (count,) = super().act(observation, memory)
+        return (Command(command.speed, 0.0) if count < 80.0 else command), (count,)
 
 
 class RemembersTouches(Reckons):
@@ -154,10 +171,20 @@ def test_dead_reckoning_that_walls_falsify_is_named_with_its_figures(kind, names
 
 
 @pytest.mark.parametrize(
-    "kind", [Knows, RemembersTouches, RemembersTheNearest, LooksAhead, Bounces]
+    "kind",
+    [Knows, KnowsFromTheFirstStep, RemembersTouches, RemembersTheNearest, LooksAhead, Bounces],
 )
 def test_a_place_that_is_only_remembered_is_no_estimate(kind):
     assert estimates(kind) == [None, None]
+
+
+def test_dead_reckoning_is_named_although_a_wall_holds_the_robot_from_the_start():
+    world = replace(hall(), start=Pose(2.9, 1.05, 0.0))
+    robot = Recorded(HeldFromTheStart())
+    trace = simulate(world, robot, steps=STEPS, record=True).trace
+    numbers = {name: np.array(values) for name, values in robot.numbers.items()}
+    found = pose_estimate(world, trace, numbers)
+    assert found.names == ("x", "y") and found.since < 10 and found.at_walls > 0.9
 
 
 def test_the_error_is_the_true_one():
