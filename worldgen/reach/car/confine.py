@@ -44,8 +44,11 @@ class Grain(NamedTuple):
 GRAINS = (Grain(1, 64, 5), Grain(2, 128, 5), Grain(4, 128, 5), Grain(8, 128, 5), Grain(16, 192, 5))
 # Sides of the largest boxes: shares of the turning radius, and of the radius of a disc in the body.
 _OF_TURNING, _OF_BODY = 1 / 16, 1 / 3
-# Limits on the boxes, a bit each, and on the steps tried from them: about 1 s.
+# Limits on the boxes, a bit each; on their places, as the checker's; on the places of all discs; and on the steps
+# tried from the boxes. Each takes about 1 s.
 _MOST_BOXES = 450_000_000
+_MOST_PLACES = 4_000_000
+_MOST_DISC_PLACES = 30_000_000
 _MOST_STEPS = 15_000_000
 # Parts of a step after which the car must be where it has room.
 _PARTS = 2
@@ -97,7 +100,7 @@ def confine_car(world: World) -> Confined:
     found = Confined(None)
     for grain in GRAINS if discs else ():
         flood = _Flood(world, discs, grain)
-        if flood.boxes > _MOST_BOXES:
+        if flood.is_too_fine:
             break
         runs = flood.runs()
         # Without a box, the body overlaps a wall at the start; that is for its own decision.
@@ -127,9 +130,14 @@ class _Flood:
         self._step = (grain.most_turn * self._part - 1.1 * _TURN) / _TIGHTER * self._turning
 
     @property
-    def boxes(self) -> int:
-        """Number of boxes in the world."""
-        return self._rows * self._columns * self._grain.headings
+    def is_too_fine(self) -> bool:
+        """True if there would be too many boxes in the world."""
+        places = self._rows * self._columns
+        return (
+            places > _MOST_PLACES
+            or places * len(self._discs) > _MOST_DISC_PLACES
+            or places * self._grain.headings > _MOST_BOXES
+        )
 
     def proof(self, runs: Ints) -> CarConfinement:
         size = self._world.cell_size
