@@ -89,7 +89,6 @@ def test_no_car_is_confined_that_has_a_path(seed):
 
 
 @pytest.mark.parametrize("column", [0, 1, 2])
-@pytest.mark.parametrize("column", [0, 1, 2])
 def test_a_confinement_that_lacks_boxes_is_refused(proof, column):
     world = dead_end(0.8)
     assert check_car_confinement(world, proof).valid
