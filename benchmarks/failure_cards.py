@@ -59,6 +59,7 @@ _SCRIPT = """
 import { byId, el } from "#player/dom.js";
 import { legendOfMany } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
+if (location.hash === "#dark") document.documentElement.dataset.theme = "dark";
 const { failures } = JSON.parse(byId("data").textContent);
 failures.forEach((failure, k) => {
   const canvas = el("canvas");
@@ -117,9 +118,7 @@ def main() -> int:
         return 0
     with chromium_browser() as browser:
         tab = browser.new_page(viewport={"width": 1030, "height": 850})
-        tab.goto(page.resolve().as_uri())
-        if options.dark:
-            tab.evaluate("document.documentElement.dataset.theme = 'dark'")
+        tab.goto(page.resolve().as_uri() + ("#dark" if options.dark else ""))
         tab.wait_for_selector("body[data-ready]")
         tab.screenshot(path=options.folder / "cards.png", full_page=True)
     click.echo(f"wrote cards.png and sheet.png of {len(paths)} failures")
