@@ -470,7 +470,13 @@ class _Swept:
 
     def distance(self, rows: Indices) -> Floats:
         """Return the distances of body and box along the legs, which must not overlap."""
-        return distances(self.body, *self.segments(rows))
+        begin, end = self.segments(rows)
+        found = np.empty(len(rows))
+        moves = ((self.legs.dx != 0.0) | (self.legs.dy != 0.0))[rows]
+        found[moves] = distances(self.body, begin[moves], end[moves])
+        # On the spot, the box has the same sides at both ends, and its corners no paths.
+        found[~moves] = distances(self.body, begin[~moves, :4], end[~moves, :4])
+        return found
 
 
 def _covered(
@@ -633,14 +639,16 @@ def _measure_clearance(legs: Legs, near: Near, body: Body, result: Scan) -> None
         swept = _Swept(body, own.between(low, high), near.box[pair])
         distance = np.full(len(pair), np.inf)
         # The nearest first: they rule out most of the others.
-        order = np.argsort(swept.apart - swept.error, kind="stable")
+        apart = swept.apart
+        nearest = apart - swept.error
+        order = np.argsort(nearest, kind="stable")
         least = result.clearance
         for part in np.array_split(order, max(1, math.ceil(len(order) / 512))):
-            rows = part[(swept.apart - swept.error)[part] < least]
+            rows = part[nearest[part] < least]
             if not len(rows):
                 break
             distance[rows] = np.where(
-                swept.apart[rows] > 0.0, swept.distance(rows), np.maximum(swept.apart[rows], 0.0)
+                apart[rows] > 0.0, swept.distance(rows), np.maximum(apart[rows], 0.0)
             )
             least = min(least, float((distance[rows] + swept.error[rows]).min()))
         # A robot that pushes against walls touches them everywhere, which is near enough.
