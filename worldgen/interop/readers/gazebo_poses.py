@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -170,7 +171,7 @@ def numbers(element: XmlElement, count: int) -> list[Fraction]:
     return found
 
 
-def _wrong_numbers(element: XmlElement, code: str, rule: str, **facts: float) -> FormatError:
+def _wrong_numbers(element: XmlElement, code: str, rule: str, **facts: Any) -> FormatError:
     return FormatError(
         code,
         "{name} is {text!q}",
