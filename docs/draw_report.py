@@ -1,7 +1,7 @@
 """Draw the report's pictures: ``python -m docs.draw_report``.
 
-Each shows a report that is opened from disk in Debian's Chromium: the first screen and a failure of the first tutorial's
-controller, and a world in which a target was dragged into a closed room.
+Each shows a report that is opened from disk in Debian's Chromium: the first screen and a failure of
+the first tutorial's controller, and a world in which a target was dragged into a closed room.
 """
 
 from __future__ import annotations

@@ -244,7 +244,7 @@ def _tiled_with_metadata(document):
 # Drawings
 
 _SVG = {
-    "text": _replaced(b"</svg>", b"<text x='1' y='1'>W</text></svg>"),
+    "foreign object": _replaced(b"</svg>", b"<foreignObject width='1' height='1'/></svg>"),
     "picture": _replaced(b"</svg>", b"<image href='walls.png' width='1' height='1'/></svg>"),
     "unknown element": _replaced(b"</svg>", b"<wall x='1'/></svg>"),
     "shape": _replaced(b"</svg>", b"<rect x='.2' y='-.3' width='.1' height='.1'/></svg>"),

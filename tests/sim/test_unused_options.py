@@ -127,8 +127,6 @@ def test_earlier_names_are_not_shown():
     [
         ("compare w.grid --controllers bug1,bug2", "controller"),
         ("shrink w.grid --seconds 5s", "budget"),
-        ("run w.grid --controller bug1 --trail t.png", "picture"),
-        ("fuzz --controller bug1 --lane native --out f", "strategy"),
     ],
 )
 def test_an_option_that_is_gone_is_answered_with_the_one_that_replaces_it(words, option):

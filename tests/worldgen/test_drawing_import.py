@@ -71,6 +71,7 @@ SAME = [
     '<rect style="visibility:hidden" width="9" height="9"/><rect opacity="0" width="9" height="9"/>'
     '<rect fill="none" width="9" height="9"/><rect fill="#f7f7f7" y="20" width="9" height="9"/>'
     '<rect x="100" width="9" height="9"/><title>t</title><x:y/>',
+    '<rect x="10" y="5" width="10" height="2"/><text x="5" y="20">Room <tspan>A</tspan></text>',
 ]  # fmt: skip
 
 

@@ -4,7 +4,7 @@
 interface CampaignAnswer {
   /** Whether the controller works. */
   headline: Headline;
-  /** How often it arrives in natural worlds; empty if none were run. */
+  /** How often it arrives in natural worlds, or why that is not known; empty if it was not to be measured. */
   rate: string;
   /** The causes, the worst first. */
   causes: RankedCause[];

@@ -65,6 +65,7 @@ _UNSHOWN = {
     "filter", "title", "desc", "metadata", "style", "script", "view", "cursor", "font", "font-face",
     "color-profile", "animate", "animateTransform", "animateMotion", "animateColor", "set",
     "meshgradient", "hatch", "solidcolor", "solidColor",
+    "text", "textPath", "tspan",  # names of rooms and measures, not walls
 }  # fmt: skip
 _MOVES = {"animate", "animateTransform", "animateMotion", "set"}
 # Our own plans show the robot and its target, too.
@@ -299,9 +300,9 @@ class _Reader:
                 self.walk(child, style, depth + 1)
         elif name == "use":
             self._use(element, style, depth)
-        elif name in ("text", "image", "foreignObject", "textPath", "tspan"):
+        elif name in ("image", "foreignObject"):
             if style.values.get("visibility", "visible") == "visible":
-                words = "pictures" if name == "image" else "texts"
+                words = "pictures" if name == "image" else "foreign elements"
                 self.drawing.unread(f"{words} in <{name}>", style.layers)
         elif name in ("rect", "circle", "ellipse", "line", "polyline", "polygon", "path"):
             self._shape(element, style, own)

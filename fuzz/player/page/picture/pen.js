@@ -232,7 +232,7 @@ export function bodyPath(pen, footprint, pose, radius) {
  * @param {{x: number, y: number, heading: number}} pose
  * @param {number} radius
  */
-export function addBody(pen, footprint, { x, y, heading }, radius) {
+function addBody(pen, footprint, { x, y, heading }, radius) {
   const { context, px, py } = pen;
   if (!footprint) {
     context.arc(px(x), py(y), radius * pen.scale, 0, 2 * Math.PI);
