@@ -1,7 +1,7 @@
 """Measure how fast sets are made, on one core.
 
 ``python -m benchmarks.sets``; ``--json`` prints one object. For each family it measures worlds per
-second: made and discarded (``stream``), written as a folder and as archives, and measured as well.
+second: made and discarded (``stream``), written as a folder and as a zip file, and measured as well.
 The ratio is to ``stream`` in the same run; it shows what writing and measuring cost. ``--count`` is
 the number of worlds of each case (default 2,000). Times are processor times, so other work on the
 machine matters little; kernels are loaded before the clock starts.
@@ -30,8 +30,6 @@ FAMILIES = ("maze", "trap")
 CASES: dict[str, dict[str, Any]] = {
     "folder": {"name": "set", "metrics": False},
     "zip": {"name": "set.zip", "metrics": False},
-    "tar.gz": {"name": "set.tar.gz", "metrics": False},
-    "tar.bz2": {"name": "set.tar.bz2", "metrics": False},
     "folder, metrics": {"name": "set", "metrics": True},
 }
 # Worlds made first: after them compiled code is loaded.

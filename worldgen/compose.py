@@ -87,7 +87,7 @@ class Piece(HoldsFrozen):
     robot: Robot | None = None
 
     def __post_init__(self) -> None:
-        solid = np.asarray(self.solid)
+        solid = _solid_cells(self.solid)
         _check_size(solid.shape)
         object.__setattr__(self, "solid", frozen(solid, np.bool_))
         if not self.timeline.is_within(self.width, self.height):
@@ -301,6 +301,10 @@ class Piece(HoldsFrozen):
     ) -> _Corner:
         """Return the host cell where the lower left cell of a piece goes."""
         if not isinstance(at, str):
+            if not isinstance(at, tuple | list) or len(at) != 2:
+                raise InvalidParameter(
+                    "wrong-form", "at={at!r} is not a cell", "use (x, y), centre or way", at=at
+                )
             x, y = at
             return _whole("at x", x, -MAX_SIDE, MAX_SIDE), _whole("at y", y, -MAX_SIDE, MAX_SIDE)
         check_choice("at", at, ("centre", "way"))
@@ -425,7 +429,7 @@ def of_cells(solid: npt.ArrayLike, *, cell_size: float | None = None) -> Piece:
     Raises:
         InvalidParameter: If the array has another shape, or too many cells.
     """
-    return Piece(np.asarray(solid), cell_size=cell_size)
+    return Piece(_solid_cells(solid), cell_size=cell_size)
 
 
 def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value) -> Piece:
@@ -526,6 +530,25 @@ def _touches(corners: Ints, piece: Piece, mark: _Mark, radius: Fraction) -> Bool
     return np.asarray(apart[0] ** 2 + apart[1] ** 2 < float(radius) ** 2 + 1e-9)
 
 
+def _solid_cells(solid: npt.ArrayLike) -> Bools:
+    """Return an array whose elements are true or false.
+
+    Raises:
+        InvalidParameter: If the rows differ in length, or hold anything but numbers.
+    """
+    try:
+        cells = np.asarray(solid)
+    except ValueError:
+        cells = np.asarray(None)
+    if cells.dtype.kind not in "biuf":
+        raise InvalidParameter(
+            "wrong-shape",
+            "a piece's cells are not rows of equal length of True and False",
+            "use a (height, width) array of bool, True is solid",
+        )
+    return cells.astype(np.bool_)
+
+
 def _whole(name: str, value: object, low: int, high: int) -> int:
     """Check that a value is a whole number in a range, and return it as an int."""
     is_number = isinstance(value, int | np.integer) and not isinstance(value, bool)
@@ -541,6 +564,7 @@ def _whole(name: str, value: object, low: int, high: int) -> int:
 
 def _number(name: str, value: object) -> Fraction:
     """Check that a value is a number, and return its shortest decimal: 0.1 is exactly 1/10."""
+    value = value.item() if isinstance(value, np.number) else value
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
         raise InvalidParameter(
             "not-a-number",

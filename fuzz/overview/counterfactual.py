@@ -294,7 +294,7 @@ def _subject(failure: Failure) -> Subject:
     if subject is not None:
         return subject
     if failure.oracle is not None or failure.is_breach:
-        how = "is a failure by the judgement of an oracle"
+        how = "is a failure only because an oracle objects"
         if failure.is_breach:
             how = "fails because it reaches a walled-off target"
     else:
@@ -305,7 +305,7 @@ def _subject(failure: Failure) -> Subject:
             ran = run_subject(subject)
             if ran is not None and isinstance(ran[1], Outcome) and not ran[1].random_draws:
                 return subject
-        how = "fails by chance, because random numbers decide its run"
+        how = "may fail by chance, because random numbers may decide its run"
     raise InvalidParameter(
         "no-counterfactual",
         "{who} {how}, which no single change explains",

@@ -1,6 +1,6 @@
 """Find a robot's own estimate of its position in its state, and how far it is off.
 
-A class that adds up its commands, or its odometry, believes to be somewhere. Where a wall holds the
+A class that adds up its commands, or its odometry, believes it is somewhere. Where a wall holds the
 robot, or its wheels slip, that is no longer the place where it is.
 """
 

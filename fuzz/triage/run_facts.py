@@ -69,7 +69,7 @@ def run_facts(failure: Failure, episode: Episode, *, with_code: bool = True) -> 
 
 
 def _estimate(failure: Failure, episode: Episode, found: WatchedPart) -> str:
-    """Return where a controller believes to be, if that is wrong and it acts on it."""
+    """Return where a controller believes it is, if that is wrong and it acts on it."""
     assert episode.trace is not None, "only a recorded run is watched"
     where = pose_estimate(failure.world, episode.trace, found.numbers)
     if where is None or not any(reads_there(found, name) for name in where.names):

@@ -151,3 +151,23 @@ WRONG = {
 def test_what_makes_no_sense_is_refused_with_the_way_out(act, code):
     with raises(InvalidParameter, code):
         act(of_cells(np.zeros((3, 4), bool)))
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        pytest.param(lambda: of_cells([["#", "."]]), id="signs"),
+        pytest.param(lambda: of_cells([[True], [True, False]]), id="ragged"),
+        pytest.param(lambda: of_cells([[0, 0]]).place(of_cells([[1]]), at=(0, 0, 1)), id="three"),
+        pytest.param(lambda: of_cells([[0, 0]]).place(of_cells([[1]]), at=5), id="no-pair"),
+    ],
+)
+def test_what_is_no_piece_or_no_place_is_refused_with_a_sentence(build):
+    with pytest.raises(InvalidParameter):
+        build()
+
+
+def test_numbers_of_numpy_are_numbers():
+    piece = of_cells([[0, 0, 0]])
+    assert piece.with_start(np.int64(2), 0) == piece.with_start(2, 0)
+    assert piece.with_start(np.float32(0.5), 0) == piece.with_start(0.5, 0)

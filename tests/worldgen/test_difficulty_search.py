@@ -86,6 +86,11 @@ def test_a_metric_of_the_map_finds_blocked_worlds():
     assert isinstance(found.certificate, Cut)
 
 
+def test_one_of_two_conditions_is_enough_where_the_other_has_no_metric():
+    found = search_world("maze", "solid > 0.05 or detour > 99", blocked=1.0, size=12)
+    assert isinstance(found.certificate, Cut)
+
+
 def test_when_nothing_fits_the_nearest_is_told():
     with raises(GenerationFailed, "no-world-found", tries=5, constraint="detour > 900"):
         search_world("trap", "detour > 900", tries=5)

@@ -229,6 +229,33 @@ def test_the_edges_of_a_route_graph_are_no_walls(tmp_path):
     assert rows == ROOM and found.unread == () and "1 edge" in found.notes[0]
     with raises(FormatError, "no-walls", edges=1):
         cells(tmp_path, "g.geojson", json.dumps({**graph, "features": [edge]}).encode())
+    # An area is no edge, whatever its properties are called.
+    solid = {"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 2], [1, 1]]]}
+    block = {**edge, "geometry": solid}
+    _, more = cells(
+        tmp_path, "b.geojson", json.dumps({**graph, "features": [*walls, block]}).encode()
+    )
+    assert more != ROOM
+
+
+@pytest.mark.parametrize(
+    ("body", "unread"),
+    [
+        ('<clipPath id="c"><text>W</text></clipPath>', "clips to texts"),
+        ('<clipPath id="c" clipPathUnits="objectBoundingBox"><rect/></clipPath>', "clips in units of their object"),
+    ],
+)  # fmt: skip
+def test_walls_behind_clips_that_are_not_read_stay_whole_and_are_reported(tmp_path, body, unread):
+    wall = '<rect x="{}" y="5" width="5" height="2" clip-path="url(#c)"/>'
+    walls = wall.format(10) + wall.format(15)
+    found, rows = cells(tmp_path, "a.svg", svg(body + walls))
+    assert rows == box(EMPTY, 10, 5, 20, 7)
+    assert [words for words in found.unread if unread in words]
+
+
+def test_a_colour_that_is_no_number_is_black(tmp_path):
+    wall = '<rect x="10" y="5" width="10" height="2" fill="rgb(nan,0,0)"/>'
+    assert cells(tmp_path, "a.svg", svg(wall))[1] == box(EMPTY, 10, 5, 20, 7)
 
 
 def test_a_door_of_a_free_layer_opens_a_wall(tmp_path):

@@ -1,5 +1,7 @@
 """The numbers in constraints: their values, and errors with a mark under the place."""
 
+import pickle
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -75,3 +77,8 @@ def test_a_number_is_what_python_takes_it_for(text):
     else:
         sign = "-" if expected < 0 else "+"
         assert parse(f"{text} == {sign}{abs(expected)!r}").holds(VALUES, RADIUS)
+
+
+def test_an_expression_can_be_pickled():
+    expression = parse("turns > 3 or detour < 2")
+    assert pickle.loads(pickle.dumps(expression)).violation({"turns": 7}, RADIUS) == 0.0

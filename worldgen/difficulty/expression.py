@@ -66,11 +66,17 @@ class Expression:
     Args:
         text: The text as written.
         names: The metrics that it uses.
+        needs_all: Whether no world without one of them satisfies it, because nothing in it is
+            joined with ``or`` or negated.
     """
 
     text: str
     names: frozenset[str]
+    needs_all: bool
     _condition: _Condition = field(compare=False, repr=False)
+
+    def __reduce__(self) -> tuple[Callable[[str], Expression], tuple[str]]:
+        return parse, (self.text,)
 
     def violation(self, metrics: Values, robot_radius: float) -> float:
         """Return how far a world is from satisfying it: 0 if it does, more the farther it is.
@@ -120,7 +126,8 @@ class _Reader:
             self._fail(_too_deep(_DEEPEST), 0)
         condition = self._condition(tree, len(self._text) - len(self._text.lstrip()))
         names = {name for _, name in self._operands.values() if name is not None}
-        return Expression(self._text, frozenset(names - {_RADIUS}), condition)
+        needs_all = not any(isinstance(node, ast.Or | ast.Not) for node in ast.walk(tree))
+        return Expression(self._text, frozenset(names - {_RADIUS}), needs_all, condition)
 
     def _scan(self) -> str:
         """Return the text with a name of the same length for each number and metric.

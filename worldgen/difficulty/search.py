@@ -194,15 +194,18 @@ def _check_defined(family: Family, constraint: Expression, given: Mapping[str, V
             "constrain another metric, such as detour",
             name=family.name,
         )
+    # What is joined with "or" may hold all the same.
+    if not constraint.needs_all:
+        return
     robot = family.overrides(given)
     is_disc = robot.footprint is None and robot.drive is None
     if not is_disc and (of_discs := sorted(constraint.names & OF_DISCS)):
         raise InvalidParameter(
             "metric-of-discs",
-            "{metric} is only defined for a disc that turns on the spot, and the robot is a {robot}",
+            "{metric} is only defined for a disc that turns on the spot, and the robot {robot}",
             "constrain another metric, such as detour or slack",
             metric=of_discs[0],
-            robot="car" if robot.drive == "car" else "footprint",
+            robot="is a car" if robot.drive == "car" else "has a footprint",
         )
     if given.get(BLOCKED) and (of_paths := sorted(constraint.names - OF_MAPS)):
         raise InvalidParameter(
@@ -387,10 +390,7 @@ class Search:
             )
         if near.violation == 0.0:
             return GenerationFailed(
-                "no-world-found",
-                problem + " and is new",
-                "use more tries, or fix fewer parameters",
-                **facts,
+                "no-world-found", problem + " and is new", "fix fewer parameters", **facts
             )
         metrics = {
             name: near.metrics[name]
@@ -400,7 +400,7 @@ class Search:
         return GenerationFailed(
             "no-world-found",
             problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",
-            "use more tries, fix fewer parameters, or relax the constraint",
+            "fix fewer parameters, or relax the constraint",
             **facts,
             metrics=[f"{name} {value:g}" for name, value in metrics.items()],
             settings=[

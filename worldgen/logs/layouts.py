@@ -149,7 +149,8 @@ def _is_race_line(rows: Sequence[Sequence[str]]) -> bool:
         length = s2 - s
         gained = 0.5 * (v2 * v2 - v * v)
         if not (
-            abs(math.hypot(x2 - x, y2 - y) - length) <= _ROUNDED * length
+            length > 0.0
+            and abs(math.hypot(x2 - x, y2 - y) - length) <= _ROUNDED * length
             and abs(a * length - gained) <= _ROUNDED * max(abs(gained), v * v)
         ):
             return False

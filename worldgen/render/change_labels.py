@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from worldgen.render.content import Content
@@ -42,7 +44,7 @@ def change_labels(content: Content, mark: Mark) -> list[Primitive]:
         if not (0 <= ix - window.x < window.width and 0 <= iy - window.y < window.height):
             continue
         labelled.append((ix, iy))
-        words = f"{_WORDS[CellState(state)]} at {two_digits(time)} s"
+        words = f"{_WORDS[CellState(state)]} at {_rounded(time)} s"
         width, height = size_of_words(words, frame.unit)
         (left, bottom), (right, top) = frame.corners(
             np.array(((ix, iy), (ix + 1, iy + 1)))
@@ -63,3 +65,8 @@ def change_labels(content: Content, mark: Mark) -> list[Primitive]:
             shunned=(0.5 * (left + right), 0.5 * (top + bottom)),
         )
     return parts
+
+
+def _rounded(seconds: float) -> str:
+    """Return a time with two digits, or in whole seconds if it is longer."""
+    return two_digits(seconds) if seconds < 100.0 else str(math.floor(seconds + 0.5))

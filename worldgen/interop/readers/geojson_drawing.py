@@ -36,6 +36,7 @@ _KINDS = (
 _MARKS = ("start", "target", "change")
 # Properties of an edge of Nav2's route graphs.
 _EDGE = frozenset(("startid", "endid"))
+_LINES = frozenset(("LineString", "MultiLineString"))
 
 
 def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -> ForeignMap:
@@ -57,7 +58,11 @@ def read_geojson_drawing(path: Path, options: DrawingOptions, most_bytes: int) -
         for geometry, layers in _geometries(document, ()):
             if own is not None and set(layers) & {*_MARKS, "border"}:
                 geometry.pass_over()
-            elif {name.partition("=")[0] for name in layers} >= _EDGE:
+            elif (
+                not options.layer
+                and geometry["type"] in _LINES
+                and {name.partition("=")[0] for name in layers} >= _EDGE
+            ):
                 geometry.pass_over()
                 edges += 1
             else:

@@ -231,10 +231,13 @@ class _Reader:
                 most=_MOST_CLIPS,
                 line=found.line,
             )
-        self.clipping.append(found)
         if found.attributes.peek("clipPathUnits") == "objectBoundingBox":
             self.drawing.unread("clips in units of their object", style.layers)
             return style
+        if any(child.name == "text" for child in found.children):
+            self.drawing.unread("clips to texts", style.layers)
+            return style
+        self.clipping.append(found)
         inner = replace(
             style, matrix=style.matrix @ transform_matrix(attribute_text(found, "transform"))
         )

@@ -76,6 +76,8 @@ def parsed_colour(word: str) -> tuple[float, float]:
     except ValueError:
         return 0.0, 1.0
     luma = 0.299 * red + 0.587 * green + 0.114 * blue
+    if not (math.isfinite(luma) and math.isfinite(alpha)):
+        return 0.0, 1.0
     return min(max(luma, 0.0), 1.0), min(max(alpha, 0.0), 1.0)
 
 

@@ -67,7 +67,7 @@ async function proveInTime(prover, world, pause) {
   await pause();
   const always = await proveGoals(prover, withCells(world, opens, "."), pause);
   if (always.reachable === false) return { ...always, reason: `whatever changes: ${always.reason}` };
-  return undecided("Whether it can arrive depends on the times of the changes, which worldgen verify decides.");
+  return undecided("Whether it can arrive may depend on the times of the changes; worldgen verify searches further.");
 }
 
 /**

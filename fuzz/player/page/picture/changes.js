@@ -147,7 +147,7 @@ export function drawChangeLabels(pen, world, robots) {
     if (labelled.some(([x, y]) => Math.max(Math.abs(ix - x), Math.abs(iy - y)) < APART)) continue;
     if (px(ix + 1) <= 0 || px(ix) >= pen.width || py(iy) <= 0 || py(iy + 1) >= pen.height) continue;
     labelled.push([ix, iy]);
-    const words = `${WORDS[state]} at ${Number((events.ms[k] / 1000).toPrecision(2))} s`,
+    const words = `${WORDS[state]} at ${timeOfLabel(events.ms[k] / 1000)} s`,
       [wide, high] = sizeOfWords(pen, words),
       away = 3 * unit,
       [across, down] = [px(ix + 0.5) - wide / 2, py(iy + 0.5) - high / 2];
@@ -211,4 +211,13 @@ function openingsOn(world, cells) {
     }
   }
   return found;
+}
+
+/**
+ * Returns a time with two digits, or in whole seconds if it is longer.
+ * @param {number} seconds
+ * @returns {number}
+ */
+function timeOfLabel(seconds) {
+  return seconds < 100 ? Number(seconds.toPrecision(2)) : Math.floor(seconds + 0.5);
 }

@@ -21,7 +21,7 @@ export const MARKS = {
   "start": {"colour": "start", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 4.0, "fade": [], "on_cards": true, "label": "start; the tick is its heading"},
   "began": {"colour": "start", "width": 0.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 1.0, "size": 5.0, "fade": [], "on_cards": true, "label": "start"},
   "end": {"colour": "robot", "width": 1.6, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.08, "size": 4.0, "fade": [], "on_cards": true, "label": "end"},
-  "nearest": {"colour": "robot", "width": 1.6, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.08, "size": 4.0, "fade": [], "on_cards": true, "label": "the robot where it is nearest to the target"},
+  "nearest": {"colour": "robot", "width": 1.6, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.08, "size": 4.0, "fade": [], "on_cards": true, "label": "where it gets nearest to the target while it repeats itself"},
   "witness": {"colour": "start", "width": 2.0, "dash": [6.0, 4.0], "opacity": 1.0, "casing": 4.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": true, "label": "a path that fits"},
   "witness-body": {"colour": "start", "width": 1.1, "dash": [], "opacity": 0.55, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": true, "label": ""},
   "tightest": {"colour": "breach", "width": 1.8, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.3, "size": 0.0, "fade": [], "on_cards": true, "label": ""},
