@@ -95,7 +95,7 @@ def test_a_link_shows_the_same_in_a_fresh_browser_or_says_what_is_missing(browse
         assert fresh("campaign?folder=lost", ("#campaign .said", {"has_text": "no folder lost"}))
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_message_about_a_link_goes_with_the_next_world(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
         page.goto(f"{page.url.partition('#')[0]}#draw?world=nothing.grid")
@@ -105,7 +105,7 @@ def test_a_message_about_a_link_goes_with_the_next_world(browser, tmp_path):
         page.locator("#gone").wait_for(state="hidden")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_link_to_an_unknown_family_says_so_and_opens_no_other_world(browser, tmp_path):
     shutil.copy(CORPORA / "thesis/config-05.grid", tmp_path)
     with studio_of(tmp_path, file="config-05.grid") as gate, opened(browser, gate) as page:
@@ -118,7 +118,7 @@ def test_a_link_to_an_unknown_family_says_so_and_opens_no_other_world(browser, t
         assert page.locator("#name").inner_text() == "not saved yet"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_link_to_the_generated_world_that_is_shown_generates_nothing(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
         base = page.url.partition("#")[0]
@@ -159,7 +159,7 @@ def test_on_a_phone_the_menu_and_every_place_of_the_tour_can_be_seen(browser, tm
         assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tmp_path):
     write_world(generate("crossing", 3), tmp_path / "fleet.grid")
     with studio_of(tmp_path, file="fleet.grid") as gate, opened(browser, gate) as page:
@@ -171,7 +171,7 @@ def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tm
         assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_fleet_that_cannot_arrive_together_is_called_blocked_in_draw_and_play(browser, tmp_path):
     write_world(passage(), tmp_path / "swap.grid")
     with studio_of(tmp_path, file="swap.grid") as gate, opened(browser, gate) as page:

@@ -329,7 +329,7 @@ def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
     assert removable(world, StillFails.of(shrunk.failure)) == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) -> None:
     out = tmp_path / "f"
     result = worldgen(

@@ -142,7 +142,7 @@ def test_what_a_library_keeps_of_one_run_is_not_there_in_the_next_that_is_judged
     assert {run.verdict for run in runs} == {"loop"}
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_unit_with_crashes_finds_the_same_bytes_again(library):
     config = CampaignConfig(scenario=Scenario(f"lib:{library}:segfault"), examples=10)
     found = [

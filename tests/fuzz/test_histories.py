@@ -204,7 +204,7 @@ def test_lines_of_one_controller_do_not_count_for_the_next(robot):
     assert not before.since().lines
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["long_wall", "recovery"])
 def test_a_fault_that_needs_a_history_is_found(name, tmp_path):
     robot = DEEP[name]

@@ -35,7 +35,7 @@ def test_padding_and_counting_change_no_run(name, tmp_path):
     assert set(calls.read_text()) <= set(PURPOSES)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_correct_controller_arrives_in_small_worlds(name, tmp_path):
     peer = plain_loop(

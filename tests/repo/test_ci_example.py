@@ -120,6 +120,7 @@ def test_a_fixed_failure_that_comes_back_fails_as_a_test(broken):
     assert re.search(r"FAILED worldgen-corpus/fixed/.*\.grid::fixed", broken.log)
 
 
+@pytest.mark.nightly
 def test_classes_of_a_baseline_do_not_fail_the_job(broken, monkeypatch):
     monkeypatch.chdir(broken.folder)
     done = action(
@@ -134,6 +135,7 @@ def test_classes_of_a_baseline_do_not_fail_the_job(broken, monkeypatch):
     )
 
 
+@pytest.mark.nightly
 def test_the_nightly_search_ends_well_and_replays_what_is_known(project):
     done = job(project, "nightly", **QUICK)
     assert not done.failed, done.log
@@ -200,7 +202,7 @@ def test_linters_have_nothing_to_say(check):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_projects_own_campaign_finds_nothing(tmp_path):
     command = Path(sys.executable).with_name("worldgen")
     done = subprocess.run(

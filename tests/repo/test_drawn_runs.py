@@ -22,7 +22,7 @@ def words(picture):
         return image.info.get("Description")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_words_in_each_picture_of_a_run_are_those_of_today(tmp_path):
     stale = [
         drawn.name
