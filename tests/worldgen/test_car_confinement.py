@@ -8,7 +8,7 @@ import pytest
 
 from sim import Command, simulate
 from sim.episode.describe import describe_unreachable
-from worldgen import Drive, Pose, Robot, Target, World, generate
+from worldgen import CellState, Drive, Pose, Robot, Target, Timeline, World, generate
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, decide
 from worldgen.reach.car.confine import confine_car
 from worldgen.reach.check.car_confinement import check_car_confinement
@@ -78,6 +78,33 @@ def test_a_car_that_may_reverse_is_not_confined():
 def test_a_car_that_faces_its_target_is_not_confined():
     assert decide(dead_end(0.8, heading=3.14159)).result == REACHABLE
     assert confine_car(dead_end(0.8, heading=3.14159)).proof is None
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize(("ahead", "end"), [(1.6, 2.0), (2.0, 2.3), (1.3, 1.4)])
+def test_a_car_is_not_confined_from_a_target_at_the_wall_ahead(ahead, end):
+    # It is in the wall before it has driven a part of a step of a car of 10 m turning radius.
+    walls = np.ones((8, 12 + round(end / 0.1)), bool)
+    walls[1:-1, 1:-1] = False
+    x = (walls.shape[1] - 1) * 0.1 - 0.2 - end
+    robot = Robot(Pose(x, 0.4), Target(x + ahead, 0.4, 0.05), radius=0.2, drive=Drive(10.0))
+    world = World(walls, robots=[robot])
+    assert simulate(world, Straight(), steps=600, time_step=0.1).verdict == "reached"
+    assert confine_car(world).proof is None
+    # A cell that changes much later hides the path from the search.
+    closed = Timeline([1000.0], [round((x + 0.7) / 0.1)], [4], [CellState.SOLID])
+    assert verify_world(replace(world, timeline=closed))["result"] == UNDECIDED
+
+
+@pytest.mark.gate
+def test_an_axle_outside_the_world_does_not_confine_a_car():
+    # The body turns about its own middle, and the axle around it.
+    box = ((-0.04, 0.36), (0.04, 0.36), (0.04, 0.44), (-0.04, 0.44))
+    start = Pose(2.0, 0.03, 0.0)
+    robot = Robot(start, Target(1.0, 0.03, 0.1), footprint=box, drive=Drive(0.4))
+    world = World(np.zeros((5, 40), bool), robots=[robot])
+    assert decide(world).result == REACHABLE
+    assert confine_car(world).proof is None
 
 
 @pytest.mark.gate

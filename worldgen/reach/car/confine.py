@@ -51,7 +51,7 @@ _MOST_PLACES = 4_000_000
 _MOST_DISC_PLACES = 30_000_000
 _MOST_STEPS = 15_000_000
 # Parts of a step after which the car must be where it has room.
-_PARTS = 2
+_PARTS = 4
 # Share of a step by which places are widened: more than legs of a simulated car differ from arcs.
 _WIDER = 0.003
 # Cells by which a simulated car may be off an arc, and what rounding adds to that.
@@ -64,7 +64,7 @@ _TIGHTER = 1.001
 # a leg is at most 1/8 cell; this is their product and a bit, cells.
 _LEG = 0.2
 # Points of a step at which its directions are bounded, per part.
-_POINTS = 32
+_POINTS = 16
 
 
 class _Disc(NamedTuple):
@@ -98,6 +98,8 @@ def confine_car(world: World) -> Confined:
     size = world.cell_size
     discs = _discs_of(world.robots[0], size)
     found = Confined(None)
+    if discs and _may_leave(world, discs[0]):
+        discs = []
     for grain in GRAINS if discs else ():
         flood = _Flood(world, discs, grain)
         if flood.is_too_fine:
@@ -154,7 +156,7 @@ class _Flood:
         start = np.array(self._start(), np.int64)
         reaches, shifts = self._shifts()
         target = world.target
-        near = target.radius / size + _OFF + (1.0 + _WIDER) * self._step / (2 * _PARTS)
+        near = target.radius / size + _OFF + (1.0 + _WIDER) * self._step / _PARTS
         asked = ffi.new(
             "WgCarFlood *",
             {
@@ -208,9 +210,11 @@ class _Flood:
         ]
 
     def _passing(self) -> float:
-        """Return by how much the heading may differ where the target is passed between two parts."""
-        half = self._step / (2 * _PARTS)
-        return half * _TIGHTER / self._turning + 2.0 * _TURN + self._lean
+        """Return by how much the heading may differ where the target is met in the next part.
+
+        The car may be in a wall at the end of that part, so that it only counts where it was before.
+        """
+        return self._step / _PARTS * _TIGHTER / self._turning + 2.0 * _TURN + self._lean
 
     def _is_goal(self, heading: float | Floats, off: float | Floats) -> Bytes:
         """Return whether headings, rad, that may be off by angles, may be the target's."""
@@ -242,7 +246,10 @@ class _Flood:
             + np.where(away > 0.0, corner, 0.0)
             + away * (0.5 * self._part + _TURN + self._lean)
         )
-        return radii - _OFF - slack - 1e-6, np.ascontiguousarray(shifts, np.int32)
+        reaches = radii - _OFF - slack - 1e-6
+        # A disc that stops nothing does not stop the car outside the world, either.
+        shifts[:, reaches <= 0.0] = 0.0
+        return reaches, np.ascontiguousarray(shifts, np.int32)
 
     def _steps(self) -> tuple[Ints, Bytes]:
         """Return where the car is after each part of a step, and if it may arrive: the core's tables."""
@@ -305,6 +312,23 @@ def _discs_of(robot: Robot, cell_size: float) -> list[_Disc]:
         if radius > 2 * _OFF or not found:
             found.append(_Disc(float(place[0]), float(place[1]), max(radius, 0.0)))
     return found if any(disc.radius > _OFF for disc in found) else []
+
+
+def _may_leave(world: World, axle: _Disc) -> bool:
+    """Return True if the axle may be outside the world, where there are no boxes.
+
+    The world holds the body, and with it an axle that is in it.
+    """
+    if axle.radius > _OFF:
+        return False
+    corners = np.array(world.robots[0].footprint) / world.cell_size
+    # Of an axle outside the body, that to a corner is more than its distance.
+    is_inside = _room_in(corners, (0.0, 0.0)) >= 0.0
+    away = 0.0 if is_inside else float(np.hypot(corners[:, 0], corners[:, 1]).min())
+    border = math.ceil(away + 2.0 * _OFF)
+    inner = np.ones(world.walls.shape, np.bool_)
+    inner[border:-border, border:-border] = False
+    return bool((inner & ~world.walls).any())
 
 
 def _room_in(corners: Floats, place: Corner) -> float:

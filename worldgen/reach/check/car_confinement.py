@@ -35,7 +35,7 @@ _UNIT = 1 / 1024  # cells by which its start is rounded, at most
 _LEG = 0.18
 # Pieces of a step in which its directions are bounded, and the parts after which its place is.
 _PIECES = 96
-_PARTS = 2
+_PARTS = 4
 # Limits on the numbers of a proof that take part in a table.
 _MOST_HEADINGS = 4096
 _MOST_PLACES = 4_000_000
@@ -84,6 +84,7 @@ class _Check:
         self._lean = math.sqrt(_LEG / self._turning)
         discs = np.array(proof.discs, np.float64).reshape(-1, 3) / size
         _check_discs(self._robot, size, discs)
+        _check_axle(world, discs)
         # No step leads farther, and no disc is farther away, in boxes.
         farthest = max(self._step, float(np.hypot(discs[:, 0], discs[:, 1]).max()))
         margin = math.ceil(farthest * (1.0 + _WIDER) / self._side) + 4
@@ -143,7 +144,9 @@ class _Check:
         for ahead, left, radius in discs[1:].tolist():
             away = math.hypot(ahead, left)
             slack = 2.0 * corner + away * (self._part / 2.0 + _TURN + self._lean)
-            self._others.append((ahead, left, self._bits(gaps >= radius - _OFF - slack)))
+            # One that stops nothing does not stop the car outside the world, either.
+            if radius - _OFF - slack > 0.0:
+                self._others.append((ahead, left, self._bits(gaps >= radius - _OFF - slack)))
 
     def _free(self, heading: int) -> int:
         """Return the boxes of a heading in which the body may be."""
@@ -190,26 +193,29 @@ class _Check:
             _require(holds, "the start is in no box")
 
     def _starts_near(self, goal: Target) -> bool:
-        """Return True if the car may be at a goal within half a part of its first step."""
+        """Return True if the car may be at a goal within the first part of its first step."""
         size = self._world.cell_size
         start = self._world.start
         away = math.hypot(goal.x - start.x, goal.y - start.y) / size
-        half = self._step / (2 * _PARTS)
-        may_turn = half / self._turning + _TURN + self._lean
-        near = goal.radius / size + _OFF + half * (1.0 + _WIDER) + 2.0 * _UNIT
+        part = self._step / _PARTS
+        may_turn = part / self._turning + _TURN + self._lean
+        near = goal.radius / size + _OFF + part * (1.0 + _WIDER) + 2.0 * _UNIT
         return away <= near and _may_face(goal, start.heading, may_turn)
 
     def _near_goal(self, goal: Target) -> int:
-        """Return the places from which half a part of a step may lead to a goal."""
+        """Return the places from which a part of a step may lead to a goal.
+
+        A whole part, because the car may be in a wall at its end.
+        """
         size = self._world.cell_size
         away = np.hypot(self._x[None, :] - goal.x / size, self._y[:, None] - goal.y / size)
-        reach = goal.radius / size + _OFF + self._step / (2 * _PARTS) * (1.0 + _WIDER)
+        reach = goal.radius / size + _OFF + self._step / _PARTS * (1.0 + _WIDER)
         return self._bits(away <= reach + self._side * math.sqrt(0.5)) & self._room
 
     def _check_layer(self, heading: int, met: list[bool]) -> None:
         """Check where steps lead from the boxes of one heading."""
         most = math.ceil((self._step / self._turning + _TURN) / self._part)
-        half = self._step / (2 * _PARTS) / self._turning + 2.0 * _TURN + self._lean
+        more = self._step / _PARTS / self._turning + 2.0 * _TURN + self._lean
         for turn in range(-most, most + 1):
             passing = self._layers[heading]
             for place, low, high in self._parts(heading * self._part, turn * self._part):
@@ -218,7 +224,7 @@ class _Check:
                 mirrored = (-right, -left, -above, -below)
                 passing &= self._spread(self._room, mirrored)
                 for number, goal in enumerate(self._robot.goals):
-                    faces = _may_face(goal, (low + high) / 2.0, (high - low) / 2.0 + half)
+                    faces = _may_face(goal, (low + high) / 2.0, (high - low) / 2.0 + more)
                     if faces and not met[number]:
                         near = self._spread(self._near[number], mirrored)
                         met[number] = passing & near != 0
@@ -292,6 +298,27 @@ def _check_discs(robot: Robot, cell_size: float, discs: Floats) -> None:
     # A disc without a radius stops nothing.
     is_held = (discs[:, 2] <= np.maximum(room, 0.0) + 1e-9).all()
     _require(bool(is_held), "a disc is not in the body")
+
+
+def _check_axle(world: World, discs: Floats) -> None:
+    """Check that the axle cannot leave the world, which has the boxes: only the body has to be inside."""
+    if discs[0, 2] > _OFF:
+        return
+    robot = world.robots[0]
+    away = 0.0
+    if not robot.is_disc:
+        body = shapely.Polygon(footprint_of(robot, world.cell_size).corners)
+        away = float(shapely.distance(body, shapely.Point(0.0, 0.0)))
+    border = math.ceil(away + _OFF)
+    rows, columns = np.nonzero(~world.still_walls)
+    height, width = world.walls.shape
+    is_inside = (
+        (rows >= border)
+        & (rows < height - border)
+        & (columns >= border)
+        & (columns < width - border)
+    )
+    _require(bool(is_inside.all()), "the axle may leave the world")
 
 
 def _may_face(goal: Target, heading: float, off: float) -> bool:
