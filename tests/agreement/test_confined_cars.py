@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim import Command, simulate
-from tests.worldgen.test_car_confinement import dead_end
+from tests.worldgen.test_car_confinement import Straight, alley, dead_end
 from worldgen import Drive, Robot, Target, World, generate
 from worldgen.reach import BLOCKED, decide
 from worldgen.reach.car import confine
@@ -262,3 +262,80 @@ def test_no_small_world_is_blocked_that_has_a_path(monkeypatch):
 def test_no_small_world_of_many_is_blocked_that_has_a_path():
     paths, proofs = assert_proofs_are_true(range(1000, 2500))
     assert paths > 200 and proofs > 200
+
+
+def with_target_where_it_got(seed):
+    """Drive a car in a small world; return that world with a target where it was, and the driver.
+
+    That is at a wall that it ran into, or anywhere on its way; None if it hardly moves.
+    """
+    world = small_world(seed)
+    if world is None:
+        return None
+    rng = np.random.default_rng([seed, 1])
+    # A step is as long as the world is wide, or much shorter.
+    drive = Drive(float(rng.choice([0.1, 0.3, 1.0, 3.0, 10.0])))
+    world = replace(world, robots=[replace(world.robots[0], drive=drive)])
+    time_step = float(rng.choice([0.1, 0.02]))
+    driver = wilful(rng, world, time_step)
+    run = simulate(world, driver, steps=120, time_step=time_step, record=True)
+    states = run.trace.states.astype(np.int64)
+    stops = np.flatnonzero(
+        (np.diff(states[:, :2], axis=0) == 0).all(axis=1) & (states[1:, 0] != states[0, 0])
+    )
+    at = stops[0] if len(stops) and rng.random() < 0.7 else rng.integers(len(states))
+    x, y = states[at, :2] / 1024 * world.cell_size
+    if math.hypot(x - world.start.x, y - world.start.y) < 0.05:
+        return None
+    wanted = (float(states[at, 2] * TURN), 0.02) if rng.random() < 0.5 else ()
+    target = Target(x, y, 0.02, *wanted)
+    there = replace(world, robots=[replace(world.robots[0], target=target)])
+    return there, driver, time_step
+
+
+def assert_what_is_reached_is_not_confined(monkeypatch, seeds):
+    """Return at how many targets cars arrived, and how many proofs that ignore them were refused."""
+    # Steps are longest in the largest boxes, which take the least time, too.
+    monkeypatch.setattr(confine, "GRAINS", confine.GRAINS[:1])
+    arrived = refused = 0
+    for world, driver, time_step in filter(None, map(with_target_where_it_got, seeds)):
+        if simulate(world, driver, steps=120, time_step=time_step).verdict != "reached":
+            continue
+        arrived += 1
+        assert confine_car(world).proof is None
+        with monkeypatch.context() as blind:
+            blind.setattr(
+                confine._Flood, "_is_goal", lambda flood, heading, off: 0 * np.uint8(heading > off)
+            )
+            proof = confine_car(world).proof
+        if proof is not None:
+            report = check_car_confinement(world, proof)
+            assert not report.valid and "may arrive" in report.reason
+            refused += 1
+    return arrived, refused
+
+
+@pytest.mark.gate
+def test_no_car_is_confined_from_where_it_got(monkeypatch):
+    arrived, refused = assert_what_is_reached_is_not_confined(monkeypatch, range(120))
+    assert arrived > 15 and refused > 15
+
+
+@pytest.mark.nightly
+def test_no_car_of_many_is_confined_from_where_it_got(monkeypatch):
+    arrived, refused = assert_what_is_reached_is_not_confined(monkeypatch, range(1000, 2000))
+    assert arrived > 100 and refused > 100
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("turning_radius", [1.0, 2.0, 5.0, 10.0])
+def test_no_car_is_confined_from_the_end_of_an_alley(turning_radius):
+    # The wall is anywhere in a step, and the target is where it stops the car, or a bit before.
+    for share in np.linspace(0.05, 0.55, 11):
+        end = round(turning_radius * float(share), 2)
+        for before in (0.0, 0.4 * end):
+            world = alley(turning_radius, end - before, end)
+            if math.dist((world.start.x, world.start.y), (world.target.x, world.target.y)) < 0.05:
+                continue
+            assert simulate(world, Straight(), steps=800, time_step=0.1).verdict == "reached"
+            assert confine_car(world).proof is None

@@ -1,6 +1,7 @@
 """Cars that never reverse are confined, and a checker that refuses proofs that do not hold."""
 
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from sim import Command, simulate
 from sim.episode.describe import describe_unreachable
 from worldgen import CellState, Drive, Pose, Robot, Target, Timeline, World, generate
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, decide
+from worldgen.reach.car import decide as deciding
 from worldgen.reach.car.confine import confine_car
 from worldgen.reach.check.car_confinement import check_car_confinement
 from worldgen.reach.verifying import verify_world
@@ -24,6 +26,16 @@ def dead_end(width, turning_radius=1.0, heading=0.0, **robot):
     drive = Drive(turning_radius, reverse=robot.pop("reverse", False))
     parts = {"radius": 0.2, "drive": drive, **robot}
     return World(walls, robots=[Robot(Pose(1.7, y, heading), Target(0.5, y, 0.1), **parts)])
+
+
+def alley(turning_radius, ahead, end):
+    """An aisle with the target straight ahead of the car, which is stopped by a wall at a distance."""
+    walls = np.ones((8, 12 + round(end / 0.1)), bool)
+    walls[1:-1, 1:-1] = False
+    x = (walls.shape[1] - 1) * 0.1 - 0.2 - end
+    target = Target(x + ahead, 0.4, 0.05)
+    robot = Robot(Pose(x, 0.4), target, radius=0.2, drive=Drive(turning_radius))
+    return World(walls, robots=[robot])
 
 
 @pytest.fixture(scope="module")
@@ -84,16 +96,32 @@ def test_a_car_that_faces_its_target_is_not_confined():
 @pytest.mark.parametrize(("ahead", "end"), [(1.6, 2.0), (2.0, 2.3), (1.3, 1.4)])
 def test_a_car_is_not_confined_from_a_target_at_the_wall_ahead(ahead, end):
     # It is in the wall before it has driven a part of a step of a car of 10 m turning radius.
-    walls = np.ones((8, 12 + round(end / 0.1)), bool)
-    walls[1:-1, 1:-1] = False
-    x = (walls.shape[1] - 1) * 0.1 - 0.2 - end
-    robot = Robot(Pose(x, 0.4), Target(x + ahead, 0.4, 0.05), radius=0.2, drive=Drive(10.0))
-    world = World(walls, robots=[robot])
+    world = alley(10.0, ahead, end)
     assert simulate(world, Straight(), steps=600, time_step=0.1).verdict == "reached"
     assert confine_car(world).proof is None
     # A cell that changes much later hides the path from the search.
-    closed = Timeline([1000.0], [round((x + 0.7) / 0.1)], [4], [CellState.SOLID])
+    closed = Timeline([1000.0], [round((world.start.x + 0.7) / 0.1)], [4], [CellState.SOLID])
     assert verify_world(replace(world, timeline=closed))["result"] == UNDECIDED
+
+
+@pytest.mark.gate
+def test_a_large_world_with_a_large_body_takes_about_a_second():
+    walls = np.zeros((1000, 1000), bool)
+    walls[500] = True
+    body = ((-5.0, -4.0), (5.0, -4.0), (5.0, 4.0), (-5.0, 4.0))
+    robot = Robot(Pose(20.0, 20.0), Target(20.0, 80.0, 0.1), footprint=body, drive=Drive(1.03))
+    begin = time.process_time()
+    assert confine_car(World(walls, robots=[robot])).side is not None
+    # 1.5 s where this was measured; rows of cells around each place would take 30 s.
+    assert time.process_time() - begin < 8.0
+
+
+def test_a_proof_that_the_checker_refuses_blocks_nothing(monkeypatch):
+    world = dead_end(0.8)
+    found = confine_car(world)
+    without = replace(found.proof, boxes=found.proof.boxes[1:])
+    monkeypatch.setattr(deciding, "confine_car", lambda _: found._replace(proof=without))
+    assert decide(world).result == UNDECIDED
 
 
 @pytest.mark.gate

@@ -14,6 +14,7 @@
 typedef struct Flood {
     WgCarFlood *asked;
     int64_t words;       // of a row
+    double *gaps;        // (rows, columns) squares of distances from walls, cells
     uint64_t *room;      // (rows, words) places where the disc about the axle may be
     uint64_t *near;      // (rows, words) those of them from which the car may arrive
     uint64_t *is_free;   // (headings or 1, rows, words) boxes where the body may be
@@ -133,7 +134,7 @@ static void reach_from(Flood *flood, int64_t box)
     flood->column = box % asked->columns;
     flood->row = box / asked->columns % asked->rows;
     int64_t heading = box / asked->columns / asked->rows;
-    double reach_of_step = asked->target_reach + asked->step + 2.0 * asked->side;
+    double reach_of_step = asked->target_reach + asked->step;
     bool may_pass_target = is_near(asked, flood->column, flood->row, reach_of_step);
     int64_t turns = 2 * asked->most_turn + 1;
     asked->tried += turns;
@@ -182,36 +183,89 @@ static int32_t *nearest_in_rows(const WgWalls *walls)
     return nearest;
 }
 
-// Returns true if a solid cell, or the outside, is nearer to a place than a distance above 0.
-static bool is_at_wall(const WgWalls *walls, const int32_t *nearest, double x, double y, double distance)
+// The lower envelope of parabolas in a column: each is lowest from a begin to the next one's.
+typedef struct Envelope {
+    double *weights;  // (height + 1,) of the parabola whose lowest point is between two rows of cells
+    double *begins;
+    int64_t *lowest;
+    int64_t count;
+} Envelope;
+
+// Where a parabola gets lower than one before it.
+static double crossing(const Envelope *envelope, int64_t before, int64_t after)
 {
-    if (x < distance || y < distance || (double)walls->width - x < distance ||
-        (double)walls->height - y < distance) {
-        return true;
+    double one = envelope->weights[before] + (double)(before * before);
+    double other = envelope->weights[after] + (double)(after * after);
+    return (other - one) / (2.0 * (double)(after - before));
+}
+
+// Pedro Felzenszwalb and Daniel Huttenlocher, "Distance Transforms of Sampled Functions" (2012), algorithm 1.
+static void find_envelope(Envelope *envelope, int64_t count)
+{
+    envelope->count = 0;
+    for (int64_t next = 0; next < count; next++) {
+        double begin = -INFINITY;
+        while (envelope->count > 0) {
+            begin = crossing(envelope, envelope->lowest[envelope->count - 1], next);
+            if (begin > envelope->begins[envelope->count - 1]) {
+                break;
+            }
+            envelope->count--;
+        }
+        envelope->begins[envelope->count] = envelope->count > 0 ? begin : -INFINITY;
+        envelope->lowest[envelope->count++] = next;
     }
-    int64_t ix = (int64_t)x;
-    int64_t top = wg_min(walls->height - 1, (int64_t)(y + distance));
-    for (int64_t iy = (int64_t)(y - distance); iy <= top; iy++) {
-        const int32_t *found = nearest + 2 * (iy * walls->width + ix);
-        double dx = fmax(0.0, fmin(x - (double)found[0] - 1.0, (double)found[1] - x));
-        double dy = fmax(0.0, fmax((double)iy - y, y - (double)iy - 1.0));
-        if (dx * dx + dy * dy < distance * distance) {
-            return true;
+}
+
+// Squares of how far a place is, along its row, from the solid cells in a row of cells, or from outside.
+static double across_sq(const WgWalls *walls, const int32_t *nearest, int64_t iy, double x)
+{
+    const int32_t *found = nearest + 2 * (iy * walls->width + wg_min(walls->width - 1, (int64_t)x));
+    double dx = fmax(0.0, fmin(x - (double)found[0] - 1.0, (double)found[1] - x));
+    return dx * dx;
+}
+
+// Writes (rows, columns) squares of the distances of places from the nearest solid cell, or from outside.
+static void measure_gaps(const WgCarFlood *asked, const WgWalls *walls, const int32_t *nearest, Envelope *envelope,
+                         double *gaps)
+{
+    for (int64_t column = 0; column < asked->columns; column++) {
+        double x = ((double)column + 0.5) * asked->side;
+        // A row of cells is the nearer of its two borders away, or it holds the place.
+        envelope->weights[0] = 0.0;
+        envelope->weights[walls->height] = 0.0;
+        double below = INFINITY;
+        for (int64_t iy = 0; iy < walls->height; iy++) {
+            double here = across_sq(walls, nearest, iy, x);
+            if (iy > 0) {
+                envelope->weights[iy] = fmin(below, here);
+            }
+            below = here;
+        }
+        find_envelope(envelope, walls->height + 1);
+        int64_t at = 0;
+        for (int64_t row = 0; row < asked->rows; row++) {
+            double y = ((double)row + 0.5) * asked->side;
+            int64_t iy = wg_min(walls->height - 1, (int64_t)y);
+            while (at + 1 < envelope->count && envelope->begins[at + 1] <= y) {
+                at++;
+            }
+            double dy = y - (double)envelope->lowest[at];
+            double gap = fmin(dy * dy + envelope->weights[envelope->lowest[at]], across_sq(walls, nearest, iy, x));
+            bool is_outside = x >= (double)walls->width || y >= (double)walls->height;
+            gaps[row * asked->columns + column] = is_outside ? 0.0 : gap;
         }
     }
-    return false;
 }
 
 // Marks the places that are not too near to a wall: (rows, words).
-static void mark_room(const Flood *flood, const WgWalls *walls, const int32_t *nearest, double reach, uint64_t *room)
+static void mark_room(const Flood *flood, double reach, uint64_t *room)
 {
     const WgCarFlood *asked = flood->asked;
     memset(room, 0, (size_t)(asked->rows * flood->words) * sizeof *room);
     for (int64_t row = 0; row < asked->rows; row++) {
         for (int64_t column = 0; column < asked->columns; column++) {
-            double x = ((double)column + 0.5) * asked->side;
-            double y = ((double)row + 0.5) * asked->side;
-            if (reach <= 0.0 || !is_at_wall(walls, nearest, x, y, reach)) {
+            if (reach <= 0.0 || flood->gaps[row * asked->columns + column] >= reach * reach) {
                 room[row * flood->words + (column >> 6)] |= (uint64_t)1 << (column & 63);
             }
         }
@@ -241,24 +295,47 @@ static void keep_where(const Flood *flood, const uint64_t *room, int64_t right, 
     }
 }
 
+// Measures how far all places are from walls; returns false if memory runs out.
+static bool find_gaps(Flood *flood, const WgWalls *walls)
+{
+    const WgCarFlood *asked = flood->asked;
+    size_t borders = (size_t)walls->height + 1;
+    int32_t *nearest = nearest_in_rows(walls);
+    Envelope envelope = {
+        malloc(borders * sizeof *envelope.weights),
+        malloc(borders * sizeof *envelope.begins),
+        malloc(borders * sizeof *envelope.lowest),
+        0,
+    };
+    flood->gaps = malloc((size_t)(asked->rows * asked->columns) * sizeof *flood->gaps);
+    bool fits = nearest != NULL && flood->gaps != NULL && envelope.weights != NULL && envelope.begins != NULL &&
+                envelope.lowest != NULL;
+    if (fits) {
+        measure_gaps(asked, walls, nearest, &envelope, flood->gaps);
+    }
+    free(nearest);
+    free(envelope.weights);
+    free(envelope.begins);
+    free(envelope.lowest);
+    return fits;
+}
+
 // Marks where the axle's disc, and the whole body, may be, and from where the car may arrive.
 static bool mark_places(Flood *flood, const WgWalls *walls)
 {
     const WgCarFlood *asked = flood->asked;
     int64_t layer = asked->rows * flood->words;
-    int32_t *nearest = nearest_in_rows(walls);
     uint64_t *room = malloc((size_t)layer * sizeof *room);
-    if (nearest == NULL || room == NULL) {
-        free(nearest);
+    if (room == NULL || !find_gaps(flood, walls)) {
         free(room);
         return false;
     }
-    mark_room(flood, walls, nearest, asked->reaches[0], flood->room);
+    mark_room(flood, asked->reaches[0], flood->room);
     for (int64_t heading = 0; heading < (asked->discs > 1 ? asked->headings : 1); heading++) {
         memcpy(flood->is_free + heading * layer, flood->room, (size_t)layer * sizeof *room);
     }
     for (int64_t disc = 1; disc < asked->discs; disc++) {
-        mark_room(flood, walls, nearest, asked->reaches[disc], room);
+        mark_room(flood, asked->reaches[disc], room);
         for (int64_t heading = 0; heading < asked->headings; heading++) {
             const int32_t *shift = asked->shifts + 2 * (heading * asked->discs + disc);
             keep_where(flood, room, shift[0], shift[1], flood->is_free + heading * layer);
@@ -272,7 +349,6 @@ static bool mark_places(Flood *flood, const WgWalls *walls)
             }
         }
     }
-    free(nearest);
     free(room);
     return true;
 }
@@ -352,6 +428,7 @@ WgStatus wg_car_flood(const WgWalls *walls, WgCarFlood *asked)
     flood.reached = calloc(layer * (size_t)asked->headings, sizeof(uint64_t));
     bool fits = flood.room != NULL && flood.near != NULL && flood.is_free != NULL && flood.reached != NULL;
     fits = fits && mark_places(&flood, walls) && fill(&flood);
+    free(flood.gaps);
     free(flood.room);
     free(flood.near);
     free(flood.is_free);

@@ -99,7 +99,7 @@ typedef struct WgCarFlood {
     double target_x;         // cells
     double target_y;
     double target_reach;     // cells from there to the middle of a box in which the car may arrive
-    double step;             // cells that a step is long
+    double step;             // cells from a box to the farthest one that a step may lead to or through
     int64_t start_arrives;   // 1 if its heading may be the target's at the start
     int64_t starts;
     const int64_t *start;    // (starts, 3) headings, rows and columns of the boxes in which it may start

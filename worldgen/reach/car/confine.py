@@ -50,6 +50,8 @@ _MOST_BOXES = 450_000_000
 _MOST_PLACES = 4_000_000
 _MOST_DISC_PLACES = 30_000_000
 _MOST_STEPS = 15_000_000
+# Turning radius, cells, as the checker's.
+_MOST_TURNING = 100_000
 # Parts of a step after which the car must be where it has room.
 _PARTS = 4
 # Share of a step by which places are widened: more than legs of a simulated car differ from arcs.
@@ -98,7 +100,8 @@ def confine_car(world: World) -> Confined:
     size = world.cell_size
     discs = _discs_of(world.robots[0], size)
     found = Confined(None)
-    if discs and _may_leave(world, discs[0]):
+    turning = in_cells(world.robots[0].drive.turning_radius, size)
+    if discs and (turning > _MOST_TURNING or _may_leave(world, discs[0])):
         discs = []
     for grain in GRAINS if discs else ():
         flood = _Flood(world, discs, grain)
@@ -174,7 +177,7 @@ class _Flood:
                 "target_x": target.x / size,
                 "target_y": target.y / size,
                 "target_reach": near + 0.75 * self.side,
-                "step": self._step * (1.0 + _WIDER),
+                "step": _farthest(places) * self.side,
                 "start_arrives": int(self._is_goal(world.start.heading, self._passing())),
                 "starts": len(start),
                 "start": pointer(ffi, start, np.int64),
@@ -280,6 +283,12 @@ class _Flood:
         middles = (low[ends] + high[ends]) / 2.0
         may_arrive = self._is_goal(middles, (high[ends] - low[ends]) / 2.0 + self._passing())
         return np.ascontiguousarray(np.stack(places, axis=3), np.int32), may_arrive
+
+
+def _farthest(places: Ints) -> float:
+    """Return how far the corners of rectangles are, in boxes."""
+    across, along = (np.abs(places[..., sides]).max(axis=-1) for sides in ([0, 1], [2, 3]))
+    return float(np.hypot(across, along).max())
 
 
 def _most(low: Floats, high: Floats) -> Floats:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from worldgen.reach.body.in_time import timed_witness
 from worldgen.reach.car.confine import confine_car
 from worldgen.reach.car.search import EFFORTS, find_path, witness_of
+from worldgen.reach.check.car_confinement import check_car_confinement
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
@@ -56,7 +57,8 @@ def decide_car(
     if cut and not drive.reverse:
         always = replace(world.bare, walls=world.still_walls, timeline=Timeline())
         confined = confine_car(always)
-        if confined.proof is not None:
+        # What confines a car is found with rounded numbers and many bounds, so it is not claimed unchecked.
+        if confined.proof is not None and check_car_confinement(always, confined.proof).valid:
             reason = (
                 f"a car that turns on circles of {drive.turning_radius:g} m and never reverses "
                 f"cannot leave {confined.proof.count:,} boxes of poses"

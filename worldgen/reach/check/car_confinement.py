@@ -25,9 +25,8 @@ from worldgen.world import World
 # heading by a unit or two, however long the path is. A leg is within 1/64 of a cell of its arc, or 1.3 times that if
 # it turns by half a circle.
 _OFF = 1 / 40  # cells between a car on its arc and the place that the simulator tests
-_WIDER = (
-    0.0025  # more than the share of its way by which its place is rounded: 0.002 along each axis
-)
+# More than the share of its way by which its place is rounded: sqrt(2) / 512.
+_WIDER = 0.0028
 _TURN = 4 * math.tau / 65_536  # rad by which it may turn more than its way allows
 _UNIT = 1 / 1024  # cells by which its start is rounded, at most
 # On a leg, its heading is that of some point of the leg's arc. A leg's length times its turn is at most 8/64 of a cell,
@@ -40,6 +39,9 @@ _PARTS = 4
 _MOST_HEADINGS = 4096
 _MOST_PLACES = 4_000_000
 _MOST_MARGIN = 2000
+_MOST_FRAMED = 16_000_000
+# Turning radius, cells. On a larger circle, a leg may be so long that the unit of its rounded turn matters.
+_MOST_TURNING = 100_000
 
 
 def check_car_confinement(world: World, proof: CarConfinement) -> CheckReport:
@@ -74,6 +76,7 @@ class _Check:
         _require(drive.is_car and not drive.reverse, "the robot may reverse, or turn")
         size = world.cell_size
         self._turning = drive.turning_radius / size
+        _require(self._turning <= _MOST_TURNING, "the turning circle is too large")
         self._side, self._step = proof.side / size, proof.step / size
         self._headings = proof.headings
         _require(1 < proof.headings <= _MOST_HEADINGS, f"it has {proof.headings} headings")
@@ -109,7 +112,9 @@ class _Check:
             min(end, count) - first
             for end, count, first in zip(ends, shape, self._first, strict=True)
         )
-        _require(math.prod(self._shape) <= _MOST_PLACES, f"its boxes are {self._side} cells wide")
+        framed = self._shape[0] * (self._shape[1] + 2 * margin)
+        is_small = math.prod(self._shape) <= _MOST_PLACES and framed <= _MOST_FRAMED
+        _require(is_small, f"its boxes are {self._side} cells wide")
         self._y, self._x = (
             (first + np.arange(count) + 0.5) * self._side
             for first, count in zip(self._first, self._shape, strict=True)
@@ -337,18 +342,21 @@ def _gap_to_walls(solid: Bools, x: Floats, y: Floats, most: float) -> Floats:
     """Return (rows, columns) distances of places from the nearest solid cell, or outside, up to one."""
     framed = np.pad(solid, 1, constant_values=True)
     last = len(framed) - 1
-    least = np.full((len(y), len(x)), most)
+    least = np.full((len(y), len(x)), most * most)
     for row in range(last + 1):
         # And up or down to the row; the first and the last one are the outside.
         above = y - row if row < last else np.zeros(len(y))
         below = row - 1.0 - y if row > 0 else np.zeros(len(y))
         along = np.maximum(np.maximum(above, below), 0.0)
-        near = along < most
-        if not near.any():
+        near = np.flatnonzero(along < most)
+        if len(near) == 0:
             continue
         # Along this row of cells: how far it is to the nearest solid one, to the left and the right.
         cells = np.append(np.flatnonzero(framed[row]) - 1, 2**40)
         at = np.searchsorted(cells, x, side="right")
         across = np.maximum(np.minimum(x - cells[at - 1] - 1.0, cells[at] - x), 0.0)
-        least[near] = np.minimum(least[near], np.hypot(across[None, :], along[near, None]))
-    return least
+        rows = slice(near[0], near[-1] + 1)
+        squares = np.square(along[rows])[:, None] + np.square(across)
+        np.minimum(least[rows], squares, out=least[rows])
+    gaps: Floats = np.sqrt(least)
+    return gaps
