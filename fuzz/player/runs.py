@@ -266,7 +266,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
                 found.append(_mark(wall.reached, "last", "Arrives", "enters the walled-off target"))
             return found
         case BurnedEvidence(step=step, cell=cell) | ContactEvidence(step=step, cell=cell):
-            return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]
+            return [_mark(step, "caught", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]
         case BudgetEvidence(last_new_cell=step):
             return [
                 _mark(step, "stays", "Nothing new after", "enters a new cell for the last time")

@@ -42,7 +42,7 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
     if trace is not None and isinstance(evidence, BurnedEvidence | ContactEvidence):
         step = min(evidence.step, trace.steps)
         broken_in = _broken_in(trace, world, step, *evidence.cell)
-        return [WallPenetration(*evidence.cell, step * trace.time_step, broken_in)]
+        return [WallPenetration(*evidence.cell, step * trace.time_step, broken_in, False)]
     if trace is None or not episode.went_into_a_wall:
         return []
 

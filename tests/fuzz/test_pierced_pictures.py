@@ -16,7 +16,9 @@ from worldgen.render import Frame, draw_gif, draw_png, draw_svg
 from worldgen.render.marks import MARKS, hue, rgb
 from worldgen.world import Pose, Target, World
 
-FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
+CORPORA = Path(__file__).parents[2] / "corpora"
+FAULTS = CORPORA / "thesis-faults"
+CAUGHT = CORPORA / "failures" / "bug2" / "swept" / "caught-by-a-change.grid"
 
 
 def room(speed):
@@ -74,6 +76,16 @@ def test_an_svg_has_stripes_a_frame_for_each_wall_and_a_cross(run):
         == len(penetrated_cells(episode, world)) + 1
     )  # a key
     assert MARKS["pierced"].label in text
+
+
+def test_a_cell_that_catches_the_robot_has_no_stripes_and_a_key_of_its_own():
+    world = read_world(CAUGHT)
+    episode = simulate(world, world.failure.controller, steps=3000, record=True)
+    assert episode.verdict == "burned"
+    text = draw_svg(world, trail=trail_of(episode, world))
+    assert f'fill="{hue("pierced")}"/></pattern>' not in text
+    assert len(re.findall(f'<polygon [^>]*stroke="{hue("pierced")}"', text)) == 2  # one is a key
+    assert MARKS["caught"].label in text and MARKS["pierced"].label not in text
 
 
 @pytest.mark.gate

@@ -57,6 +57,17 @@ test("a wall that the robot enters is framed at first, and striped once the robo
   assert.ok([...cells].every((cell) => cell.startsWith("7,")), [...cells].join(" "));
 });
 
+test("a cell that catches the robot is framed, without stripes", () => {
+  const drawn = (kind) => {
+    const pen = penOf(room);
+    drawPierced(pen, { world: room, run: { ...through, open: undefined, tolerance: null, marks: through.marks.map((mark) => ({ ...mark, kind })) }, step: 2 });
+    assert.deepEqual([...framed(pen, "pierced", 10)], ["7,4"]);
+    return pen.context.of("lineTo").length;
+  };
+  assert.ok(drawn("breach") > 2);
+  assert.equal(drawn("caught"), 2); // its cross
+});
+
 test("a wall that only the robot's edge enters is marked, unless by just a tenth of a cell", () => {
   const marked = (x) => {
     const pen = penOf(room);

@@ -17,9 +17,9 @@ const fleet = { ...room, others: [{ start: [11, 2, 3.1], target: [2, 7, 0.5], ra
 const blocked = [{ ...loop, blocked_by: [2] }, { ...runOf({ at: [0, 2, 10], x: [11, 8.5, 8.5], y: [2, 3, 3], loop: [2, 8] }), blocked_by: [1] }];
 
 const PICTURES = {
-  "a card of a loop": [(canvas) => drawSmall(canvas, { world: room, run: loop, sensors: null }), "2215b258113f72b3"],
+  "a card of a loop": [(canvas) => drawSmall(canvas, { world: room, run: loop, sensors: null }), "7405b1f0a9f94808"],
   "a card of a stalled run": [(canvas) => drawSmall(canvas, { world: room, run: stalled, sensors: null }), "d1147b1b6446eefd"],
-  "a card of a body": [(canvas) => drawSmall(canvas, { world: body, run: loop, sensors: null }), "419f8f16a5b7f14a"],
+  "a card of a body": [(canvas) => drawSmall(canvas, { world: body, run: loop, sensors: null }), "10bdd3821a104d78"],
   "a card of robots that block each other": [(canvas) => drawSmall(canvas, { world: fleet, run: blocked[0], number: 1, others: [{ run: blocked[1], number: 2 }], sensors: null }), "4156d93c7060d301"],
   "a moment in the player": [(canvas) => drawScene(canvas, { world: room, run: loop, sensors: { beams: 4, field: 0, range: 4, signal: true }, step: 5, show: SHOWN }), "c20cdb0b113181f7"],
   "a world": [(canvas) => drawScene(canvas, { world: room, run: null, show: { witness: true } }), "300f937b7bc018cb"],

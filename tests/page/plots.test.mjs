@@ -74,7 +74,11 @@ test("the legend explains only the marks that are drawn", () => {
   assert.deepEqual(words({ world, run }), ["start", "began", "target", "trail", "ahead", "end"].map((name) => MARKS[name].label));
   const loops = { ...run, loop: [1, 2], marks: [{ step: 1, kind: "breach", name: "", text: "", cell: [1, 1] }] };
   const more = words({ world: { ...world, cut: [[1, 1]] }, run: loops });
-  for (const item of ["the path into the loop", "the period, repeated forever", "wall entered, or cell that did harm", MARKS.cut.label]) assert.ok(more.includes(item), item);
+  for (const item of ["the path into the loop", "the period, repeated forever", MARKS.pierced.label, MARKS.cut.label]) assert.ok(more.includes(item), item);
+  const caught = words({ world, run: { ...loops, marks: [{ ...loops.marks[0], kind: "caught" }] } });
+  assert.ok(caught.includes(MARKS.caught.label) && !caught.includes(MARKS.pierced.label));
+  const near = words({ world, run: loops }).filter((item) => [MARKS.short.label, MARKS.barred.label].includes(item));
+  assert.equal(near.length, 1);
   const burning = { ...world, open: { ...world.open, events: { ms: [1], ix: [1], iy: [1], state: Float64Array.of(2) } } };
   assert.ok(words({ world: burning, run }).includes("burnt floor"));
 });

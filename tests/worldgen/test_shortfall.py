@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from worldgen import Event, Pose, Target, Timeline, Witness, World
-from worldgen.render import Trail, draw_svg
+from worldgen.render import Frame, Trail, draw_svg
+from worldgen.render.marks import MARKS
+from worldgen.render.scene import card_content, card_parts
 from worldgen.render.shortfall import shortfall_of
+from worldgen.render.shortfall_parts import barred_parts
 from worldgen.timeline import CellState
 
 
@@ -37,6 +40,51 @@ def test_a_wall_in_between_stops_the_robot_where_its_rim_touches_it():
     # Its radius is 0.07 m, and the wall begins at 1.2 m.
     assert short.end[0] == pytest.approx(1.13, abs=0.01)
     assert short.contact == pytest.approx((1.2, 0.55))
+
+
+def test_a_key_explains_only_the_one_of_both_marks_that_is_in_the_picture():
+    marks = MARKS["short"].label, MARKS["barred"].label
+    for world, shown in ((room(), marks[0]), (room((12, 5)), marks[1])):
+        text = draw_svg(world, trail=back_and_forth())
+        assert [words for words in marks if words in text] == [shown]
+
+
+def test_an_arrow_from_the_robot_ends_at_the_wall_that_stops_it_in_the_middle_of_a_bar():
+    # Its disc meets the corner of the cell, which is not straight ahead.
+    world = room((12, 6), target=(1.55, 0.58))
+    content = card_content(world, back_and_forth(), Frame.of(world, 400))
+    line, *_, bar = barred_parts(content, MARKS["barred"])
+    start, contact = content.frame.points([content.shortfall.place, content.shortfall.contact])
+    assert line.points == pytest.approx(np.array((start, contact)))
+    assert bar.points.mean(axis=0) == pytest.approx(contact)
+
+
+def test_words_hide_no_part_of_a_small_robot_and_its_target():
+    # Above and below the line between them, the distance's words would be on both.
+    assert hidden_by_words(room(target=(1.15, 0.55)), back_and_forth()) == 0
+
+
+@pytest.mark.parametrize("x", [1.4, 1.5])
+def test_words_of_a_cell_that_changes_hide_no_part_of_the_target(x):
+    # They would be on the cell's right, where the target is.
+    change = Timeline.of([Event(1.3, 12, 4, CellState.SOLID)])
+    assert hidden_by_words(room(target=(x, 0.45), timeline=change), back_and_forth()) == 0
+
+
+def hidden_by_words(world, trail):
+    """Return how many of the robot, where it is nearest, and its target are partly under words."""
+    content = card_content(world, trail, Frame.of(world, 400))
+    card_parts(content)
+    assert content.words
+    nearest = trail.points[content.shortfall.row]
+    target = world.target
+    places = content.frame.points(np.array((nearest, (target.x, target.y))))
+    reach = np.array((content.robot(0).radius, target.radius)) * content.frame.scale
+    hidden = 0
+    for low, high in content.words:
+        gaps = np.linalg.norm(np.clip(places, low, high) - places, axis=1)
+        hidden += int((gaps < reach - 0.1).sum())
+    return hidden
 
 
 def test_a_wall_that_comes_later_is_in_between_and_one_that_goes_is_not():

@@ -15,6 +15,7 @@ from worldgen.render.named_parts import named_mark
 from worldgen.render.overlay import Trail
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.robot_parts import dot, start_disc, target_mark, waypoint_mark
+from worldgen.render.shortfall_parts import barred_arrow
 from worldgen.render.trail_parts import arrow, arrow_head, breach_cross, heading_tick, stays_put
 from worldgen.robot_overrides import describe_body, describe_goal
 from worldgen.world import Cut, JointWitness, Witness, World
@@ -214,7 +215,8 @@ def _shown(content: Content) -> set[str]:
     if "spot" in names and not content.has_several:
         names -= {"loop", "stay"}
     if content.shortfall is not None:
-        names = names - {"end"} | {"nearest", "short"}
+        between = "short" if content.shortfall.contact is None else "barred"
+        names = names - {"end"} | {"nearest", between}
     return names
 
 
@@ -229,7 +231,8 @@ def _of_trail(trail: Trail, *, is_one: bool) -> set[str]:
         "stay": trail.stays_from is not None,
         "end": is_one,
         "touched": "bump" in kinds,
-        "pierced": bool(trail.pierced),
+        "pierced": any(cell.is_entered for cell in trail.pierced),
+        "caught": not all(cell.is_entered for cell in trail.pierced),
         "overlap": "overlap" in kinds and not trail.pierced,
         "breach": "tunnel" in kinds and not trail.pierced,
         "blocked": bool(trail.blocked_by),
@@ -380,6 +383,10 @@ def _began_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return dot(x + 0.5 * ICON * unit, y, unit, hue("start"))
 
 
+def _barred_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return barred_arrow((x, y), (x + (ICON - 4.0) * unit, y), (0.0, 1.0), 0.7 * unit)
+
+
 def _short_sample(x: float, y: float, unit: float) -> list[Primitive]:
     mark = MARKS["short"]
     lines = (((2.0, 0.0), (24.0, 0.0)), ((2.0, -5.0), (2.0, 5.0)), ((24.0, -5.0), (24.0, 5.0)))
@@ -406,10 +413,14 @@ def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
     mark = MARKS["pierced"]
     stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (5.0, 10.0, 15.0)]
     return [
-        _square(x, y, unit, mark.inside()),
+        *_caught_sample(x, y, unit),
         *(DrawnLine(np.array((x, y)) + line * unit, mark.line(0.7 * unit)) for line in stripes),
-        _square(x, y, unit, mark.line(unit)),
     ]
+
+
+def _caught_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    mark = MARKS["caught"]
+    return [_square(x, y, unit, mark.inside()), _square(x, y, unit, mark.line(unit))]
 
 
 def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:
@@ -450,9 +461,11 @@ _SAMPLES: Mapping[str, Sample] = {
     "end": _end_sample,
     "nearest": _end_sample,
     "began": _began_sample,
+    "barred": _barred_sample,
     "short": _short_sample,
     "touched": _touched_sample,
     "pierced": _pierced_sample,
+    "caught": _caught_sample,
     "overlap": _overlap_sample,
     "breach": _breach_sample,
     "blocked": _blocked_sample,

@@ -49,20 +49,20 @@ def change_labels(content: Content, mark: Mark) -> list[Primitive]:
         (left, bottom), (right, top) = frame.corners(
             np.array(((ix, iy), (ix + 1, iy + 1)))
         ).tolist()
-        across = 0.5 * (left + right - width)
-        down = 0.5 * (top + bottom - height)
-        places = (
-            (right + away, down),
-            (left - away - width, down),
-            (across, top - away - height),
-            (across, bottom + away),
-        )
+        middle = 0.5 * (left + right), 0.5 * (top + bottom)
+        across = middle[0] - 0.5 * width
+        down = middle[1] - 0.5 * height
+        left, right = left - away - width, right + away
+        top, bottom = top - away - height, bottom + away
+        sides = ((right, down), (left, down), (across, top), (across, bottom))
+        corners = ((right, top), (right, bottom), (left, top), (left, bottom))
         parts += placed_words(
             content,
             words,
-            [np.array(place) for place in places],
+            [np.array(place) for place in sides],
             hue(mark.colour),
-            shunned=(0.5 * (left + right), 0.5 * (top + bottom)),
+            further=[np.array(place) for place in corners],
+            shunned=middle,
         )
     return parts
 

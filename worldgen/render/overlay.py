@@ -61,12 +61,15 @@ class WallPenetration:
         iy: Row.
         time: Time of the first entry, s.
         place: Where it entered, x and y in m, for the cell that the verdict names.
+        is_entered: False if it is not a wall that the robot went into, but a cell that caught or
+            burned it, or that it must not touch.
     """
 
     ix: int
     iy: int
     time: float
     place: tuple[float, float] | None = None
+    is_entered: bool = True
 
 
 @dataclass(frozen=True, slots=True)

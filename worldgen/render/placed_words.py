@@ -18,6 +18,10 @@ _ROWS = 600
 _SAMPLES = 5
 # Share of the words' size by which they may be moved into the map and still be next to their place.
 _ALONG = 0.6
+# Cost of words that hide all of the robot, or of the target.
+_BODY = 8.0
+# Cost of a place that is less clear.
+_FURTHER = 2.0
 _BOX = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
 
 
@@ -33,15 +37,17 @@ def placed_words(
     places: Sequence[Floats],
     colour: str,
     *,
+    further: Sequence[Floats] = (),
     shunned: tuple[float, float] | None = None,
 ) -> list[Primitive]:
-    """Return words at the place that hides the least of what the robot repeats, target and walls.
+    """Return words at the place that hides the least: of the robot, its loop, target and walls.
 
     Args:
         content: The picture's content.
         words: The words.
         places: (2,) px: upper left corners; the first of equally good ones is taken.
         colour: ``#rrggbb``.
+        further: The same, less clear: taken if all ``places`` hide more.
         shunned: Middle of a cell that must stay visible, px.
     """
     frame = content.frame
@@ -49,7 +55,7 @@ def placed_words(
     low = np.array((frame.left, frame.top))
     beyond = np.array((frame.left + frame.width, frame.bottom)) - size
     best: tuple[float, Floats] | None = None
-    for place in places:
+    for k, place in enumerate((*places, *further)):
         # Move it until the words are in the map.
         moved = np.maximum(low, np.minimum(place, beyond))
         is_far = bool((np.abs(moved - place) > _ALONG * size).any())
@@ -59,6 +65,7 @@ def placed_words(
         else:
             cost = 0.0
         cost += _hidden(content, moved, size) + 3.0 * is_far + 0.5 * bool((moved != place).any())
+        cost += _FURTHER * (k >= len(places))
         if best is None or cost < best[0] - 1e-9:
             best = cost, moved
     assert best is not None
@@ -80,15 +87,20 @@ def _hidden(content: Content, corner: Floats, size: Floats) -> float:
         return np.asarray(inside.all(axis=1))
 
     robot = content.robot(0)
-    goal = frame.points(np.array(((robot.target.x, robot.target.y),)))
-    cost = 4.0 * float(is_covered(goal, 0.7 * robot.target.radius * frame.scale)[0])
+    discs = [(robot.target.x, robot.target.y, robot.target.radius, MARKS["target"].size)]
+    if content.trail is not None:
+        row = -1 if content.shortfall is None else content.shortfall.row
+        discs.append((*content.trail.points[row], robot.radius, MARKS["end"].size))
+    cost = 0.0
+    for x, y, radius, least in discs:
+        reach = max(radius * frame.scale, least * frame.unit)
+        middle = np.array(frame.to_pixels(x, y))
+        overlap = np.minimum(corner + size, middle + reach) - np.maximum(corner, middle - reach)
+        cost += _BODY * float(np.prod(np.maximum(overlap, 0.0))) / (2.0 * reach) ** 2
     cost += sum(
         4.0 for low, high in content.words if (corner < high).all() and (corner + size > low).all()
     )
     for trail in content.trails[:1]:
-        end = frame.points(trail.points[-1:])
-        if trail.repeats_from is None:
-            cost += 4.0 * float(is_covered(end, robot.radius * frame.scale)[0])
         path = trail.points[-_ROWS:] if trail.repeats_from is None else trail.loop
         points = frame.points(path[:: max(1, len(path) // _ROWS)])
         hidden = float(is_covered(points, 2.0).mean())

@@ -36,7 +36,7 @@ from worldgen.render.robot_parts import (
     target_parts,
     waypoint_parts,
 )
-from worldgen.render.shortfall_parts import shortfall_parts
+from worldgen.render.shortfall_parts import barred_parts, distance_parts
 from worldgen.render.trail_parts import (
     approach_parts,
     band_parts,
@@ -446,7 +446,8 @@ _DRAWN: Mapping[str, Callable[[Content, Mark], list[Primitive]]] = {
     "pierced": _pierced,
     "overlap": _of_trails(overlap_parts),
     "breach": _breach,
-    "short": shortfall_parts,
+    "barred": barred_parts,
+    "short": distance_parts,
     "since": change_labels,
     "target": _of_robots(target_parts, "target"),
     "waypoint": _of_robots(waypoint_parts, "target"),

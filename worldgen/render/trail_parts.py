@@ -290,12 +290,12 @@ def _spot(centre: Floats, radius: float, colour: str, unit: float) -> list[Primi
 def pierced_parts(
     cells: Sequence[WallPenetration], shape: tuple[int, int], frame: Frame
 ) -> list[Primitive]:
-    """Return the walls that the robot entered.
+    """Return the walls that the robot entered, and without stripes the cell that caught it.
 
     Red stripes on a light ground, and a frame, do not rely on colour alone.
 
     Args:
-        cells: The wall cells.
+        cells: The cells.
         shape: Rows and columns of the grid.
         frame: The map's place in the picture.
     """
@@ -308,8 +308,12 @@ def pierced_parts(
     if inside:
         parts += [DrawnCells(mask, hue("floor"), opacity=_LIGHTER)]
         parts += [DrawnCells(mask, hue(mark.colour), opacity=mark.fill)]
-        hatch = max(4.0 * unit, 0.2 * frame.cell)
-        parts.append(DrawnCells(mask, hue(mark.colour), hatch=hatch))
+        walls = mask.copy()
+        walls[[cell.iy for cell in inside], [cell.ix for cell in inside]] = [
+            cell.is_entered for cell in inside
+        ]
+        hatch = max(mark.size * unit, 0.2 * frame.cell)
+        parts.append(DrawnCells(walls, hue(mark.colour), hatch=hatch))
     for cell in cells:
         square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))
         width = (mark.width if cell.place is None else 1.5 * mark.width) * unit

@@ -7,7 +7,7 @@ import { drawBody, drawTargetMark, drawTick } from "#player/picture/ends.js";
 import { LEGEND, MARKS } from "#player/picture/marks.js";
 import { hasMap } from "#player/picture/memory.js";
 import { drivenIn, staysFrom } from "#player/picture/scene_robots.js";
-import { shortfallOf } from "#player/picture/shortfall.js";
+import { drawBarredArrow, shortfallOf } from "#player/picture/shortfall.js";
 import { isOnSpot } from "#player/picture/trail.js";
 import { circle, disc, fillMark, palette, robotColour, stroke, strokeMark } from "#player/picture/pen.js";
 
@@ -17,7 +17,7 @@ export const SAMPLE = { width: 26, height: 14 }; // pixels
 const OWN = new Set(["start", "began", "target", "waypoint", "witness", "approach", "loop", "trail", "end"]);
 
 // Marks that the legend of a small picture explains.
-const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "stay", "spot", "blocked", "short", "touched", "pierced", "named", "closes", "opens", "burns"]);
+const ABOUT = new Set(["witness", "cut", "cut-poses", "loop", "trail", "stay", "spot", "blocked", "barred", "short", "touched", "pierced", "caught", "named", "closes", "opens", "burns"]);
 
 /** @typedef {{name: string, words: string, number?: number}} LegendItem */
 
@@ -34,7 +34,8 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
   const loops = all.some((one) => one.run.loop),
     stays = isStill && all.some((one) => staysFrom(one.run) !== null),
     one = isStill && run !== null && all.length === 1 ? drivenIn({ world, run, step: run.steps, number: null, others: [], show: {}, whole: true })[0] : null,
-    isNear = one !== null && shortfallOf(world, one) !== null,
+    near = one && shortfallOf(world, one),
+    cells = all.flatMap((other) => other.run.marks.filter(({ cell }) => cell)),
     isSpot = one !== null && isOnSpot(one);
   /** @type {Record<string, boolean | undefined>} */
   const present = {
@@ -52,11 +53,13 @@ export function marksOf({ world, run, others, number, named, sensors }, isStill 
     spot: isSpot,
     trail: !stays && all.some((one) => !one.run.loop),
     ahead: run !== null && !isStill,
-    end: run !== null && isStill && !isNear,
-    nearest: isNear,
-    short: isNear,
+    end: run !== null && isStill && !near,
+    nearest: near !== null,
+    barred: Boolean(near?.contact),
+    short: near !== null && !near.contact,
     touched: all.some((one) => openRun(one.run).bump.some(Boolean)),
-    pierced: all.some((one) => one.run.marks.some(({ cell }) => cell)),
+    pierced: cells.some(({ kind }) => kind !== "caught"),
+    caught: cells.some(({ kind }) => kind === "caught"),
     blocked: all.some((one) => one.run.blocked_by?.length),
     remembered: hasMap(run),
     fire: happens.has(BURNING),
@@ -169,6 +172,7 @@ export function drawSample(context, colours, name, left, top, number) {
     end: () => drawBody(pen, "end", { x, y, heading: 0 }, undefined, 6, colour),
     began: () => disc(pen, x, y, 4.5, colour),
     nearest: () => drawBody(pen, name, { x, y, heading: 0 }, undefined, 6, colour),
+    barred: () => drawBarredArrow({ ...pen, unit: 0.6 }, [left + 1, y], [left + width - 4, y], [0, 1]),
     short() {
       across();
       for (const at of [left + 1, left + width - 1]) {

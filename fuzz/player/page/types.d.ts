@@ -150,7 +150,7 @@ interface OpenRun {
   heading: Float64Array;
   bump: Uint8Array;
   active: Float64Array | null | undefined;
-  pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean }>;
+  pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean; isEntered: boolean }>;
   touched?: Map<string, { ix: number; iy: number; dx: number; dy: number; step: number; last: number }>;
   numbered?: number[];
   series?: Series[];
@@ -475,6 +475,8 @@ interface Pen {
   colours: Record<string, string>;
   /** Left, top, right and bottom of the words on the map so far. */
   words?: [number, number, number, number][];
+  /** Middle and radius of the robots that stand on the map, pixels. */
+  bodies?: Triple[];
 }
 
 /** Pixels of the page, and how many of the canvas each has. */

@@ -158,7 +158,7 @@ function marksOf({ verdict, entry, hit, last_new_cell: last }) {
   if (verdict === "loop") return [{ step: entry, kind: "entry", name: "Entry", text: "the loop is entered" }];
   if (hit && BREACHES[verdict]) {
     const [name, text] = BREACHES[verdict];
-    return [{ step: hit.step, kind: "breach", name, text, cell: hit.cell }];
+    return [{ step: hit.step, kind: ["contact", "burned"].includes(verdict) ? "caught" : "breach", name, text, cell: hit.cell }];
   }
   if (verdict === "stalled" || verdict === "timeout") {
     return [{ step: last, kind: "stays", name: "Nothing new after", text: "enters a new cell for the last time" }];

@@ -63,6 +63,7 @@ function drawStanding(pen, { footprint, radius, number }, pose, name) {
   bodyPath(pen, footprint, pose, shown);
   fillMark(pen, name, colour);
   strokeMark(pen, name, colour);
+  pen.bodies = [...(pen.bodies ?? []), [pen.px(pose.x), pen.py(pose.y), shown * pen.scale]];
   if (!footprint) disc(pen, pose.x, pose.y, (2 * pen.unit) / pen.scale, colour); // an arrival depends on this point
   drawFront(pen, pose, footprint, shown, colour);
 }

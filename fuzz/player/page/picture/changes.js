@@ -150,9 +150,11 @@ export function drawChangeLabels(pen, world, robots) {
     const words = `${WORDS[state]} at ${timeOfLabel(events.ms[k] / 1000)} s`,
       [wide, high] = sizeOfWords(pen, words),
       away = 3 * unit,
-      [across, down] = [px(ix + 0.5) - wide / 2, py(iy + 0.5) - high / 2];
-    const places = [[px(ix + 1) + away, down], [px(ix) - away - wide, down], [across, py(iy + 1) - away - high], [across, py(iy) + away]];
-    placeWords(pen, world, robots[robots.length - 1], words, places, colours[MARKS.since.colour], [[px(ix + 0.5), py(iy + 0.5), 0.4 * pen.scale]]);
+      [across, down] = [px(ix + 0.5) - wide / 2, py(iy + 0.5) - high / 2],
+      [right, left, above, below] = [px(ix + 1) + away, px(ix) - away - wide, py(iy + 1) - away - high, py(iy) + away];
+    const places = [[right, down], [left, down], [across, above], [across, below]],
+      corners = [[right, above], [right, below], [left, above], [left, below]];
+    placeWords(pen, world, robots[robots.length - 1], words, places, corners, colours[MARKS.since.colour], [[px(ix + 0.5), py(iy + 0.5), 0.4 * pen.scale]]);
   }
 }
 

@@ -16,7 +16,7 @@ import { penFor } from "#player/picture/pen.js";
 import { drawPierced } from "#player/picture/pierced.js";
 import { drawScaleBar } from "#player/picture/scale_bar.js";
 import { drivenIn } from "#player/picture/scene_robots.js";
-import { drawShortfall } from "#player/picture/shortfall.js";
+import { drawBarred, drawDistance } from "#player/picture/shortfall.js";
 import { drawBearing, drawBeams } from "#player/picture/senses.js";
 import { drawTouched } from "#player/picture/touched.js";
 import { drawAhead, drawApproach, drawBand, drawBreachPath, drawLoop } from "#player/picture/trail.js";
@@ -67,7 +67,8 @@ const DRAWN = {
   heading: ({ pen, world, robots, whole }) => (whole && robots.length > 0) || drawHeadings(pen, world),
   memory: ({ pen, front, show }) => front && show.memory && drawMemory(pen, front.run, front.within),
   pierced: ({ pen, scene }) => scene && drawPierced(pen, scene),
-  short: ({ pen, world, robots, show, whole }) => show.trail && whole && robots.length === 1 && drawShortfall(pen, world, robots[0]),
+  barred: ({ pen, world, robots, show, whole }) => show.trail && whole && robots.length === 1 && drawBarred(pen, world, robots[0]),
+  short: ({ pen, world, robots, show, whole }) => show.trail && whole && robots.length === 1 && drawDistance(pen, world, robots[0]),
   since: ({ pen, world, robots, show, whole }) => show.changes && whole && drawChangeLabels(pen, world, robots),
   target: ({ pen, world }) => drawTarget(pen, world),
   waypoint: ({ pen, world }) => drawWaypoints(pen, world),

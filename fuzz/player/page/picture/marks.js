@@ -38,13 +38,15 @@ export const MARKS = {
   "decoy": {"colour": "target", "width": 2.4, "dash": [3.0, 4.0], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 8.0, "fade": [], "on_cards": true, "label": "decoy source"},
   "memory": {"colour": "memory", "width": 1.6, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 3.2, "fade": [], "on_cards": false, "label": ""},
   "plan": {"colour": "memory", "width": 2.4, "dash": [2.0, 4.0], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
-  "pierced": {"colour": "pierced", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 0.0, "fade": [], "on_cards": true, "label": "wall entered, or cell that did harm"},
+  "pierced": {"colour": "pierced", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 4.0, "fade": [], "on_cards": true, "label": "wall that the robot went into"},
+  "caught": {"colour": "pierced", "width": 2.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.25, "size": 0.0, "fade": [], "on_cards": true, "label": "cell that caught or burned the robot, or must not be touched"},
   "overlap": {"colour": "pierced", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.0, "size": 7.0, "fade": [], "on_cards": true, "label": "overlap"},
   "breach": {"colour": "pierced", "width": 4.0, "dash": [], "opacity": 1.0, "casing": 7.0, "fill": 0.0, "size": 7.0, "fade": [], "on_cards": true, "label": "through a wall"},
   "target": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 5.0, "fade": [], "on_cards": true, "label": "target, which the robot's centre must enter"},
   "waypoint": {"colour": "target", "width": 2.2, "dash": [], "opacity": 1.0, "casing": 4.6, "fill": 0.1, "size": 9.0, "fade": [], "on_cards": true, "label": "waypoint, with its place in the order"},
   "goal": {"colour": "target", "width": 1.4, "dash": [4.0, 4.0], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 12.0, "fade": [], "on_cards": true, "label": ""},
-  "short": {"colour": "target", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 6.0, "fade": [], "on_cards": true, "label": "straight to the target: the wall in between, or the distance"},
+  "barred": {"colour": "target", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 6.0, "fade": [], "on_cards": true, "label": "the wall that stops it on the straight line to the target"},
+  "short": {"colour": "target", "width": 2.6, "dash": [], "opacity": 1.0, "casing": 5.0, "fill": 0.0, "size": 6.0, "fade": [], "on_cards": true, "label": "distance left to the target, with nothing in between"},
   "since": {"colour": "robot", "width": 0.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 14.0, "fade": [], "on_cards": true, "label": ""},
   "beam": {"colour": "target", "width": 1.0, "dash": [], "opacity": 0.3, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
   "bearing": {"colour": "target", "width": 3.0, "dash": [], "opacity": 1.0, "casing": 0.0, "fill": 0.0, "size": 0.0, "fade": [], "on_cards": false, "label": ""},
@@ -57,7 +59,7 @@ export const MARKS = {
 };
 
 /** Names of the marks in a legend, in its order. @type {string[]} */
-export const LEGEND = ["start", "began", "target", "waypoint", "signal", "witness", "cut", "cut-poses", "approach", "loop", "stay", "spot", "trail", "ahead", "end", "nearest", "short", "touched", "pierced", "overlap", "breach", "blocked", "pushed", "pushes", "missed", "remembered", "drift", "decoy", "fire", "burnt", "burns", "closes", "opens", "named"];
+export const LEGEND = ["start", "began", "target", "waypoint", "signal", "witness", "cut", "cut-poses", "approach", "loop", "stay", "spot", "trail", "ahead", "end", "nearest", "barred", "short", "touched", "pierced", "caught", "overlap", "breach", "blocked", "pushed", "pushes", "missed", "remembered", "drift", "decoy", "fire", "burnt", "burns", "closes", "opens", "named"];
 
 /** What a small picture shows of a large world. */
 export const CARD = {"side": 190.0, "robot": 14.0, "around": 3.0, "small": 0.6};

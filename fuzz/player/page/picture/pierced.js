@@ -1,5 +1,5 @@
 // Walls that a robot enters: which cells, when, and where. They are red, striped and crossed out,
-// so that colour is not the only sign.
+// so that colour is not the only sign. A cell that catches the robot has no stripes.
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
 import { MARKS } from "#player/picture/marks.js";
@@ -17,10 +17,10 @@ function piercedCells(world, run) {
   /** @type {NonNullable<OpenRun["pierced"]>} */
   const pierced = new Map();
   open.pierced = pierced;
-  const note = (ix, iy, step, named = false) => {
+  const note = (ix, iy, step, named = false, isEntered = true) => {
     const key = `${ix},${iy}`,
       known = pierced.get(key);
-    if (!known) pierced.set(key, { ix, iy, step, named });
+    if (!known) pierced.set(key, { ix, iy, step, named, isEntered });
     else if (named) Object.assign(known, { named, step });
   };
   if (run.tolerance !== null) {
@@ -31,7 +31,7 @@ function piercedCells(world, run) {
         for (const [ix, iy] of crossed(cells, world, open, row)) note(ix, iy, open.at[row]);
     }
   }
-  for (const mark of run.marks) if (mark.cell) note(...mark.cell, mark.step, true);
+  for (const mark of run.marks) if (mark.cell) note(...mark.cell, mark.step, true, mark.kind !== "caught");
   return pierced;
 }
 
@@ -93,9 +93,9 @@ export function drawPierced(pen, scene) {
   const { context } = pen,
     { world, run } = scene;
   context.save();
-  for (const { ix, iy, step, named } of piercedCells(world, run).values()) {
-    const over = scene.whole || scene.step >= step;
-    if (over || named) stripe(pen, ix, iy, over, named);
+  for (const cell of piercedCells(world, run).values()) {
+    const over = scene.whole || scene.step >= cell.step;
+    if (over || cell.named) drawCell(pen, cell, over);
   }
   for (const mark of run.marks) {
     if (!mark.cell || !(scene.whole || scene.step >= mark.step)) continue;
@@ -105,8 +105,8 @@ export function drawPierced(pen, scene) {
   context.restore();
 }
 
-// Draws one cell with stripes and a frame; a later one gets a dashed frame.
-function stripe(pen, ix, iy, over, named) {
+// Draws one cell with a frame, a wall that the robot entered with stripes; a later one gets a dashed frame.
+function drawCell(pen, { ix, iy, named, isEntered }, over) {
   const { context, px, py, scale, colours } = pen,
     left = px(ix),
     top = py(iy + 1);
@@ -123,8 +123,8 @@ function stripe(pen, ix, iy, over, named) {
     }
     context.globalAlpha = 1;
     context.beginPath();
-    const apart = Math.max(4, scale / 5);
-    for (let k = -scale; k < scale; k += apart) {
+    const apart = Math.max(MARKS.pierced.size * pen.unit, scale / 5);
+    for (let k = -scale; isEntered && k < scale; k += apart) {
       context.moveTo(left + k, top + scale);
       context.lineTo(left + k + scale, top);
     }

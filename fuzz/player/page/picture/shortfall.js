@@ -98,51 +98,70 @@ function wallIn(cells, world, [x, y], radius) {
 }
 
 /**
- * Draws an arrow up to the wall in between with a bar at that wall, or the distance in words.
+ * Draws an arrow to the wall that stops the robot on the straight line to its target.
  * @param {Pen} pen
  * @param {SceneWorld} world
  * @param {SceneRobot} one
  */
-export function drawShortfall(pen, world, one) {
+export function drawBarred(pen, world, one) {
   const short = shortfallOf(world, one);
-  if (!short) return;
-  const { context, px, py, unit, colours, scale } = pen,
-    { colour, size, width } = MARKS.short,
-    { place, end, contact } = short,
-    [left, top] = [px(place[0]), py(place[1])],
-    [right, bottom] = [px(end[0]), py(end[1])];
-  if (!contact) {
-    drawDistance(pen, world, one, left, top, right, bottom, Math.hypot(end[0] - place[0], end[1] - place[1]));
-    return;
-  }
-  const reach = innerRadius(one) * scale,
-    // The canvas's y axis points down.
-    [dx, dy] = [short.ahead[0], -short.ahead[1]],
-    tip = [right + reach * dx, bottom + reach * dy],
-    at = [px(contact[0]), py(contact[1])];
-  context.beginPath();
-  context.moveTo(left, top);
-  context.lineTo(tip[0], tip[1]);
-  strokeMark(pen, "short");
+  if (!short?.contact) return;
+  const { px, py } = pen,
+    { place, end, contact, ahead } = short;
   // The bar is on the wall's side that the robot's rim would touch.
-  const away = [at[0] - right, at[1] - bottom],
-    length = Math.hypot(away[0], away[1]),
-    across = length > 0 ? [away[1] / length, -away[0] / length] : [dy, -dx],
-    half = 1.5 * size * unit;
+  const away = [contact[0] - end[0], contact[1] - end[1]],
+    [x, y] = Math.hypot(away[0], away[1]) > 0 ? away : ahead;
+  drawBarredArrow(pen, [px(place[0]), py(place[1])], [px(contact[0]), py(contact[1])], [y, x]);
+}
+
+/**
+ * Draws an arrow whose tip is in the middle of a bar.
+ * @param {Pen} pen
+ * @param {Place} start - Pixels
+ * @param {Place} tip
+ * @param {Place} along - Direction of the bar, of any length
+ */
+export function drawBarredArrow(pen, start, tip, along) {
+  const { context, unit, colours } = pen,
+    { colour, size, width } = MARKS.barred,
+    [x, y] = tip,
+    angle = Math.atan2(y - start[1], x - start[0]);
   context.beginPath();
-  context.moveTo(at[0] - half * across[0], at[1] - half * across[1]);
-  context.lineTo(at[0] + half * across[0], at[1] + half * across[1]);
+  context.moveTo(start[0], start[1]);
+  context.lineTo(x, y);
+  strokeMark(pen, "barred");
+  const half = (1.5 * size * unit) / Math.hypot(along[0], along[1]);
+  const bar = () => {
+    context.beginPath();
+    context.moveTo(x - half * along[0], y - half * along[1]);
+    context.lineTo(x + half * along[0], y + half * along[1]);
+  };
+  bar();
   context.globalAlpha = 0.8;
   stroke(pen, colours.floor, (1.8 * width + 3) * unit);
   context.globalAlpha = 1;
+  // The head ends in the bar, and leaves some of a short line.
+  const head = Math.min(2 * size * unit, 0.7 * Math.hypot(x - start[0], y - start[1]));
+  drawHead(pen, x - 0.6 * head * Math.cos(angle), y - 0.6 * head * Math.sin(angle), angle, head, colours[colour]);
+  bar();
   stroke(pen, colours[colour], 1.8 * width * unit);
-  drawHead(pen, tip[0], tip[1], Math.atan2(dy, dx), 2 * size * unit, colours[colour]);
 }
 
-// Draws a line with a bar at either end, and its length.
-function drawDistance(pen, world, one, left, top, right, bottom, cells) {
-  const { context, unit, colours } = pen,
+/**
+ * Draws a line to the target with a bar at either end, and its length, if nothing is in between.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {SceneRobot} one
+ */
+export function drawDistance(pen, world, one) {
+  const short = shortfallOf(world, one);
+  if (!short || short.contact) return;
+  const { context, px, py, unit, colours } = pen,
     { colour, size } = MARKS.short,
+    { place, end } = short,
+    [left, top] = [px(place[0]), py(place[1])],
+    [right, bottom] = [px(end[0]), py(end[1])],
+    cells = Math.hypot(end[0] - place[0], end[1] - place[1]),
     length = Math.max(Math.hypot(right - left, bottom - top), 1e-9),
     half = size * unit;
   let [across, down] = [(bottom - top) / length, (left - right) / length];
@@ -161,5 +180,11 @@ function drawDistance(pen, world, one, left, top, right, bottom, cells) {
   if (across < 0 || (across === 0 && down > 0)) [across, down] = [-across, -down];
   const far = 6 * unit + 0.5 * (wide * Math.abs(across) + high * Math.abs(down));
   const places = [1, -1].map((side) => [(left + right) / 2 + side * far * across - wide / 2, (top + bottom) / 2 + side * far * down - high / 2]);
-  placeWords(pen, world, one, words, places, colours[colour]);
+  // If it would hide one of them, the words are next to the robot and the target.
+  const aside = Math.max(Math.max(one.radius, world.target[2]) * pen.scale, MARKS.target.size * unit + 5 * unit);
+  const [low, beyond] = [Math.min(left, right) - aside, Math.max(left, right) + aside],
+    [above, below] = [Math.min(top, bottom) - aside - high, Math.max(top, bottom) + aside],
+    [middleX, middleY] = [(left + right - wide) / 2, (top + bottom - high) / 2];
+  const around = [[low - wide, middleY], [beyond, middleY], [middleX, above], [middleX, below]];
+  placeWords(pen, world, one, words, places, around, colours[colour]);
 }
