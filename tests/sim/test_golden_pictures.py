@@ -21,13 +21,13 @@ RUNS = {
     "a loop": (
         "failures/tangent-bug/swept/returns-to-a-wall.grid",
         "tangent-bug",
-        "7bdc0d72e63324cd",
+        "fbd049f9ac98bc72",
     ),
-    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "5d59ddb69e26ce4d"),
+    "on one spot": ("failures/bug1/swept/pushes-a-wall.grid", "bug1", "b148468ad988074d"),
     "a run without a loop": (
         "failures/bug2/swept/caught-by-a-change.grid",
         "bug2",
-        "9babe98a919a1594",
+        "bde45a698aeab61f",
     ),
 }
 
@@ -50,9 +50,9 @@ ffdffeefffeffdff
 ffdffdeddedefdff
 ffdfffffedceedff
 ffdfffffeeceecff
-ffcff988eedeecff
-ffcff645ecdeecff
-ffcff878fdeefdff
+ffcff988dddeecff
+ffcff645eceeecff
+ffcff878feeefdff
 ffcffffffffffcff
 ffcffffffffffcff
 ffcffeddfffffcff
@@ -63,8 +63,8 @@ ffefffffffffffff
 fefeefeeffffffff
 eddedeeededdffff
 eeeeeeeeefffffff
-feeeeeeeeeefffff
-feeeeeeeeeeeeeee
+feeeeeeeeeeeeeef
+feeeeeeeeeeeeeff
 edeeefffffffffff
 """
 
