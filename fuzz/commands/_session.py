@@ -445,7 +445,7 @@ class CampaignSession:
         shrunk = sum(one.shrinking == ShrinkState.DONE for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
         # Count as the result does: errors with different reasons are one cause, and hazards that the
-        # robot cannot sense are none.
+        # robot cannot sense do not count.
         found = {*state.best.values(), *self._campaign.pending().values()}
         causes = counted(len({one.recorded_cause for one in found if not is_hazard(one)}), "cause")
         if live.phase == Phase.SHRINKING:

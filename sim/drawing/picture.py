@@ -57,7 +57,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     loop_from = stays_from = None
     if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
         loop_from = _row_at(trace, evidence.entry)
-    # How it got to where it stays is no part of what it does there.
+    # Leave out how it got there: what it does there is the second half of the run.
     half = trace.steps // 2
     if isinstance(evidence, BudgetEvidence) and evidence.last_new_cell <= half:
         stays_from = _row_at(trace, half)

@@ -181,18 +181,7 @@ def answers_hold(seed, count, change=lambda rng, world: world, *, families=FAMIL
     Each of its paths is one to the checker, which shares no code, and Python finds none where the
     page says that there is none.
     """
-    rng = random.Random(seed)
-    worlds = []
-    while len(worlds) < count:
-        try:
-            worlds.append(change(rng, edited(rng, families=families)[1]))
-        except WorldgenError:
-            continue
-    answers = judged(
-        {"world": live_question(world, None, None)["world"], "run": None, "edited": True}
-        for world in worlds
-    )
-    found = [answer["proof"] for answer in answers]
+    worlds, found = proofs_in_pages(seed, count, change, families=families)
     for world, proof in zip(worlds, found, strict=True):
         if proof["reachable"]:
             assert check_certificate(replace(world, certificate=witness_in(proof))).valid
@@ -201,19 +190,24 @@ def answers_hold(seed, count, change=lambda rng, world: world, *, families=FAMIL
     return [proof["reachable"] for proof in found]
 
 
-def proofs_agree(seed, count, change=lambda rng, world: world, *, all_equal=True):
+def proofs_in_pages(seed, count, change, **how):
+    """Edited worlds, each changed, and what a page proves of them."""
     rng = random.Random(seed)
     worlds = []
     while len(worlds) < count:
         try:
-            worlds.append(change(rng, edited(rng)[1]))
+            worlds.append(change(rng, edited(rng, **how)[1]))
         except WorldgenError:
             continue
     answers = judged(
         {"world": live_question(world, None, None)["world"], "run": None, "edited": True}
         for world in worlds
     )
-    found = [answer["proof"] for answer in answers]
+    return worlds, [answer["proof"] for answer in answers]
+
+
+def proofs_agree(seed, count, change=lambda rng, world: world, *, all_equal=True):
+    worlds, found = proofs_in_pages(seed, count, change)
     others = []
     for world, proof in zip(worlds, found, strict=True):
         expected = proof_of(world)

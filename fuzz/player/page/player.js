@@ -37,7 +37,7 @@ export function makePlayer(canvas, drawn, changed) {
     canvas,
     step: last,
     last,
-    isOverview: !drawn.beside, // the whole run, as a still picture, until a time is chosen
+    isOverview: !drawn.beside, // show the whole run until the reader chooses a time
     playing: false,
     period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,

@@ -93,7 +93,7 @@ class _Check:
         margin = math.ceil(farthest * (1.0 + _WIDER) / self._side) + 4
         _require(margin <= _MOST_MARGIN, "a step is as long as too many boxes")
         runs = self._runs(proof.boxes, margin)
-        # The frame beside each row holds what leaves it.
+        # The margin on each side of a row takes the boxes that are shifted out of it.
         self._width = self._shape[1] + 2 * margin
         self._layers = self._layers_of(runs)
         self._mark_room(discs)
