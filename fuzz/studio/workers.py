@@ -21,7 +21,7 @@ from fuzz.studio.requests.protocol import Compare, Request, Run
 from fuzz.studio.requests.refusals import our_fault
 from worldgen.errors import Message, WorldgenError
 from worldgen.plugins.trust import Inherited
-from worldgen.plugins.workers import become_worker, sigint_blocked
+from worldgen.plugins.workers import become_worker, sigint_blocked, worker_context
 
 _NICE = 5  # gives the page priority
 
@@ -36,7 +36,7 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
         *args: Its arguments.
         nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
-    process = multiprocessing.get_context("spawn").Process(
+    process = worker_context("fuzz.studio.answers").Process(
         target=_begin, args=(Inherited(), nice, target, *args), daemon=True
     )
     with sigint_blocked():
