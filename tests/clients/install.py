@@ -65,7 +65,7 @@ GATE = (
 PROGRAMS = {
     "admesh": "admesh",
     "assimp": "assimp-utils",
-    "chromium": "chromium",
+    "chromium-headless-shell": "chromium-headless-shell",
     "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5 "
     "libignition-transport-dev",
     "ign-transport-service": "ignition-transport-cli",
