@@ -14,7 +14,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.names import CONTROLLER, NameKind
+from worldgen.cli.names import CONTROLLER, NameKind, without_options
 from worldgen.domain import DECIMAL
 from worldgen.parameters.known_names import nearest
 
@@ -41,9 +41,10 @@ OTHER_WORDS = {
     "y": ("force",), "format": ("to", "from"), "type": ("to", "kind"), "lang": ("kind",),
     "language": ("kind",), "r": ("radius", "robot-radius"), "env": ("family",),
     "verdict": ("only",), "cause": ("only",), "controller": ("only",), "v": ("version",), "h": ("help",),
+    "detour": ("oracle",), "database": ("baseline",),
 }  # fmt: skip
-SELECTED = ("verdict", "cause", "controller")
-"""Fields of ``--only FIELD=PATTERN`` that people take for options."""
+NAMED = {"only": ("verdict", "cause", "controller"), "oracle": ("detour",)}
+"""What ``--only FIELD=PATTERN`` and ``--oracle NAME=NUMBER`` name and people take for options."""
 COMMANDS = {
     "generate": "", "gen": "", "make": "", "new": "", "create": "", "add": "",
     "simulate": "run", "sim": "run", "exec": "run", "start": "run",
@@ -72,7 +73,8 @@ def better_names(kind: NameKind, text: str) -> str:
 def _better_name(kind: NameKind, text: str) -> str:
     """Return what a value that names nothing most likely means, or the value itself."""
     # Names that exist, and those with a prefix, are left alone.
-    name, plus, options = text.partition("+")
+    name = without_options(text)
+    options = text.removeprefix(name)
     if name in kind.names() or name.startswith((*_PREFIXES, "behaviours")):
         return text
     place, colon, attribute = name.rpartition(":")
@@ -101,7 +103,7 @@ def _better_name(kind: NameKind, text: str) -> str:
         meant = name if name in alike else "".join(alike[:1])
         near = meant or nearest(name, kind.names()) or nearest(name, defined_here)
         found = defined_here.get(near, near)
-    return f"{found}{plus}{options}" if found else text
+    return f"{found}{options}" if found else text
 
 
 def existing_names(kind: NameKind, text: str) -> str:
@@ -114,7 +116,7 @@ def existing_names(kind: NameKind, text: str) -> str:
 
 def _names_something(kind: NameKind, text: str) -> bool:
     """Return True if a name is built in, or its file defines it."""
-    name = text.partition("+")[0]
+    name = without_options(text)
     file, _, attribute = name.rpartition(":")
     is_defined = file.endswith(".py") and attribute in kind.in_file(Path(file))
     is_program = name.startswith(_PREFIXES) and not missing_part(name)

@@ -29,7 +29,7 @@ from worldgen.cli.command_parts import (
 )
 from worldgen.cli.meant import (
     COMMANDS,
-    SELECTED,
+    NAMED,
     better_names,
     better_values,
     built_in,
@@ -322,7 +322,8 @@ def _rename_option(command: CommandParts, flag: str) -> None:
     elif takes_word:
         part.value = following.value  # type: ignore[union-attr]
         command.parts.remove(following)  # type: ignore[arg-type]
-    if meant.name == "only" and name.casefold() in SELECTED and part.value is not None:
+    is_named = name.casefold() in NAMED.get(flag_of(meant).removeprefix("--"), ())
+    if is_named and part.value is not None:
         part.value = f"{name.casefold()}={part.value}"
 
 

@@ -7,6 +7,7 @@ from its syntax tree.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,6 +24,11 @@ MOTIONS = ("endpoint", "stepped", "swept")
 
 # Largest Python file whose classes are looked up, bytes.
 _LARGEST = 1 << 20
+
+
+def without_options(text: str) -> str:
+    """Return a value's name, without what varies it: ``bug2+speed=1``, ``detour=3``."""
+    return re.split("[+=]", text, maxsplit=1)[0]
 
 
 def _registered(group: str) -> list[str]:
@@ -48,7 +54,7 @@ class NameKind(NamedTuple):
 
     def is_named_by(self, text: str) -> bool:
         """Return True if a word looks like the name of one, perhaps with options after it."""
-        name = text.partition("+")[0]
+        name = without_options(text)
         if name in self.names():
             return True
         file, _, attribute = name.rpartition(":")
