@@ -8,9 +8,11 @@ import time
 import pytest
 
 from sim.controllers import CONTROLLERS
+from sim.controllers.behaviours.catalogue import BEHAVIOURS
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
+from worldgen.interop.format import FORMATS
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
 STANDS = (
@@ -60,6 +62,26 @@ def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_pat
     (tmp_path / "mine.py").write_text(f"from sim import Command\n{STANDS}")
     with raises(InvalidParameter, "unknown-name", attribute="Mien", near="Mine"):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mien")
+
+
+@pytest.mark.parametrize("registry", [CONTROLLERS, BEHAVIOURS, FAMILIES, FORMATS])
+@pytest.mark.parametrize("place", ["recipe", "recipe.part", "json.part", ".json", "a-b", ""])
+def test_a_module_that_does_not_exist_is_named_with_what_to_write(registry, place):
+    with raises(InvalidParameter, "no-such-module", place=place) as caught:
+        registry.get(f"{place}:x")
+    assert str(caught.value).endswith("for your own, use package.module:name or ./file.py:name")
+
+
+def test_a_file_that_does_not_exist_is_told_as_it_was_written():
+    with raises(InvalidParameter, "no-such-file", name="./absent.py:Robot"):
+        CONTROLLERS.get("./absent.py:Robot")
+
+
+def test_a_module_that_the_users_module_lacks_is_a_fault_of_its_code(tmp_path, monkeypatch):
+    (tmp_path / "lacking.py").write_text("import recipe\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with raises(InvalidParameter, "code-failed", kind="ModuleNotFoundError"):
+        CONTROLLERS.get("lacking:Mine")
 
 
 def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):

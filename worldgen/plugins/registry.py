@@ -32,6 +32,8 @@ from worldgen.support.results import only_results_on_stdout
 
 T = TypeVar("T")
 
+_KNOWN = "known: {known!l}; for your own, use package.module:name or ./file.py:name"
+
 _LENT: dict[str, Path] = {}
 
 
@@ -203,24 +205,49 @@ class Registry(Generic[T]):
         )
 
     def _unknown(self, name: str) -> Message:
-        remedy = "known: {known!l}; for your own, use package.module:name or ./file.py:name"
         return unknown_name(
-            "no {noun} is called {name!r}", name, self.names(), remedy, noun=self.noun
+            "no {noun} is called {name!r}", name, self.names(), _KNOWN, noun=self.noun
+        )
+
+    def _no_module(self, name: str, place: str) -> InvalidParameter:
+        return InvalidParameter(
+            "no-such-module",
+            "{noun} {name!r}: Python finds no module {place!r}",
+            _KNOWN,
+            noun=self.noun,
+            name=name,
+            place=place,
+            known=self.names(),
         )
 
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
-        if not place.endswith(".py"):
+        is_file = place.endswith(".py")
+        if is_file and not expanded(_file(place)).is_file():
+            raise InvalidParameter(
+                "no-such-file",
+                "{noun} {name!r}: there is no such file",
+                "check the path",
+                noun=self.noun,
+                name=name,
+            )
+        if not is_file:
             # A user's file with the name of one of our packages would be hidden by ours.
             check_not_ours(place, attribute)
-        with loading(f"{self.noun} {name!r}: loading {place}"):
-            module = (
-                _load_file(_file(place))
-                if place.endswith(".py")
-                else importlib.import_module(place)
-            )
-            if hasattr(module, attribute):
-                return getattr(module, attribute)
+        if not (is_file or all(map(str.isidentifier, place.split(".")))):
+            raise self._no_module(name, place)
+        try:
+            with loading(f"{self.noun} {name!r}: loading {place}"):
+                module = _load_file(_file(place)) if is_file else importlib.import_module(place)
+                if hasattr(module, attribute):
+                    return getattr(module, attribute)
+        except InvalidParameter as error:
+            # A module that the user's own module lacks is a fault of its code.
+            missing = error.__cause__
+            is_named = isinstance(missing, ModuleNotFoundError) and not is_file
+            if is_named and f"{place}.".startswith(f"{missing.name}."):
+                raise self._no_module(name, place) from missing
+            raise
         # The attribute is missing, so suggest a similar one, or list the file's own definitions.
         public = [key for key in vars(module) if not key.startswith("_")]
         own = [
@@ -261,8 +288,6 @@ def _module_name(path: Path) -> str:
 
 def _load_file(path: Path) -> Any:
     path = real_path(expanded(path))
-    if not path.is_file():
-        raise FileNotFoundError(f"no such file: {path}")
     module_name = _module_name(path)
     # A controller and an oracle in one file share its module, unless it was edited in between.
     loaded = sys.modules.get(module_name)
