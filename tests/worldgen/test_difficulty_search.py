@@ -15,6 +15,7 @@ from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
+from worldgen.support.plain_text import alternatives
 from worldgen.world import Cut
 
 
@@ -79,6 +80,29 @@ def test_a_difficulty_of_worlds_that_change_is_refused_at_once(family):
 def test_a_metric_that_no_world_has_is_refused_at_once(constraint, given, code):
     with raises(InvalidParameter, code):
         search_world("maze", **constraint, **given, size=12)
+
+
+CAR = {"drive": "car", "turning_radius": 0.3}
+BODY = {"footprint": "0.3x0.2"}
+
+
+@pytest.mark.parametrize(
+    ("metric", "given", "others"),
+    [
+        ("concavity", CAR, ["detour"]),
+        ("concavity", BODY, ["detour", "slack"]),
+        ("concavity", BODY | CAR, ["detour", "slack"]),
+        ("concavity", CAR | {"blocked": 1.0}, ["solid"]),
+        ("detour", BODY | {"blocked": 1.0}, ["solid"]),
+        ("detour", {"blocked": 1.0}, ["bottleneck", "bottleneck_radii", "solid"]),
+    ],
+)
+def test_the_metrics_suggested_instead_are_those_that_the_robot_has(metric, given, others):
+    with pytest.raises(InvalidParameter) as caught:
+        search_world("maze", f"{metric} > 0", size=12, **given)
+    assert caught.value.facts["others"] == alternatives(others)
+    measured = measure(generate("maze", 1, size=14, cell_size=0.3, **given))
+    assert set(others) <= measured.as_dict().keys()
 
 
 def test_a_metric_of_the_map_finds_blocked_worlds():

@@ -199,12 +199,17 @@ def _check_defined(family: Family, constraint: Expression, given: Mapping[str, V
         return
     robot = family.overrides(given)
     is_disc = robot.footprint is None and robot.drive is None
+    of_maps = OF_MAPS if is_disc else OF_MAPS - OF_DISCS
+    others = ["detour", "slack"] if robot.footprint is not None else ["detour"]
+    if given.get(BLOCKED):
+        others = sorted(of_maps)
     if not is_disc and (of_discs := sorted(constraint.names & OF_DISCS)):
         raise InvalidParameter(
             "metric-of-discs",
             "{metric} is only defined for a disc that turns on the spot, and the robot {robot}",
-            "constrain another metric, such as detour or slack",
+            "constrain another metric, such as {others}",
             metric=of_discs[0],
+            others=alternatives(others),
             robot="is a car" if robot.drive == "car" else "has a footprint",
         )
     if given.get(BLOCKED) and (of_paths := sorted(constraint.names - OF_MAPS)):
@@ -213,7 +218,7 @@ def _check_defined(family: Family, constraint: Expression, given: Mapping[str, V
             "{metric} is only defined where there is a path, so no blocked world would fit",
             "omit blocked, or constrain only {others}",
             metric=of_paths[0],
-            others=alternatives(sorted(OF_MAPS)),
+            others=alternatives(sorted(of_maps)),
         )
 
 
