@@ -168,7 +168,7 @@ def check_family(
         pinned = (golden or {}).get(key)
         if digest != pinned:
             faults.append(
-                f"seed 7{_told(case)} gives {digest}, but {pinned} is pinned; raise the version, "
+                f"seed 7{_in_parentheses(case)} gives {digest}, but {pinned} is pinned; raise the version, "
                 f"or pin it again"
             )
     if faults:
@@ -177,10 +177,10 @@ def check_family(
 
 def shown(found: CheckOutcome) -> str:
     """Return one line that describes a violation."""
-    return f"{found.check}{_told(found.case)}: {found.fault}"
+    return f"{found.check}{_in_parentheses(found.case)}: {found.fault}"
 
 
-def _told(case: Mapping[str, Value]) -> str:
+def _in_parentheses(case: Mapping[str, Value]) -> str:
     settings = ", ".join(f"{name}={quote(str(value), 60)}" for name, value in case.items())
     return f" ({settings})" if settings else ""
 

@@ -88,14 +88,21 @@ def pose_estimate(world: World, trace: Trace, numbers: Mapping[str, Floats]) -> 
     for (first, x), (second, y) in itertools.pairwise(numbers.items()):
         if len(x) == len(y):
             for lag in _LAGS:
-                found = _of_pair(world, trace, np.stack([x, y]), lag)
+                found = _estimate_in(world, trace, np.stack([x, y]), lag)
                 if found is not None:
                     return found._replace(names=(first, second))
     return None
 
 
-def _of_pair(world: World, trace: Trace, own: Floats, lag: int) -> PoseEstimate | None:
-    """Return whether two numbers, (2, n + 1), are an estimate that is ``lag`` steps ahead."""
+def _estimate_in(world: World, trace: Trace, own: Floats, lag: int) -> PoseEstimate | None:
+    """Return the estimate that two numbers are, without their names, or None if they aren't one.
+
+    Args:
+        world: World of the run.
+        trace: The run.
+        own: (2, n + 1): the numbers, as in :func:`pose_estimate`.
+        lag: Number of steps by which they may be ahead of the robot's position.
+    """
     # Align the two: the robot's position in a step, and the estimate of it.
     count = min(own.shape[1], trace.steps + 1 - max(lag, 0))
     first = max(-lag, 0)

@@ -148,8 +148,8 @@ class _Reader:
                 kind = "mark"
             rule = _broken_rule(kind, word, before, brackets)
             if rule:
-                came = "the end" if kind == "end" else repr(word)
-                self._fail(Message("wrong-form", rule, _EXAMPLE, came=came), at)
+                given = "the end" if kind == "end" else repr(word)
+                self._fail(Message("wrong-form", rule, _EXAMPLE, given=given), at)
 
             # Numbers and metrics get their meaning here; the parser only sees a place.
             if kind in ("number", "word"):
@@ -257,15 +257,17 @@ def _comparison(mark: type[ast.cmpop], left: _Number, right: _Number) -> _Condit
 def _broken_rule(kind: str, word: str, before: str, brackets: int) -> str:
     """Return the rule that a word breaks after the one before it; empty if it fits."""
     if kind == "wrong":
-        return "{came} has no meaning here"
+        return "{given} has no meaning here"
     if before in _BEGINNERS:
         begins = kind in ("number", "word") or word in ("(", "+", "-")
         if begins or (word == "not" and before in _CONDITION_NEXT):
             return ""
-        return "{came} in place of a metric or a number"
+        return "{given} in place of a metric or a number"
     if brackets:
-        return "" if word == ")" or word in _BETWEEN else "{came} in place of a closing parenthesis"
-    return "" if word in _BETWEEN or kind == "end" else "{came} is not expected here"
+        return (
+            "" if word == ")" or word in _BETWEEN else "{given} in place of a closing parenthesis"
+        )
+    return "" if word in _BETWEEN or kind == "end" else "{given} is not expected here"
 
 
 def _too_deep(most: int) -> Message:

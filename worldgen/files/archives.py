@@ -113,8 +113,8 @@ def check_written(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def _told(source: str) -> Iterator[None]:
-    """Turn any exception of a broken archive into one sentence."""
+def _damage_reported(source: str) -> Iterator[None]:
+    """Raise whatever goes wrong with a damaged archive as a ``FormatError``."""
     try:
         yield
     except (
@@ -153,7 +153,7 @@ def members(path: Path) -> Iterator[Member]:
     Raises:
         FormatError: If it cannot be read.
     """
-    with _told(str(path)), path.open("rb") as stream:
+    with _damage_reported(str(path)), path.open("rb") as stream:
         name = path.name.lower()
         packed = path.stat().st_size
         if name.endswith(".zip"):
@@ -190,7 +190,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                         "pack it again with deflate",
                         source=f"{source}/{entry.filename}",
                     )
-                with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
+                with _damage_reported(f"{source}/{entry.filename}"), archive.open(entry) as file:
                     return read_up_to(file, limit)
 
             # A broken archive may have no name.
@@ -211,7 +211,7 @@ def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Mem
             nonlocal left
             if size > limit:
                 return None
-            with _told(source):
+            with _damage_reported(source):
                 data = stream.read(size)
                 if len(data) < size:
                     raise EOFError("it is truncated")

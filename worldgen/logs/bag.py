@@ -433,7 +433,7 @@ def _check_chunks(stream: IO[bytes], size: int, unpacking: _Unpacking) -> None:
 
 
 def _check_profile(header: bytes) -> None:
-    """Refuse an MCAP file whose messages are not those of ROS 2, by the begin of its header."""
+    """Refuse an MCAP file whose messages are not those of ROS 2, as the profile in its header says."""
     (length,) = struct.unpack("<I", header[:4])
     profile = header[4 : 4 + length].decode("utf-8", "replace")
     if profile != "ros2":
