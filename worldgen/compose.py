@@ -27,6 +27,7 @@ from worldgen.interop.place import place
 from worldgen.lattice import TURN, exact, heading_from_lattice, heading_to_lattice, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
+from worldgen.robot_overrides import describe_body
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.timeline import Timeline
@@ -351,7 +352,10 @@ class Piece(HoldsFrozen):
                 None if mark is None else (float(mark.x * exact(side)), float(mark.y * exact(side)))
                 for mark in (start, target)
             ]
-            placed = place(self.solid, side, robot.radius, seed, start=metres[0], target=metres[1])
+            body = "" if robot.is_disc else f"around the {describe_body(robot)}"
+            placed = place(
+                self.solid, side, robot.radius, seed, start=metres[0], target=metres[1], body=body
+            )
             start, target = (
                 mark or _Mark(in_cells(x, side), in_cells(y, side))
                 for mark, (x, y) in ((start, placed.start), (target, placed.target))

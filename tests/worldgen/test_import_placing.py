@@ -1,6 +1,7 @@
 """Where ``import`` places start and target on pictures, and what a refusal says."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidWorld, WorldgenError
 from worldgen.interop import ImportedRobot, import_world
 from worldgen.interop.readers.grey_image import pgm_bytes
+from worldgen.robot_overrides import RobotOverrides
 
 SIDE = 90
 CELL = 0.1
@@ -223,3 +225,43 @@ def test_a_start_in_the_target_is_warned_of(target, warned, tmp_path):
     robot = ImportedRobot(radius=0.2, start=(1.0, 1.0), target=target)
     warnings = import_world(path, robot).warnings
     assert any("the robot arrives at once" in one for one in warnings) == warned
+
+
+def three_rooms(folder):
+    """Three rooms of 1.2 m without doors, as a map."""
+    free = np.full((14, 41), 255, np.uint8)
+    free[[0, -1]] = free[:, [0, 13, 27, 40]] = 0
+    return ros_map(folder, free)
+
+
+@pytest.mark.parametrize(
+    ("footprint", "warned", "refused"),
+    [
+        (
+            None,
+            "for a disc of radius 0.15 m there are 3 separate regions; ",
+            "; the robot's radius is 0.15 m",
+        ),
+        (
+            "0.4x0.3",
+            "for a disc of radius 0.25 m (around the body of 0.4 x 0.3 m) there are 3 separate regions; ",
+            "; the disc in the body of 0.4 x 0.3 m has a radius of 0.15 m",
+        ),
+    ],
+)
+def test_a_disc_that_stands_for_a_footprint_is_told_as_one(footprint, warned, refused, tmp_path):
+    path = three_rooms(tmp_path)
+    robot = (
+        ImportedRobot(radius=0.15)
+        if footprint is None
+        else ImportedRobot(overrides=RobotOverrides(footprint=footprint))
+    )
+    [warning] = import_world(path, robot=robot).warnings
+    smaller = "radius" if footprint is None else "footprint"
+    assert warning.startswith(warned) and warning.endswith(f"; a smaller {smaller} may join them")
+    with raises(InvalidWorld, "not-clear") as caught:
+        import_world(path, robot=replace(robot, start=(0.2, 0.6)))
+    assert refused in str(caught.value)
+    with raises(InvalidWorld, "no-room") as caught:
+        import_world(path, robot=replace(robot, target=(0.0, 0.6)))
+    assert f"choose both start and target, or a smaller {smaller}" in str(caught.value)

@@ -61,14 +61,18 @@ class ClearPoints:
         radius: Radius of the robot's disc, m.
         clearance: Distance, m, that chosen places must have to the walls; the radius if that is
             more.
+        body: Where the disc is, for messages, if it stands for a footprint: ``in the body of
+            1 x 0.5 m``.
     """
 
     def __init__(
-        self, walls: Bools, cell_size: float, radius: float, clearance: float = 0.0
+        self, walls: Bools, cell_size: float, radius: float, clearance: float = 0.0, body: str = ""
     ) -> None:
         cells = in_cells(radius, cell_size)
         self._cell_size = cell_size
         self._radius = radius
+        self.body = f" ({body})" if body else ""
+        self.smaller = "a smaller footprint" if body else "a smaller radius"
         self._cells = cells
         self._grid = walls
         self._walls = Walls(walls, cells)
@@ -128,14 +132,12 @@ class ClearPoints:
         outside = self._at_border(labels, frame)
         where = "a region that reaches the picture's border" if outside[used] else "a region"
         if root is not None and labels.ravel()[root] != used:
-            fits = self._radius_at(origin)
-            smaller = (
-                "a smaller radius" if fits is None else f"a radius of {fits:g} m, which is not"
-            )
+            fits = None if self.body else self._radius_at(origin)
+            smaller = self.smaller if fits is None else f"a radius of {fits:g} m, which is not"
             return (
                 f"start and target are in {where}, and the map's origin, where its robot mostly began, "
-                f"is not in it: the region there is too small for a disc of radius {self._radius:g} m; use "
-                f"{smaller}, or choose --start and --target"
+                f"is not in it: the region there is too small for a disc of radius {self._radius:g} m"
+                f"{self.body}; use {smaller}, or choose --start and --target"
             )
         if self._at_border(labels, frame=0)[used]:
             return (
@@ -294,11 +296,13 @@ class ClearPoints:
             fit = self._largest_near(point)
             raise InvalidWorld(
                 "no-room",
-                "there is no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m, so the "
-                "other end cannot be placed",
-                "choose both start and target, or a smaller radius"
-                + ("" if fit is None else ", of up to {fits:g} m"),
+                "there is no room for a disc of radius {radius:g} m{body} near ({x:g}, {y:g}) m, so "
+                "the other end cannot be placed",
+                "choose both start and target, or {smaller}"
+                + ("" if fit is None else "; a radius of up to {fits:g} m fits"),
                 radius=self._radius,
+                body=self.body,
+                smaller=self.smaller,
                 x=point[0],
                 y=point[1],
                 **({} if fit is None else {"fits": fit.radius}),

@@ -492,20 +492,21 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, Placement]:
     origin = (-found.origin[0], -found.origin[1]) if found.is_picture else None
     body = _with_kind(Robot(Pose(0.0, 0.0), Target(0.0, 0.0, radius), radius, speed), robot, found)
 
-    def placed(disc: float) -> Placement:
+    def placed(disc: float, where: str) -> Placement:
         return place(
             found.walls, found.cell_size, disc, robot.seed or 0, start=given[0], target=given[1],
             origin=origin, near=given[2], clearance=robot.clearance or 0.0,
+            body="" if body.is_disc else f"{where} the {describe_body(body)}",
         )  # fmt: skip
 
     # A body has room to turn where its outer disc is clear; elsewhere, its inner one must be.
     try:
-        placement = placed(body.radius)
+        placement = placed(body.radius, "around")
     except InvalidWorld:
         if body.is_disc:
             raise
         try:
-            placement = placed(body.inner_radius or found.cell_size / UNIT)
+            placement = placed(body.inner_radius or found.cell_size / UNIT, "in")
         except InvalidWorld as error:
             raise _for_body(error, body, found) from None
     radius = body.radius

@@ -53,6 +53,7 @@ def place(
     origin: Point | None = None,
     near: Point | None = None,
     clearance: float = 0.0,
+    body: str = "",
 ) -> Placement:
     """Choose a start and a target with the longest path that two sweeps find; keep given ones.
 
@@ -74,6 +75,8 @@ def place(
         near: x and y, m, to which the start is placed as near as possible, or the target if the
             start is given.
         clearance: Least distance, m, of a chosen place to the nearest wall.
+        body: Where the disc is, for messages, if it stands for a footprint: ``in the body of
+            1 x 0.5 m``.
 
     Raises:
         InvalidParameter: If ``near`` has nothing to place.
@@ -87,7 +90,7 @@ def place(
             _check_inside(name, point, walls, cell_size)
     if start is not None:
         start = _on_lattice(start, cell_size)
-        _check_start(walls, cell_size, radius, start)
+        _check_start(walls, cell_size, radius, start, body)
     warnings = [
         f"the {name} as given is closer to a wall than the clearance of {clearance:g} m: "
         f"{_clearance(walls, cell_size, point):.3g} m"
@@ -102,7 +105,7 @@ def place(
                 "omit one of the three",
             )
         return Placement(start, target, tuple(warnings))
-    places = ClearPoints(walls, cell_size, radius, clearance)
+    places = ClearPoints(walls, cell_size, radius, clearance, body)
     # Place one end near a point, or the only missing one as far as possible from the given one.
     given = start if start is not None else target
     source = None if given is None else places.near(given)
@@ -126,7 +129,7 @@ def place(
         start, target = (start, found) if start is not None else (found, target)
     else:
         start, target, region = _farthest_apart(places, seed, origin)
-        warnings += _doubts(region, radius, start == target)
+        warnings += _doubts(region, radius, places, start == target)
         why = (
             f"start and target at the ends of a longest path in {region.name} "
             f"({100 * region.share:.0f} % of the free space)"
@@ -146,16 +149,16 @@ def _farthest_apart(
     return places.metres(first), places.metres(places.farthest(first)), region
 
 
-def _doubts(region: Region, radius: float, coincide: bool) -> list[str]:
+def _doubts(region: Region, radius: float, places: ClearPoints, coincide: bool) -> list[str]:
     """Return warnings about the region in which both ends were placed."""
     warnings = []
     if coincide:
         warnings.append("the largest region is a single place; start and target coincide")
     if region.share < _SCATTERED:
         warnings.append(
-            f"for a disc of radius {radius:g} m there are {region.regions} separate regions; "
-            f"start and target are in {region.name}, which has {100 * region.share:.0f} % of the free space; a "
-            f"smaller radius may join them"
+            f"for a disc of radius {radius:g} m{places.body} there are {region.regions} separate "
+            f"regions; start and target are in {region.name}, which has {100 * region.share:.0f} % of the "
+            f"free space; {places.smaller} may join them"
         )
     if region.warning:
         warnings.append(region.warning)
@@ -202,7 +205,7 @@ def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
     return distance_sq >= max(Fraction(1), solid.radius_sq)
 
 
-def _check_start(walls: Bools, cell_size: float, radius: float, start: Point) -> None:
+def _check_start(walls: Bools, cell_size: float, radius: float, start: Point, body: str) -> None:
     """Reject a start at which the disc overlaps a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)
@@ -222,7 +225,8 @@ def _check_start(walls: Bools, cell_size: float, radius: float, start: Point) ->
         "start ({x:g}, {y:g}) m is "
         + ("in " if distance == 0 else "{distance:.3g} m from ")
         + ("the solid cell {cell}" if inside else "the map's edge")
-        + "; the robot's radius is {radius:g} m",
+        + ("; the disc {body} has a radius of" if body else "; the robot's radius is")
+        + " {radius:g} m",
         nowhere if clear is None else "the nearest clear place is {clear[0]!r},{clear[1]!r}",
         x=start[0],
         y=start[1],
@@ -230,6 +234,7 @@ def _check_start(walls: Bools, cell_size: float, radius: float, start: Point) ->
         cell=cell,
         radius=radius,
         clear=clear,
+        **({"body": body} if body else {}),
         **({} if fit is None else {"fits": fit.radius}),
     )
 
