@@ -75,7 +75,7 @@ ROBOTS_PARAMETER = Parameter(
     "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
 )
-BLOCKED = "blocked"  # the parameter of static families of one robot: the share of blocked worlds
+BLOCKED = "blocked"  # the parameter of families of one robot: the share of blocked worlds
 BLOCKED_PARAMETER = Parameter(
     BLOCKED,
     0.0,
@@ -355,10 +355,10 @@ class Family:
 
     @property
     def all_parameters(self) -> tuple[Parameter, ...]:
-        """Its own parameters, and those of its kind: ``robots``, and ``blocked`` if nothing changes."""
+        """Its own parameters, and ``robots`` and ``blocked`` unless it places several robots."""
         if self.places_robots:
             return self.parameters
-        return (*self.parameters, ROBOTS_PARAMETER, *([] if self.changes else [BLOCKED_PARAMETER]))
+        return (*self.parameters, ROBOTS_PARAMETER, BLOCKED_PARAMETER)
 
     @property
     def description(self) -> str:

@@ -42,10 +42,11 @@ def is_shut(seed: int, share: float) -> bool:
 def shut(world: World, decision: Decision, rng: RandomStream) -> tuple[World, Decision]:
     """Return a world with a few more solid cells, and the proof that its target cannot be reached.
 
-    Around start and target there is free room. Opening any one of the new cells opens a path.
+    Around start and target there is free room. Opening any one of the new cells opens a path. In a
+    world that changes, new cells and cut are where nothing ever changes.
 
     Args:
-        world: A static world of one robot.
+        world: A world of one robot.
         decision: Whether it can reach its target.
         rng: Chooses among cuts of equal size.
 
@@ -61,8 +62,11 @@ def shut(world: World, decision: Decision, rng: RandomStream) -> tuple[World, De
     walls[tuple(np.array(closed).T)] = True
     for cell in closed:
         walls[cell] = False
-        if decide(_with_walls(world, walls), certificate=False).result != BLOCKED:
+        opened = decide(_with_walls(world, walls), certificate=False).result
+        if opened != BLOCKED:
             walls[cell] = True
+        if opened == UNDECIDED and world.is_dynamic:
+            return world, Decision(UNDECIDED, None, "nothing proves that each new cell is needed")
     found = _with_walls(world, walls)
     proved = decide(found)
     if not isinstance(proved.certificate, Cut):
@@ -84,7 +88,7 @@ def _fewest(world: World, rng: RandomStream) -> list[tuple[int, int]] | None:
     from scipy.sparse.csgraph import dijkstra, maximum_flow  # noqa: PLC0415
 
     # Number the free cells, and join those that share a side.
-    free = ~world.walls
+    free = ~world.walls | world.changing_cells
     numbers = np.full(free.shape, -1, np.int32)
     count = int(np.count_nonzero(free))
     numbers[free] = np.arange(count, dtype=np.int32)
@@ -109,7 +113,7 @@ def _fewest(world: World, rng: RandomStream) -> list[tuple[int, int]] | None:
     room = max(shortest // _FREE_SHARE, radii)
     if not math.isfinite(shortest) or 2 * room + 1 >= shortest:
         return None
-    kept = (steps <= room).any(axis=0)
+    kept = (steps <= room).any(axis=0) | world.changing_cells[free]
 
     # Split each cell into an entrance and an exit; what flows from one to the other is its cost.
     costs = (_COST + rng.bits(count) % np.uint64(_SPREAD)).astype(np.int32)

@@ -110,6 +110,11 @@ def test_a_metric_of_the_map_finds_blocked_worlds():
     assert isinstance(found.certificate, Cut)
 
 
+def test_the_share_of_changing_cells_is_a_metric_of_blocked_worlds_too():
+    Search(FAMILIES.get("shift"), constraint_for("changing > 0.01"), 1, {"blocked": 1.0})
+    assert measure(generate("shift", 2, blocked=1.0)).changing > 0
+
+
 def test_one_of_two_conditions_is_enough_where_the_other_has_no_metric():
     found = search_world("maze", "solid > 0.05 or detour > 99", blocked=1.0, size=12)
     assert isinstance(found.certificate, Cut)

@@ -199,7 +199,8 @@ def _check_defined(family: Family, constraint: Expression, given: Mapping[str, V
         return
     robot = family.overrides(given)
     is_disc = robot.footprint is None and robot.drive is None
-    of_maps = OF_MAPS if is_disc else OF_MAPS - OF_DISCS
+    of_maps = OF_MAPS | {"changing"} if family.changes else OF_MAPS
+    of_maps = of_maps if is_disc else of_maps - OF_DISCS
     others = ["detour", "slack"] if robot.footprint is not None else ["detour"]
     if given.get(BLOCKED):
         others = sorted(of_maps)
@@ -212,7 +213,7 @@ def _check_defined(family: Family, constraint: Expression, given: Mapping[str, V
             others=alternatives(others),
             robot="is a car" if robot.drive == "car" else "has a footprint",
         )
-    if given.get(BLOCKED) and (of_paths := sorted(constraint.names - OF_MAPS)):
+    if given.get(BLOCKED) and (of_paths := sorted(constraint.names - of_maps)):
         raise InvalidParameter(
             "metric-of-paths",
             "{metric} is only defined where there is a path, so no blocked world would fit",
