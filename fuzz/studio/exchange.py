@@ -22,7 +22,7 @@ from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world,
 from worldgen.interop.formats.movingai import scenario_contents
 
 # Suffixes of files that accompany a map but are not maps themselves.
-_BESIDE = (SIDECAR, ".worldgen.toml", ".scen", ".tsx", ".inc")
+_BESIDE = (SIDECAR, ".scen", ".tsx", ".inc")
 # Pictures are maps only if no other file refers to them.
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")
 

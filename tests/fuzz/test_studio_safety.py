@@ -188,9 +188,7 @@ def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
     assert (folder.parent / "secret.pgm").read_text() == "mine"
 
 
-@pytest.mark.parametrize(
-    "companion", ["plan.map.worldgen.grid", "plan.map.worldgen.toml", "plan.map.scen", "plan.scen"]
-)
+@pytest.mark.parametrize("companion", ["plan.map.worldgen.grid", "plan.map.scen", "plan.scen"])
 def test_a_map_s_companions_lead_no_further_than_itself(page, folder, companion):
     (folder.parent / "secret.toml").write_text("secret = 1")
     (folder / "plan.map").write_bytes(

@@ -16,7 +16,6 @@ from worldgen.interop import (
     export_world,
     find_format,
     import_world,
-    read_map,
     write_export,
 )
 from worldgen.interop.recognising import read_map_alone
@@ -194,48 +193,11 @@ def test_an_agent_that_was_moved_in_the_file_is_where_the_file_has_it(tmp_path):
     assert (facts(found.world)[0], moved[3:]) == (expected[0], expected[1][3:])
 
 
-# What earlier versions wrote.
-OLD_SIDECAR = """\
-# Facts that 'w.pogema' cannot store; m, rad, m/s, from the grid's lower-left corner, y up.
-worldgen = 1
-size = [30, 30]
-start = [1.65, 1.65]
-heading = -1.5707963267948966
-target = [2.65, 0.25]
-target_radius = 0.05
-robot_radius = 0.07
-
-[[robot]]
-start = [1.45, 0.9]
-heading = 0.0
-target = [2.7, 1.95]
-target_radius = 0.05
-robot_radius = 0.07
-
-[[robot]]
-start = [0.3, 2.3]
-heading = 0.0
-target = [2.3, 0.55]
-target_radius = 0.05
-robot_radius = 0.07
-"""
-
-
-def with_old_sidecar(tmp_path, text):
-    """The doorway's map with another sidecar, and the world."""
-    world, path = pogema_with_sidecar(tmp_path)
-    (tmp_path / "w.pogema.worldgen.grid").unlink()
-    (tmp_path / "w.pogema.worldgen.toml").write_text(text)
-    return world, path
-
-
-def test_a_sidecar_of_an_earlier_version_is_read(tmp_path):
-    world, path = with_old_sidecar(tmp_path, OLD_SIDECAR)
-    assert facts(import_world(path, name="pogema+agents=all").world) == facts(world)
-
-
 def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
-    world, path = with_old_sidecar(tmp_path, OLD_SIDECAR.partition("[[robot]]")[0])
+    world, path = pogema_with_sidecar(tmp_path)
+    sidecar = path.with_name("w.pogema.worldgen.grid")
+    alone = replace(read_world(sidecar), robots=world.robots[:1])
+    write_world(alone, sidecar, force=True)
     found = import_world(path, name="pogema+agents=all")
     assert facts(found.world)[0] == facts(world)[0]
     assert any("no values of robots 2 to 3" in warning for warning in found.warnings)
@@ -248,26 +210,6 @@ def test_a_robot_that_is_missing_from_a_list_leaves_the_sidecars_robots_unknown(
     found = with_sidecar(listed, sidecar)
     assert found.robots == listed.robots
     assert "values of 3 robots, but the file has 2" in found.warnings[0]
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "code", "line"),
-    [
-        ("[[robot]]\nstart", "[[robot]]\nbegin", "unknown-name", 11),
-        ("[[robot]]\nstart", "[[robot]]\ncell_size = 1\nstart", "unknown-name", 11),
-        ("[[robot]]", "[robot]", "wrong-type", 10),
-        ("[[robot]]\nstart = [1.45, 0.9]", "[[robot]]\nstart = [1.45]", "wrong-type", 11),
-    ],
-)
-def test_a_fault_in_a_robots_table_is_one_message(tmp_path, old, new, code, line):
-    text = OLD_SIDECAR
-    # There can be only one table with that name.
-    if new == "[robot]":
-        text = text.rpartition("\n[[robot]]")[0] + "\n"
-    assert old in text
-    _, path = with_old_sidecar(tmp_path, text.replace(old, new, 1))
-    with raises(FormatError, code, line=line):
-        read_map(path)
 
 
 def movingai_with_sidecar(tmp_path, robots):

@@ -21,7 +21,7 @@ from worldgen.interop.format import (
     robot_kinds,
 )
 from worldgen.interop.format.foreign_map import origin_of
-from worldgen.interop.sidecar import is_sidecar, sidecar_text, sidecars_of
+from worldgen.interop.sidecar import is_sidecar, sidecar_of, sidecar_text
 from worldgen.parameters import split_options
 from worldgen.robot_overrides import describe_body
 from worldgen.timeline import CellState, Timeline
@@ -296,7 +296,7 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
             path.unlink(missing_ok=True)
         raise
     # An overwritten file's old sidecar is about other contents. A user's world may have its name.
-    for stale in sidecars_of(paths[0]):
-        if stale not in paths and stale.is_file() and is_sidecar(stale):
-            stale.unlink()
+    stale = sidecar_of(paths[0])
+    if stale not in paths and stale.is_file() and is_sidecar(stale):
+        stale.unlink()
     return paths

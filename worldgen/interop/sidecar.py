@@ -1,8 +1,7 @@
 """The sidecar of an exported file: the world as a ``.grid`` file, which names what it is for.
 
 ``maze.map`` has ``maze.map.worldgen.grid``. Only the facts that the file itself does not store are
-taken from it, so that edits of the file take effect. Earlier versions wrote these facts as TOML,
-``maze.map.worldgen.toml``, which is still read.
+taken from it, so that edits of the file take effect.
 """
 
 from __future__ import annotations
@@ -10,26 +9,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, TypeAlias
 
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.files.grid.disk import unpack
-from worldgen.files.grid.header import Header
-from worldgen.files.grid.records import Table, tables_of
-from worldgen.files.grid.schema import MAX_FILE_BYTES, Key
+from worldgen.files.grid.schema import MAX_FILE_BYTES
 from worldgen.files.grid.writer import dumps
-from worldgen.files.whole import decoded
 from worldgen.files.worlds import SIDECAR
-from worldgen.interop.format import (
-    HELD,
-    KINDS,
-    LENGTHS,
-    PAIRS,
-    ROBOT_FACTS,
-    Destination,
-    robot_kinds,
-    robot_values,
-)
+from worldgen.interop.format import HELD, KINDS, ROBOT_FACTS, Destination, robot_kinds, robot_values
 from worldgen.interop.format.foreign_map import (
     EXPORTED,
     ForeignMap,
@@ -44,22 +31,6 @@ _VERSION = 1
 # Where the provenance of a sidecar lists its facts.
 _KEPT = "kept"
 _WAY_OUT = "delete it, or export the world again"
-# The keys of a sidecar in TOML, and the end of its name.
-_TOML = ".worldgen.toml"
-_MOST_TOML = 1 << 20
-_KEYS: Final = {
-    name: Key(
-        "pair" if name in PAIRS else "length" if name in LENGTHS else "number", "0.1", words, ()
-    )
-    for name, words in HELD.items()
-    if name not in KINDS
-}
-_TOP_KEYS: Final = {
-    "worldgen": Key("integer", "1", "version of the sidecar"),
-    "size": Key("pair", "[60, 60]", "width and height, cells"),
-    **_KEYS,
-}
-_ROBOT_KEYS: Final = {name: _KEYS[name] for name in ROBOT_FACTS if name in _KEYS}
 
 _Values: TypeAlias = "Mapping[str, Any]"
 
@@ -107,9 +78,9 @@ def sidecar_text(
     )
 
 
-def sidecars_of(path: Path) -> tuple[Path, Path]:
-    """Return where a file's sidecar is, and where earlier versions put it."""
-    return path.with_name(path.name + SIDECAR), path.with_name(path.name + _TOML)
+def sidecar_of(path: Path) -> Path:
+    """Return where a file's sidecar is."""
+    return path.with_name(path.name + SIDECAR)
 
 
 def read_sidecar(path: Path) -> Sidecar | None:
@@ -118,38 +89,30 @@ def read_sidecar(path: Path) -> Sidecar | None:
     Raises:
         FormatError: If it isn't a sidecar, with the line at fault.
     """
-    kinds = ((MAX_FILE_BYTES, _of_grid), (_MOST_TOML, _of_toml))
-    for companion, (most, read) in zip(sidecars_of(path), kinds, strict=True):
-        try:
-            exists = companion.exists()
-        except (OSError, ValueError):
-            exists = False
-        if exists:
-            try:
-                data = read_bounded(companion, most)
-            except FormatError as error:
-                # Its remedies are for maps.
-                message = error.message.with_remedy(_WAY_OUT)
-                raise FormatError.of(message, line=error.line, source=str(companion)) from error
-            try:
-                return read(data, companion)
-            except FormatError as error:
-                fault = error.message
-                message = (
-                    fault.before(f", or {_WAY_OUT}")
-                    if fault.remedy
-                    else fault.with_remedy(_WAY_OUT)
-                )
-                raise FormatError.of(message, line=error.line, source=str(companion)) from error
-    return None
+    companion = sidecar_of(path)
+    try:
+        exists = companion.exists()
+    except (OSError, ValueError):
+        exists = False
+    if not exists:
+        return None
+    try:
+        data = read_bounded(companion, MAX_FILE_BYTES)
+    except FormatError as error:
+        # Its remedies are for maps.
+        message = error.message.with_remedy(_WAY_OUT)
+        raise FormatError.of(message, line=error.line, source=str(companion)) from error
+    try:
+        return _of_grid(data, companion)
+    except FormatError as error:
+        fault = error.message
+        message = fault.before(f", or {_WAY_OUT}") if fault.remedy else fault.with_remedy(_WAY_OUT)
+        raise FormatError.of(message, line=error.line, source=str(companion)) from error
 
 
 def is_sidecar(path: Path) -> bool:
-    """Return True if a file is a sidecar, of any version; another file may have its name."""
+    """Return True if a file is a sidecar; another file may have its name."""
     try:
-        if path.name.endswith(_TOML):
-            text = decoded(read_bounded(path, _MOST_TOML), str(path))
-            return "worldgen" in Header(text, 1, str(path), "the sidecar").data
         made = unpack(read_bounded(path, MAX_FILE_BYTES), str(path)).provenance
     except (OSError, WorldgenError):
         return False
@@ -181,39 +144,6 @@ def _of_grid(data: bytes, companion: Path) -> Sidecar:
         (world.width, world.height),
         {**robots[0], **_chosen(of_map, kept)},
         tuple(robots[1:]) if robots[0] else (),
-    )
-
-
-def _of_toml(data: bytes, companion: Path) -> Sidecar:
-    header = Header(decoded(data, str(companion)), 1, str(companion), "the sidecar")
-    others = tables_of(header, "robot", _ROBOT_KEYS)
-    given = {key: value for key, value in header.data.items() if key != "robot"}
-    top = Table(header, given, _TOP_KEYS)
-    top.check_keys("key of a sidecar")
-    if top.read("worldgen") != _VERSION:
-        raise FormatError(
-            "other-version",
-            "the sidecar's version must be worldgen = {version}",
-            version=_VERSION,
-            **header.at("worldgen"),
-        )
-    width, height = top.read("size")
-    if not (width.is_integer() and height.is_integer()):
-        raise FormatError(
-            "not-whole",
-            "size is [{width:g}, {height:g}]",
-            "write two whole numbers: {meaning}",
-            width=width,
-            height=height,
-            meaning=_TOP_KEYS["size"].meaning,
-            **header.at("size"),
-        )
-    return Sidecar(
-        companion.name,
-        digest(data),
-        (int(width), int(height)),
-        _chosen(top.read_all(), HELD),
-        tuple(_chosen(table.read_all(), HELD) for table in others),
     )
 
 

@@ -47,7 +47,7 @@ class Key(NamedTuple):
     """A key of the header.
 
     Args:
-        kind: What its value is: ``number``, ``length`` (above 0), ``pair``, ``pose``, ``disc`` (two
+        kind: What its value is: ``number``, ``length`` (above 0), ``pose``, ``disc`` (two
             or three numbers, the last of a disc above 0), ``corners`` (a list of pairs), ``tables``
             (a list of tables, whose keys its reader checks), ``flag``, ``text``, ``name`` (text that
             may name code), ``integer``, ``values`` (a table of any), ``metrics`` (a table of numbers),

@@ -217,7 +217,6 @@ def _value(value: object, place: Place, depth: int) -> Value:
 READERS: Final[Mapping[str, Callable[[Any, Place], Any]]] = {
     "number": read_number,
     "length": _length,
-    "pair": partial(read_numbers, count=2),
     "pose": partial(read_numbers, count=3),
     "disc": _disc,
     "corners": _corners,
