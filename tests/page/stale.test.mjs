@@ -36,15 +36,20 @@ function play() {
   studio.play = makePlay(section, studio);
   studio.play.refresh();
   const begun = () => asked.filter(({ kind }) => kind === "run").at(-1);
-  const finish = async (code, request = begun()) => {
+  const give = (code, request = begun()) => {
     request.part({ world: roomOf(9, 9), impossible: "" }, code ?? {});
     request.part({ number: 0, name: "mine.py:Robot", verdict: "loop", why: "", frames: [], steps: 2, time: 0.03, path: 0, collisions: 0, digest: "d", run: runOf({ at: [0, 2], x: [1, 2] }), others: [], sensors: null, arbitration: null }, code ?? {});
+  };
+  const finish = async (code, request = begun()) => {
+    give(code, request);
     request.done({});
     await settled();
   };
   const isGrey = () => section.querySelector("ol").classList.contains("stale");
   return {
-    studio, begun, finish, isGrey, asked,
+    studio, begun, give, finish, isGrey, asked,
+    drive: () => studio.play.drive(),
+    said: () => section.querySelector("#run-said").textContent,
     run: () => studio.play.run(),
     edit: () => (studio.model.paint([{ x: 3, y: 3, width: 1, height: 1 }], 1), studio.model.lift("wall")),
     set: () => type(section.querySelectorAll("input[type=number]")[1], "77"),
@@ -119,6 +124,18 @@ test("a result of an earlier run does not replace that of a later one", async ()
   await page.finish();
   await page.finish(undefined, first);
   assert.equal(page.isGrey(), false);
+});
+
+test("what is said about driving stays when the run is over during which it was begun", async () => {
+  const page = play();
+  page.run();
+  page.give();
+  page.drive();
+  page.begun().done({});
+  await settled();
+  const said = page.said();
+  page.studio.play.pause(); // ends the drive, and with it its clock
+  assert.match(said, /arrow keys/);
 });
 
 test("another world is run as soon as it is there, and only once", async () => {

@@ -433,6 +433,7 @@ Object.assign(globalThis, {
   localStorage: new Storage_(),
   sessionStorage: new Storage_(),
   addEventListener: (name, act) => heard.addEventListener(name, act),
+  removeEventListener: () => {},
   CSS: { escape: (text) => text },
 });
 element("said");

@@ -187,6 +187,8 @@ function tell(play, words, isBad = false) {
 // Runs the chosen robots if needed, and returns the settings of their run for the robot that the
 // user drives.
 async function beginDriving(play) {
+  // A run in progress ends first, because its last words would replace those about driving.
+  if (isSame(play.under, now(play))) await play.running.catch(() => {});
   if (!isSame(play.shown, now(play))) await run(play, true);
   if (!isSame(play.shown, now(play)) || play.studio.page() !== "play") return null;
   play.player?.play(false);
