@@ -4,7 +4,7 @@ import pytest
 
 from sim import simulate
 from tests.browser.test_player_page import room
-from tests.helpers.browser import page_in
+from tests.helpers.browser import expect, page_in
 
 
 @pytest.mark.gate
@@ -17,5 +17,5 @@ def test_an_episode_plays_in_the_frame_that_a_notebook_shows(browser, tmp_path):
         frame.locator("#play-pause").wait_for()
         frame.locator("#scrub").press("End")
         frame.locator("#readout", has_text="step").wait_for()
-        assert "bug2" in frame.locator(".robots").inner_text()
+        expect(frame.locator(".robots")).to_contain_text("bug2")
         assert page.complaints == []

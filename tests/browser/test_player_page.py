@@ -5,6 +5,7 @@ Walls that the robot enters, the memory's map, long paths, films.
 
 import base64
 import io
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from fuzz.player import drawn_run, drawn_world, replay_page
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
+from tests.helpers.browser import eventually, expect
 from worldgen.files.grid import read_world
 from worldgen.world import Pose, Target, World
 
@@ -116,7 +118,7 @@ def test_the_memory_s_map_is_a_layer_of_its_own(browser, tmp_path):
     assert (shown(page) != with_map).any()
     page.keyboard.press("m")
     assert (shown(page) == with_map).all()
-    assert "doing" in page.locator("#instruments").inner_text()
+    expect(page.locator("#instruments")).to_contain_text("doing")
 
 
 @pytest.mark.nightly
@@ -215,12 +217,12 @@ def test_the_timeline_is_zoomed_with_its_marks_whether_or_not_the_plots_are_show
     page.keyboard.press(">")
     low, high = ends_of_bar(page)
     assert 0 < low < high == last
-    assert page.locator(".below-timeline .view").inner_text().startswith(f"steps {low:,} to ")
+    expect(page.locator(".below-timeline .view")).to_have_text(re.compile(f"^steps {low:,} to "))
     assert width_of_period(page) > 1.2 * width
     # The wheel zooms too, and the bar follows the time.
     page.locator("#scrub").hover()
     page.mouse.wheel(0, -100)
-    assert ends_of_bar(page)[0] > low
+    eventually(page, lambda: ends_of_bar(page)[0], lambda first: first > low)
     page.keyboard.press("Home")
     assert ends_of_bar(page)[0] == 0 and ends_of_bar(page)[1] < last
     page.keyboard.press("|")

@@ -1,11 +1,13 @@
 """The documentation's playground: one static file, opened from disk, in which worlds are judged."""
 
+import re
+
 import pytest
 
 from docs import playground
 from fuzz.player.live import live_core
 from tests.helpers.accessibility import complaints
-from tests.helpers.browser import page_in
+from tests.helpers.browser import expect, page_in
 from worldgen.files.grid import read_world
 from worldgen.reach import check_certificate
 
@@ -24,18 +26,13 @@ def site(tmp_path_factory):
     return folder
 
 
-def proof(page):
-    found = page.locator("#change-proof.good, #change-proof.bad")
-    found.wait_for()
-    return found.inner_text()
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_world_is_drawn_run_proved_and_saved_without_a_server(browser, site, tmp_path, scheme):
     with page_in(browser, accept_downloads=True, color_scheme=scheme) as page:
         page.goto((site / playground.NAME).as_uri())
         page.locator("#change-verdict b", has_text="loop").wait_for()
-        assert "reachable" in proof(page) and complaints(page) == []
+        expect(page.locator("#change-proof.good")).to_contain_text("reachable")
+        assert complaints(page) == []
         page.locator("#controller").select_option("bug2")
         page.locator("#change-verdict b", has_text="reached").wait_for()
         page.get_by_label("Robot radius, m").fill("0.05")
@@ -56,9 +53,9 @@ def test_a_figure_has_the_slider_of_its_family_and_a_link_to_the_playground(brow
         page.goto((site / "index.html").as_uri())
         figure = page.frame_locator("iframe")
         figure.locator("#change-proof.good").wait_for()
-        assert not figure.get_by_label("Controller").is_visible()
+        expect(figure.get_by_label("Controller")).to_be_hidden()
         figure.get_by_label("braid").fill("0")
         figure.locator("#shown").get_by_text("0", exact=True).wait_for()
         figure.locator("#change-proof.good").wait_for()
-        assert figure.get_by_role("link").get_attribute("href").endswith("#maze")
+        expect(figure.get_by_role("link")).to_have_attribute("href", re.compile("#maze$"))
         assert page.complaints == []

@@ -12,7 +12,7 @@ from fuzz.triage.judging import failure_of
 from fuzz.triage.replaying import replay
 from sim.scenario import Scenario
 from tests.helpers.accessibility import complaints
-from tests.helpers.browser import page_in
+from tests.helpers.browser import expect, page_in
 from worldgen.files.grid import read_world
 from worldgen.reach import check_certificate, decide
 from worldgen.world import Pose, Robot, Target, World
@@ -192,7 +192,7 @@ def test_a_changed_world_in_which_the_robot_stalls_is_saved_as_a_failure_that_re
 
 def test_a_target_in_a_closed_room_is_proved_to_be_out_of_reach(page, tmp_path):
     begin(page)
-    page.wait_for_timeout(300)
+    page.locator("#change-proof.good").wait_for()
     before = page.evaluate("shift")
     drag(page, (12, 3), ROOM)
     page.locator("#change-proof.bad", has_text="blocked").wait_for()
@@ -217,7 +217,7 @@ def test_the_start_its_heading_and_the_radius_can_be_changed_and_reset(page, tmp
     assert (world.start.x, world.start.y, world.robot_radius) == (0.35, 0.55, 0.03)
     page.get_by_role("button", name="Reset").click()
     page.locator("#change-verdict b", has_text="loop").wait_for()
-    assert page.get_by_role("button", name="Reset").is_disabled()
+    expect(page.get_by_role("button", name="Reset")).to_be_disabled()
 
 
 def test_keys_can_do_it_all(page, tmp_path):
@@ -271,7 +271,7 @@ def test_the_core_is_loaded_when_it_is_first_used_and_only_once(page):
 def test_a_browser_without_what_the_core_needs_shows_no_button(browser, report, missing):
     with failure_in(browser, *report, script=f"delete globalThis.{missing};") as page:
         page.locator("#play-pause").wait_for()
-        assert page.locator("#change").count() == 0
+        expect(page.locator("#change")).to_have_count(0)
         assert page.complaints == []
 
 
@@ -309,10 +309,11 @@ def test_the_editor_of_a_body_has_no_radius(browser, tmp_path):
     write_report([tmp_path], tmp_path / "report.html")
     with failure_in(browser, (tmp_path / "report.html").as_uri(), failure) as page:
         begin(page, failure.verdict)
-        assert not page.get_by_label("Robot radius, m").is_visible()
+        expect(page.get_by_label("Robot radius, m")).to_be_hidden()
         page.locator("#change-proof.good", has_text="reachable").wait_for()
         assert Failure.of(saved(page, tmp_path)) == failure
-        assert copied(page) == page.locator("pre.test").text_content()
+        shown = page.locator("pre.test").text_content()
+        assert copied(page) == shown
         assert page.complaints == []
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from fuzz.report import write_report
 from tests.helpers.accessibility import badly_structured, nameless
-from tests.helpers.browser import page_in
+from tests.helpers.browser import eventually, expect, page_in
 from tests.helpers.campaign_folder import (
     CORPUS,
     LOOP,
@@ -43,7 +43,7 @@ LOWER_CORNERS = """canvas => {
   const isWall = (x, y) => data[4 * (y * width + x)] === 59 && data[4 * (y * width + x) + 1] === 67;
   const count = (y) => [...Array(width).keys()].filter((x) => isWall(x, y)).length;
   const rows = [...Array(height).keys()].map(count).map((n, y) => [n, y]).filter(([n]) => n > 40);
-  return rows.at(0)[0] === rows.at(-1)[0];
+  return rows.length > 0 && rows.at(0)[0] === rows.at(-1)[0];
 }"""
 
 
@@ -173,13 +173,13 @@ def test_nothing_is_asked_of_any_other_file_or_host(page, address):
 def test_names_of_strangers_are_only_text(page):
     title = page.title()
     open_failure(page, "onerror")
-    assert page.locator("#detail h2").text_content().strip() == HOSTILE
-    assert page.locator("main img, main script, main [onclick], main [onerror]").count() == 0
-    assert page.title() == f"{HOSTILE} - {title}"
+    expect(page.locator("#detail h2")).to_have_text(HOSTILE)
+    expect(page.locator("main img, main script, main [onclick], main [onerror]")).to_have_count(0)
+    expect(page).to_have_title(f"{HOSTILE} - {title}")
 
 
 def test_every_small_picture_is_drawn(page):
-    assert page.locator(".card").count() == 6
+    expect(page.locator(".card")).to_have_count(6)
     page.wait_for_function(
         "[...document.querySelectorAll('.card canvas')].every((one) => one.width >= 100)"
     )
@@ -188,8 +188,8 @@ def test_every_small_picture_is_drawn(page):
 def test_scrubbing_to_the_entry_is_put_into_words(page):
     open_failure(page, LOOPS)
     scrub_to(page, 29)
-    assert "step 29 of 133" in page.locator("#scrub").get_attribute("aria-valuetext")
-    assert "the loop is entered" in readout(page)
+    expect(page.locator("#scrub")).to_have_attribute("aria-valuetext", re.compile("step 29 of 133"))
+    expect(page.locator("#readout")).to_contain_text("the loop is entered")
 
 
 def test_paper_shows_what_is_folded_and_no_buttons(page):
@@ -198,15 +198,16 @@ def test_paper_shows_what_is_folded_and_no_buttons(page):
     before = folded.count()
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
-    assert before > 0 and folded.count() == 0
-    assert page.locator("main button:visible").count() == 0
+    assert before > 0
+    expect(folded).to_have_count(0)
+    expect(page.locator("main button:visible")).to_have_count(0)
     page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert folded.count() == before
+    expect(folded).to_have_count(before)
 
 
 def test_a_loop_is_told_by_the_moves_that_repeat(page):
     open_failure(page, LOOPS)
-    assert "It repeats 104 steps (1.56 s" in page.locator("#detail").inner_text()
+    expect(page.locator("#detail")).to_contain_text("It repeats 104 steps (1.56 s")
 
 
 def test_each_layer_can_be_switched_off_and_on(page):
@@ -252,10 +253,11 @@ _BURNING_CELL = """() => {
 
 def test_the_keyboard_alone_opens_and_goes_back(page):
     card = page.locator(".card").first
+    first = card.get_attribute("id")
     card.focus()
     press(page, "ArrowRight")
     chosen = page.evaluate("document.activeElement.id")
-    assert chosen != card.get_attribute("id")
+    assert chosen != first
     press(page, "Enter")
     page.locator("#detail h2").wait_for()
     press(page, "Escape")
@@ -268,14 +270,14 @@ def test_a_failure_has_an_address_and_back_works(page):
     page.go_back()
     page.locator("#overview").wait_for()
     page.goto(link)
-    assert page.locator("#detail h2").inner_text().strip() == LOOPS
+    expect(page.locator("#detail h2")).to_have_text(LOOPS)
 
 
 def test_the_keys_are_shown_and_closed(page):
     press(page, "?")
-    assert "Play, pause" in page.locator("#keys").inner_text()
+    expect(page.locator("#keys")).to_contain_text("Play, pause")
     press(page, "Escape")
-    assert not page.locator("#keys").is_visible()
+    expect(page.locator("#keys")).to_be_hidden()
 
 
 def test_colours_follow_the_system_and_the_button(page):
@@ -284,7 +286,7 @@ def test_colours_follow_the_system_and_the_button(page):
     page.emulate_media(color_scheme="dark")
     page.wait_for_function(f"(light) => {colour} !== light", arg=light)
     page.locator("#theme").click()
-    assert page.evaluate(colour) == light
+    page.wait_for_function(f"(light) => {colour} === light", arg=light)
 
 
 def test_a_picture_changes_its_colours_too(page):
@@ -305,36 +307,39 @@ def test_the_download_is_the_file_byte_for_byte(page, folder, tmp_path):
 
 def test_the_world_as_found_can_be_replayed(page):
     open_failure(page, LOOPS)
-    before = page.locator(".pair canvas").first
-    assert page.locator(".pair canvas").count() == 2
-    assert before.get_attribute("aria-label").startswith("As found: World of 9 x 3 cells")
+    pair = page.locator(".pair canvas")
+    expect(pair).to_have_count(2)
+    expect(pair.first).to_have_attribute(
+        "aria-label", re.compile("^As found: World of 9 x 3 cells")
+    )
     page.locator(".pair button").first.click()
-    assert page.locator("#stage").get_attribute("aria-label").startswith("As found.")
+    expect(page.locator("#stage")).to_have_attribute("aria-label", re.compile(r"^As found\."))
 
 
 def test_a_controller_that_is_not_here_leaves_the_world(page):
     open_failure(page, "elsewhere")
-    assert "could not be run here" in page.locator("#detail").inner_text()
+    expect(page.locator("#detail")).to_contain_text("could not be run here")
     assert len(set(picture(page))) > 10
 
 
 def test_search_and_verdicts_choose_cards(page):
     page.locator("button", has_text="tunnel").first.click()
-    assert page.locator(".card").count() == 3
+    expect(page.locator(".card")).to_have_count(3)
     page.locator("#find").fill("onerror")
-    assert page.locator(".card").count() == 1
+    expect(page.locator(".card")).to_have_count(1)
     page.locator("#find").press_sequentially("zzz")
-    assert "No failure matches" in page.locator("#overview").inner_text()
+    expect(page.locator("#overview")).to_contain_text("No failure matches")
 
 
 def test_the_campaign_has_its_charts_and_their_tables(page, address):
     page.goto(f"{address}#campaign")
-    page.locator("#campaign h3").first.wait_for()
-    titles = page.locator("#campaign h3").all_inner_texts()
-    assert titles[:3] == ["Found over time", "By search strategy", "Archive: detour and density"]
-    assert page.locator("#campaign .heat").count() == 2
-    assert page.locator("#campaign .first").count() == 2
-    assert page.locator("svg.plot").count() == page.locator("svg.plot[aria-label]").count() > 0
+    titles = ("Found over time", "By search strategy", "Archive: detour and density")
+    for number, title in enumerate(titles):
+        expect(page.locator("#campaign h3").nth(number)).to_have_text(title)
+    expect(page.locator("#campaign .heat")).to_have_count(2)
+    expect(page.locator("#campaign .first")).to_have_count(2)
+    expect(page.locator("svg.plot[aria-label]").first).to_be_attached()
+    expect(page.locator("svg.plot:not([aria-label])")).to_have_count(0)
 
 
 def test_every_control_has_a_name_and_headings_and_tables_make_sense(page, address):
@@ -360,7 +365,7 @@ def test_the_first_screen_answers_without_scrolling(page):
     for part in (".headline", ".cause .name", ".cause p", ".command code", ".pictures canvas"):
         box = first.locator(part).first.bounding_box()
         assert box["y"] + box["height"] <= 800, part
-    assert "goes through walls" in first.locator(".headline").inner_text()
+    expect(first.locator(".headline")).to_contain_text("goes through walls")
     painted = first.locator(".pictures canvas").first.evaluate(
         "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, "
         "canvas.height).data).size"
@@ -378,20 +383,28 @@ def test_each_cause_has_its_example_and_only_one_is_open(browser, tmp_path):
 def check_examples(page):
     answer = page.locator(".answer", has_text="wanders")
     commands = answer.locator(".cause .command")
-    assert [one.is_visible() for one in commands.all()] == [True, False]
+    expect_visible(commands, True, False)
     answer.get_by_role("button", name="Example of wanders").click()
-    assert [one.is_visible() for one in commands.all()] == [False, True]
-    assert answer.locator(".pictures:visible").count() == 1
-    assert answer.locator(".pictures canvas:visible").first.evaluate(BLANK) is False
+    expect_visible(commands, False, True)
+    expect(answer.locator(".pictures:visible")).to_have_count(1)
+    shown = answer.locator(".pictures canvas:visible").first
+    eventually(page, lambda: shown.evaluate(BLANK), lambda blank: not blank)
 
     # Paper shows all of them, and the campaign.
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
-    assert [one.is_visible() for one in commands.all()] == [True, True]
-    assert page.locator("#campaign").is_visible()
+    expect_visible(commands, True, True)
+    expect(page.locator("#campaign")).to_be_visible()
     page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert [one.is_visible() for one in commands.all()] == [False, True]
-    assert not page.locator("#campaign").is_visible()
+    expect_visible(commands, False, True)
+    expect(page.locator("#campaign")).to_be_hidden()
+
+
+def expect_visible(parts, *flags):
+    """Wait until exactly those parts are visible whose flag is set."""
+    expect(parts).to_have_count(len(flags))
+    for number, flag in enumerate(flags):
+        expect(parts.nth(number)).to_be_visible(visible=flag)
 
 
 def test_a_picture_on_paper_keeps_its_proportions_and_its_theme_is_light(page):
@@ -401,8 +414,8 @@ def test_a_picture_on_paper_keeps_its_proportions_and_its_theme_is_light(page):
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
     canvas = page.locator(".pictures canvas").first
-    assert canvas.evaluate("one => getComputedStyle(one).objectFit") == "contain"
-    assert page.evaluate("document.documentElement.dataset.theme") == "light"
+    expect(canvas).to_have_css("object-fit", "contain")
+    expect(page.locator("html")).to_have_attribute("data-theme", "light")
 
 
 def test_the_scale_bar_is_below_the_world(page):
@@ -410,17 +423,16 @@ def test_the_scale_bar_is_below_the_world(page):
     cards = page.locator(".card canvas").all()
     for canvas in cards:
         canvas.scroll_into_view_if_needed()
-    page.wait_for_timeout(500)
     # Some pictures are cropped to what happens; those of whole worlds have their lower corners.
-    assert any(canvas.evaluate(LOWER_CORNERS) for canvas in cards)
+    eventually(page, lambda: [canvas.evaluate(LOWER_CORNERS) for canvas in cards], any)
 
 
 def test_a_cause_leads_to_its_clearest_failure_with_the_reason_and_a_test(page):
     page.locator(".cause .name", has_text=LOOPS).first.click()
     page.locator("#stage").wait_for()
-    assert page.locator("#detail h2").inner_text().strip() == LOOPS
+    expect(page.locator("#detail h2")).to_have_text(LOOPS)
     page.get_by_text("Test to paste").click()
-    assert "def test_" in page.locator("pre.test").inner_text()
+    expect(page.locator("pre.test")).to_contain_text("def test_")
 
 
 def test_on_paper_every_small_picture_is_drawn(page):
@@ -433,7 +445,8 @@ def test_on_paper_every_small_picture_is_drawn(page):
         }).length"""
     )
     # The one world whose controller is missing is also drawn, without a path.
-    assert blank == 0 and not page.locator("nav").is_visible()
+    assert blank == 0
+    expect(page.locator("nav")).to_be_hidden()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -447,7 +460,7 @@ def test_a_cell_that_a_sentence_names_is_marked_in_the_pictures_next_to_it(
     with page_in(browser, color_scheme=scheme) as page:
         page.goto((tmp_path / "r.html").as_uri())
         answer = page.locator(".answer", has_text="thesis-1").first
-        assert answer.get_by_text("cell named in the text").count() == 1
+        expect(answer.get_by_text("cell named in the text")).to_have_count(1)
         check_in_place(answer.locator("canvas[data-which=now]"), world, (2, 1))
         # The cards, which have no sentence, have no mark.
         card = page.locator(".card", has_text=LOOPS).first
@@ -466,8 +479,8 @@ def test_a_button_leads_to_the_first_bump(browser, address):
         button = page.get_by_role("button", name=re.compile(r"First bump \d+"))
         button.click()
         step = int(button.inner_text().split()[-1])
-        assert f"step {step} of" in page.locator("#readout").inner_text()
-        assert "touches something for the first time" in page.locator("#readout").inner_text()
+        expect(page.locator("#readout")).to_contain_text(f"step {step} of")
+        expect(page.locator("#readout")).to_contain_text("touches something for the first time")
 
 
 def test_lines_state_and_reactions_are_on_the_first_screen_and_with_each_failure(
@@ -476,19 +489,20 @@ def test_lines_state_and_reactions_are_on_the_first_screen_and_with_each_failure
     with page_in(browser) as page:
         page.goto(python_address)
         answer = page.locator("#answer")
-        notices = " ".join(answer.locator(".notice").all_inner_texts())
-        assert "survives reset(): self.bumps" in notices
-        assert "Lines of the controller that never ran" in notices
+        for words in ("survives reset(): self.bumps", "Lines of the controller that never ran"):
+            answer.locator(".notice", has_text=words).first.wait_for()
         runs = answer.locator(".code tr", has_text="turn = math.pi / 2").first
-        assert runs.get_attribute("class") == "ran" and "never" not in runs.inner_text()
+        expect(runs).to_have_class("ran")
+        expect(runs).not_to_contain_text("never")
         idle = answer.locator(".code tr", has_text="turn = 1.0").first
-        assert idle.get_attribute("class") == "unused" and "never" in idle.inner_text()
-        assert "in all runs of this report" in answer.inner_text()
-        assert "left by 90 degrees" in answer.locator(".reactions").inner_text()
+        expect(idle).to_have_class("unused")
+        expect(idle).to_contain_text("never")
+        expect(answer).to_contain_text("in all runs of this report")
+        expect(answer.locator(".reactions")).to_contain_text("left by 90 degrees")
         page.locator(".card").first.click()
         page.locator("#stage").wait_for()
         for part in (".code", ".state", ".reactions"):
-            assert page.locator(f"#detail {part}").is_visible(), part
+            expect(page.locator(f"#detail {part}")).to_be_visible()
         assert page.complaints == []
 
 
@@ -500,8 +514,8 @@ def test_lines_of_code_need_no_scrolling_sideways(browser, python_address):
 
 
 def test_a_compiled_controller_has_reactions_and_no_lines(page):
-    assert page.locator("#answer .reactions").first.is_visible()
-    assert page.locator(".code").count() == 0
+    expect(page.locator("#answer .reactions").first).to_be_visible()
+    expect(page.locator(".code")).to_have_count(0)
 
 
 @pytest.mark.gate
@@ -512,6 +526,7 @@ def test_a_report_of_several_controllers_begins_with_a_table_of_them(browser, tm
     with page_in(browser) as page:
         page.goto((tmp_path / "report.html").as_uri())
         rows = page.locator(".controllers tbody tr")
-        assert rows.count() == page.locator(".answer").count() == 2
-        assert "goes through a wall" in rows.first.inner_text()  # the worst comes first
+        expect(rows).to_have_count(2)
+        expect(page.locator(".answer")).to_have_count(2)
+        expect(rows.first).to_contain_text("goes through a wall")  # the worst comes first
         assert page.complaints == []

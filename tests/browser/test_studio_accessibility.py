@@ -2,14 +2,16 @@
 differently.
 """
 
+import re
 import shutil
 from pathlib import Path
 
 import pytest
 
 from tests.helpers.accessibility import COARSE, FINE, complaints, tab_through
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells
+from tests.helpers.studio_page import CAMPAIGN, expect_solid_cells, opened
 from worldgen.files.grid import read_world
 
 CORPORA = Path(__file__).parents[2] / "corpora"
@@ -85,7 +87,7 @@ def test_names_contrast_and_sizes_are_right_on_every_page(browser, gate, how, le
     with opened(browser, gate, **how) as page:
         found = {state: complaints(page, least=least) for state in states(page)}
         assert {state: said for state, said in found.items() if said} == {}
-        assert page.locator("html").get_attribute("data-theme") == how["color_scheme"]
+        expect(page.locator("html")).to_have_attribute("data-theme", how["color_scheme"])
         assert page.complaints == []
 
 
@@ -99,7 +101,7 @@ def test_tab_reaches_every_control_and_the_focus_is_seen(page):
 def test_the_first_tab_offers_to_skip_to_the_board(page):
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
-    assert page.evaluate("document.activeElement.id") == "board"
+    expect(page.locator("#board")).to_be_focused()
 
 
 @pytest.mark.gate
@@ -111,14 +113,14 @@ def test_a_wall_is_drawn_the_start_moved_and_a_run_scrubbed_by_keys_alone(page):
     page.keyboard.press("a")
     for key in ("Shift+ArrowUp", "Space", "Space"):
         page.keyboard.press(key)
-    assert "start" in page.locator("#said").inner_text()
+    expect(page.locator("#said")).to_contain_text("start")
     page.keyboard.press("2")
     page.locator(".result").wait_for()
     for key in ("Home", "Shift+ArrowRight", "ArrowLeft"):
         page.keyboard.press(key)
     page.locator("#readout", has_text="step 9 of").wait_for()
     page.keyboard.press("1")
-    assert solid_cells(page) == BORDER + 11
+    expect_solid_cells(page, BORDER + 11)
 
 
 @pytest.mark.nightly
@@ -158,13 +160,13 @@ def test_the_thesis_s_keys_that_a_browser_leaves_to_a_page_do_what_they_did(page
 
 @pytest.mark.gate
 def test_what_is_seen_to_change_is_also_said(page):
-    assert page.locator("#proof").get_attribute("role") == "status"
+    expect(page.locator("#proof")).to_have_attribute("role", "status")
     described = page.locator("#board").get_attribute("aria-describedby").split()
-    words = [page.locator(f"#{name}").inner_text() for name in described]
-    assert "40 x 40 cells" in words[0] and "reachable" in words[1] and "Arrow keys" in words[2]
+    for name, words in zip(described, ("40 x 40 cells", "reachable", "Arrow keys"), strict=True):
+        expect(page.locator(f"#{name}")).to_contain_text(words)
     page.keyboard.press("2")
     page.locator("#said", has_text="thesis-2: reached").wait_for(state="attached")
-    assert "thesis-2: reached" in page.locator("#stage").get_attribute("aria-label")
+    expect(page.locator("#stage")).to_have_attribute("aria-label", re.compile("thesis-2: reached"))
 
 
 @pytest.mark.gate
@@ -173,12 +175,12 @@ def test_nothing_moves_by_itself(browser, gate):
         page.keyboard.press("2")
         page.locator(".result").wait_for()
         assert page.evaluate("document.getAnimations().length") == 0
-        assert page.locator("#play-pause").get_attribute("aria-label") == "Play"
+        expect(page.locator("#play-pause")).to_have_attribute("aria-label", "Play")
 
 
 @pytest.mark.nightly
 def test_undo_is_offered_only_where_one_draws(page):
-    assert page.locator("#undo").is_visible()
+    expect(page.locator("#undo")).to_be_visible()
     go(page, "Play")
     page.locator("#undo").wait_for(state="hidden")
-    assert page.locator("#save-drawn").is_visible()
+    expect(page.locator("#save-drawn")).to_be_visible()

@@ -2,8 +2,9 @@
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import drag, opened, place, solid_cells
+from tests.helpers.studio_page import drag, expect_solid_cells, opened, place
 
 BORDER = 156  # solid cells of an empty world of 40 x 40
 TABLET = {"viewport": {"width": 820, "height": 1180}, "has_touch": True}
@@ -39,11 +40,11 @@ def pinch(page, *cells):
 def test_what_is_undone_while_something_is_drawn_is_that(page):
     page.locator("#board").focus()
     press(page, "l", "Space", "Shift+ArrowRight", "Space")
-    assert solid_cells(page) == BORDER + 6
+    expect_solid_cells(page, BORDER + 6)
     press(page, "ArrowUp", "Space", "Shift+ArrowRight", "Control+z", "Escape")
-    assert solid_cells(page) == BORDER + 6
+    expect_solid_cells(page, BORDER + 6)
     press(page, "Control+z", "Space", "Shift+ArrowLeft", "Control+y", "Control+y")
-    assert solid_cells(page) == BORDER + 6
+    expect_solid_cells(page, BORDER + 6)
 
 
 @pytest.mark.nightly
@@ -52,7 +53,7 @@ def test_a_brush_that_is_taken_while_a_line_is_drawn_by_keys_does_not_paint_by_i
     press(page, "l", "Space", "ArrowRight", "b")
     page.mouse.move(*place(page, 5.5, 30.5))
     page.mouse.move(*place(page, 15.5, 30.5), steps=5)
-    assert solid_cells(page) == BORDER
+    expect_solid_cells(page, BORDER)
 
 
 @pytest.mark.nightly
@@ -60,15 +61,15 @@ def test_two_fingers_leave_the_selection_and_what_had_been_undone(tablet):
     for x in (5, 10):
         tablet.touchscreen.tap(*place(tablet, x + 0.5, 20.5))
     tablet.locator("#undo").tap()
-    assert solid_cells(tablet) == BORDER + 1
+    expect_solid_cells(tablet, BORDER + 1)
     pinch(tablet, (20, 20), (24, 20))
     tablet.locator("#redo").tap()
-    assert solid_cells(tablet) == BORDER + 2
+    expect_solid_cells(tablet, BORDER + 2)
     tablet.locator("[data-tool=select]").tap()
     drag(tablet, (4, 19), (11, 21))
     pinch(tablet, (30, 30), (34, 30))
     tablet.get_by_role("button", name="Clear", exact=True).first.tap()
-    assert solid_cells(tablet) == BORDER
+    expect_solid_cells(tablet, BORDER)
 
 
 @pytest.mark.gate
@@ -157,7 +158,7 @@ def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.get_by_role("button", name="Find the widest robot that passes").press("Enter")
     page.locator("#widest", has_text="Robots with a radius of up to").wait_for()
     page.locator("#find-widest").wait_for(state="hidden")
-    assert page.evaluate("document.activeElement.id") == "radius"
+    expect(page.locator("#radius")).to_be_focused()
     drag(page, (20, 20), (60, 60))
     page.locator("#find-widest").wait_for()
 

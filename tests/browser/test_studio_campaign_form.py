@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_held import hold, let_go
 from tests.helpers.studio_page import opened
@@ -45,17 +46,15 @@ def page(browser, gate):
 def test_the_form_says_at_the_field_what_is_wrong_and_gives_the_line_for_a_terminal(page, folder):
     page.keyboard.press("3")
     page.locator("#begin").wait_for()
-    assert page.locator("#save-drawn").is_hidden()
+    expect(page.locator("#save-drawn")).to_be_hidden()
     seed = page.get_by_role("textbox", name="Seed")
     seed.fill("one")
     page.locator("#campaign-amount").fill("-3")
     page.get_by_role("button", name="Begin").click()
     page.wait_for_function("() => document.activeElement.id === 'campaign-amount'")
-    faults = page.locator(".campaign-form small.fault:visible").all_inner_texts()
-    assert faults == [
-        "Enter a whole number from 1 to 604,800.",
-        "Enter a whole number of at least 0.",
-    ]
+    expect(page.locator(".campaign-form small.fault:visible")).to_have_text(
+        ["Enter a whole number from 1 to 604,800.", "Enter a whole number of at least 0."]
+    )
     page.locator("#campaign-amount").fill("20")
     seed.fill("7")
     page.get_by_role("button", name="Copy command").click()
@@ -92,9 +91,10 @@ def test_of_many_failures_only_those_in_sight_are_drawn_and_damaged_files_are_to
     page.locator("#campaign-folder").select_option("mine")
     page.locator("#wall-count", has_text="300 failures").wait_for()
     page.locator(".wall-part .notice", has_text="cut.grid").wait_for()
-    assert page.locator(".card").count() == 120
+    expect(page.locator(".card")).to_have_count(120)
     page.get_by_role("button", name="Show more (180)").click()
-    assert page.locator(".card").count() == 240 and page.locator("#name").inner_text() == "mine"
+    expect(page.locator(".card")).to_have_count(240)
+    expect(page.locator("#name")).to_have_text("mine")
 
 
 @pytest.mark.nightly
@@ -103,7 +103,7 @@ def test_the_page_has_words_and_the_form_before_the_folder_has_been_read(page):
     page.keyboard.press("3")
     page.reload()
     page.locator(".wall .empty", has_text="Looking through the opened folder …").wait_for()
-    assert page.locator("#name").inner_text() == "looking …"
+    expect(page.locator("#name")).to_have_text("looking …")
     page.locator("#campaign-controller").wait_for()
     page.get_by_role("button", name="Begin").wait_for()
     let_go(page)

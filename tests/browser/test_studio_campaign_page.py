@@ -5,6 +5,7 @@ A campaign from the form to its smallest failure in the player.
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_campaign import HANGS, acts
 from tests.helpers.studio_page import CAMPAIGN, opened
@@ -50,15 +51,15 @@ def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser,
     ):
         page.keyboard.press("3")
         page.locator(".wall .empty", has_text="Start a campaign on the right").wait_for()
-        assert page.locator("#name").inner_text() == "no failures yet"
+        expect(page.locator("#name")).to_have_text("no failures yet")
         page.locator("#begin").press("Enter")
         page.locator("#stop-beginning").wait_for()
         acts(tmp_path)
         page.keyboard.press("Tab")
-        assert page.evaluate("document.activeElement.id") == "stop-beginning"
+        expect(page.locator("#stop-beginning")).to_be_focused()
         page.keyboard.press("Enter")
         page.locator("#form-said", has_text="stopped before it began").wait_for()
-        assert page.locator("#stop-beginning").is_hidden()
+        expect(page.locator("#stop-beginning")).to_be_hidden()
         page.wait_for_function("() => document.activeElement.id === 'begin'")
         page.locator("#campaign-controller").select_option("turn-right")
         begin(page, units=1)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from fuzz.failure import Failure
+from tests.helpers.browser import eventually, expect
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
 from tests.helpers.studio_held import hold, let_go
@@ -64,16 +65,18 @@ def reopened(page, *held):
 
 def test_the_line_the_table_and_the_wall_name_the_same_number_of_causes(page):
     reopened(page)
-    page.locator("#wall-count", has_text=re.compile("cause")).wait_for()
+    of_the_wall = re.compile(r"^(\d+) failures of (\d+) causes?$")
+    of_the_line = re.compile(r"(\d+) causes: (\d+) known, (\d+) not kept")
+    expect(page.locator("#wall-count")).to_have_text(of_the_wall)
+    expect(page.locator("#progress-line")).to_have_text(of_the_line)
     count = page.locator("#wall-count").inner_text()
-    pictures, shown = map(int, re.fullmatch(r"(\d+) failures of (\d+) causes?", count).groups())
+    pictures, shown = map(int, of_the_wall.match(count).groups())
     line = page.locator("#progress-line").inner_text()
-    causes, known, lost = map(
-        int, re.search(r"(\d+) causes: (\d+) known, (\d+) not kept", line).groups()
-    )
+    causes, known, lost = map(int, of_the_line.search(line).groups())
     rows = page.locator(".tables tbody").first.locator("tr")
-    assert (causes, known, lost) == (rows.count(), 1, 1)
-    assert shown == causes - known - lost and pictures == page.locator(".card").count()
+    expect(rows).to_have_count(causes)
+    expect(page.locator(".card")).to_have_count(pictures)
+    assert (known, lost) == (1, 1) and shown == causes - known - lost
     met = rows.locator("td:nth-child(2)").all_inner_texts()
     assert (
         "not by the search" in met
@@ -85,11 +88,11 @@ def test_while_the_folder_is_being_read_no_cause_is_said_to_wait_for_anything(pa
     reopened(page, "failures")
     page.locator("#campaign-state", has_text="Done").wait_for()
     sizes = page.locator(".tables tbody").first.locator("td:nth-child(3)")
-    assert set(sizes.all_inner_texts()) == {"…", "known"}
-    assert "cause" not in page.locator("#progress-line").inner_text()
+    eventually(page, lambda: set(sizes.all_inner_texts()), lambda words: words == {"…", "known"})
+    expect(page.locator("#progress-line")).not_to_contain_text("cause")
     let_go(page)
     page.locator(".card").first.wait_for()
-    assert {"not kept", "known"} < set(sizes.all_inner_texts())
+    eventually(page, sizes.all_inner_texts, lambda words: {"not kept", "known"} < set(words))
 
 
 def test_another_folder_s_failures_are_in_no_number_of_a_campaign(page):
@@ -101,10 +104,8 @@ def test_another_folder_s_failures_are_in_no_number_of_a_campaign(page):
     page.locator("#campaign-folder").select_option("done")
     page.locator("#campaign-state", has_text="Done").wait_for()
     page.locator(".wall .empty", has_text="Looking through done …").wait_for()
-    assert (
-        page.locator(".tables", has_text="not by the search").count() == 0
-        and page.locator(".card").count() == 0
-    )
+    expect(page.locator(".tables", has_text="not by the search")).to_have_count(0)
+    expect(page.locator(".card")).to_have_count(0)
 
 
 def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser, folder):
@@ -126,13 +127,12 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
         page.goto(gate.address)
         page.keyboard.press("3")
         page.locator("#campaign-controller").wait_for()
-        assert page.locator("#campaign-controller").input_value() == "bug1"
-        assert page.locator("#campaign-strategies").get_by_label("maze", exact=True).is_checked()
-        assert (
-            page.get_by_label("Units", exact=True).input_value(),
-            page.get_by_role("textbox", name="Seed").input_value(),
-        ) == ("7", "12")
-        assert page.get_by_label("Worlds per unit").input_value() == "9"
+        strategies = page.locator("#campaign-strategies")
+        expect(page.locator("#campaign-controller")).to_have_value("bug1")
+        expect(strategies.get_by_label("maze", exact=True)).to_be_checked()
+        expect(page.get_by_label("Units", exact=True)).to_have_value("7")
+        expect(page.get_by_role("textbox", name="Seed")).to_have_value("12")
+        expect(page.get_by_label("Worlds per unit")).to_have_value("9")
 
 
 def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, folder, tmp_path):
@@ -166,7 +166,7 @@ def test_campaigns_failures_come_after_the_user_s_own_worlds(page, folder):
     page.locator("#tab-files").click()
     page.locator(".files").first.get_by_text("zoo/mine.grid").wait_for()
     page.get_by_text("Found by campaigns").wait_for()
-    assert "done/" not in page.locator(".files").first.inner_text()
+    expect(page.locator(".files").first).not_to_contain_text("done/")
     page.get_by_text("Found by campaigns").click()
     page.get_by_role("list", name="Found by campaigns").get_by_role("button").first.click()
     page.locator("#name", has_text="done/").wait_for()

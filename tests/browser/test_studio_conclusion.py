@@ -11,6 +11,7 @@ import pytest
 from fuzz.campaign.store import MEMORY, read_summary
 from fuzz.overview.answer import answer_of
 from fuzz.overview.result import read_overview
+from tests.helpers.browser import expect
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
@@ -62,9 +63,8 @@ def test_an_ended_campaign_ends_with_the_answer_of_the_terminal(browser, campaig
         told = page.locator("#conclusion")
         told.locator("li").first.wait_for()
         answer = answer_of(msgspec.structs.replace(result, summary=read_summary(campaign)))
-        words = told.inner_text()
-        assert answer.headline.words in words and answer.rate in words
-        assert [one.sentence in words for one in answer.causes] == [True] * len(answer.causes)
+        for words in (answer.headline.words, answer.rate, *(one.sentence for one in answer.causes)):
+            expect(told).to_contain_text(words)
         # A cause opens its example.
         told.get_by_role("button").first.click()
         page.locator("#failure-panel .actions").wait_for()
@@ -82,6 +82,6 @@ def test_a_failure_is_drawn_as_soon_as_its_file_is_there(browser, campaign, tmp_
     with studio_of(tmp_path) as gate, running(folder), opened(browser, gate, until=None) as page:
         page.locator("#tabs").get_by_role("link", name="Campaign").click()
         page.locator("#campaign-state").wait_for()
-        assert page.locator(".card").count() == 0
+        expect(page.locator(".card")).to_have_count(0)
         first.write_bytes(kept)
         page.locator(".card canvas").first.wait_for()

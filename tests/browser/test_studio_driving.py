@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.test_studio_driving import CORRIDOR
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 from worldgen.files.grid import write_world
@@ -34,20 +35,22 @@ def begin(page, by_key=True):
 def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
     with opened(browser, gate) as page:
         begin(page)
-        assert "arrow keys" in page.locator("#run-said").inner_text()
+        expect(page.locator("#run-said")).to_contain_text("arrow keys")
         # Nothing happens before the first key, however long the user waits.
         page.wait_for_timeout(400)
-        assert page.locator(".result").count() == 1
+        expect(page.locator(".result")).to_have_count(1)
         page.keyboard.down("ArrowUp")
         page.locator("#run-said", has_text="You drove").wait_for()
         page.keyboard.up("ArrowUp")
-        assert "reached" in page.locator("#run-said").inner_text()
-        assert page.locator("#drive", has_text="Drive").count() == 1
-        names = [one.get_attribute("data-controller") for one in page.locator(".result").all()]
-        assert names == ["thesis-2", "you"]
+        expect(page.locator("#run-said")).to_contain_text("reached")
+        expect(page.locator("#drive")).to_have_text("Drive")
+        expect(page.locator(".result")).to_have_count(2)
+        for number, name in enumerate(("thesis-2", "you")):
+            result = page.locator(".result").nth(number)
+            expect(result).to_have_attribute("data-controller", name)
         # The page's keys work again.
         page.keyboard.press("ArrowLeft")
-        assert page.locator("[aria-current] .result").get_attribute("data-controller") == "you"
+        expect(page.locator("[aria-current] .result")).to_have_attribute("data-controller", "you")
 
 
 def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
@@ -67,11 +70,12 @@ def test_another_page_ends_a_drive_so_that_its_keys_act_there(browser, gate):
     with opened(browser, gate) as page:
         begin(page)
         page.locator("#tabs a", has_text="Draw").click()
+        page.locator("#board").wait_for()
         # On the board, W shows the path or hides it.
         shown = page.get_by_label("Path", exact=True)
         before = shown.is_checked()
         page.keyboard.press("w")
-        assert shown.is_checked() != before
+        expect(shown).to_be_checked(checked=not before)
         page.keyboard.press("2")
         page.locator("#drive", has_text="Drive").wait_for()
 
@@ -87,5 +91,6 @@ def test_a_finger_drives_with_the_arrows_in_the_picture(browser, gate):
         page.mouse.down()
         page.locator("#run-said", has_text="You drove").wait_for()
         page.mouse.up()
-        assert "reached" in page.locator("#run-said").inner_text()
-        assert not forward.is_visible() and page.complaints == []
+        expect(page.locator("#run-said")).to_contain_text("reached")
+        expect(forward).to_be_hidden()
+        assert page.complaints == []

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 
@@ -31,8 +32,9 @@ def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(brow
         # An edit triggers a run; a syntax error replaces the earlier result.
         robot.write_text(BROKEN)
         page.locator(".failed .frame", has_text="mine.py:8").wait_for()
-        assert "def act(self, observation, memory:" in page.locator(".frame code").inner_text()
-        assert page.locator(".result").count() == 0 and page.locator("#scrub").count() == 0
+        expect(page.locator(".frame code")).to_contain_text("def act(self, observation, memory:")
+        expect(page.locator(".result")).to_have_count(0)
+        expect(page.locator("#scrub")).to_have_count(0)
 
         # A broken file is still broken after a reload; fixing it needs no reload.
         page.reload()
@@ -45,7 +47,7 @@ def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(brow
         page.get_by_label("Run again when its code is edited").uncheck()
         robot.write_text(TURNS)
         page.locator("#code-note", has_text="run again.").wait_for()
-        assert page.locator(".stage.stale").count() == 1
+        expect(page.locator(".stage.stale")).to_have_count(1)
         page.locator("#run-edited").click()
         page.locator(".result", has_text="loop").wait_for()
         page.locator("#code-note", has_text="the current code").wait_for()

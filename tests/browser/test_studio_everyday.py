@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.helpers.browser import eventually, expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened, place
 from worldgen import generate
@@ -36,23 +37,24 @@ def test_time_on_the_board_keys_and_choices_that_stay(browser, gate):
         before = pixels(page)
         page.locator("#board-time").focus()
         page.keyboard.press("End")
-        assert page.locator(".time-slider output").inner_text() != "0.0 s"
-        assert pixels(page) != before
-        assert page.locator(".time-slider .legend li:visible").first.inner_text() == "burns later"
+        expect(page.locator(".time-slider output")).not_to_have_text("0.0 s")
+        eventually(page, lambda: pixels(page) != before)
+        expect(page.locator(".time-slider .legend li:visible").first).to_have_text("burns later")
 
         # An empty field is automatic, and a parameter without effect is not shown.
         page.get_by_role("tab", name="Generate").click()
         page.get_by_label("Family", exact=True).select_option("maze")
         newest = page.get_by_label("Newest")
-        assert newest.is_hidden()
+        expect(newest).to_be_hidden()
         page.get_by_label("Algorithm").select_option("growing-tree")
-        assert newest.is_visible() and newest.get_attribute("placeholder") == "automatic"
+        expect(newest).to_be_visible()
+        expect(newest).to_have_attribute("placeholder", "automatic")
 
         # Ctrl+M leads back to the board.
         page.keyboard.press("2")
         page.locator(".result").first.wait_for()
         page.keyboard.press("Control+m")
-        assert page.evaluate("document.activeElement.id") == "board"
+        expect(page.locator("#board")).to_be_focused()
 
         # The theme and the set-up, even one that has not been run, survive a reload.
         page.keyboard.press("2")
@@ -63,9 +65,9 @@ def test_time_on_the_board_keys_and_choices_that_stay(browser, gate):
         page.locator("#play").get_by_label("thesis-3").check()
         page.reload()
         page.locator(".result").first.wait_for()
-        assert page.get_by_label("Steps", exact=True).input_value() == "321"
-        assert page.evaluate("document.documentElement.dataset.theme") == "dark"
-        assert page.locator("#play").get_by_label("thesis-3").is_checked()
+        expect(page.get_by_label("Steps", exact=True)).to_have_value("321")
+        expect(page.locator("html")).to_have_attribute("data-theme", "dark")
+        expect(page.locator("#play").get_by_label("thesis-3")).to_be_checked()
         assert page.complaints == []
 
 
@@ -83,12 +85,12 @@ def test_space_plays_whatever_was_clicked_before(browser, gate):
             stands.wait_for()
             act()
             page.keyboard.press("Space")
-            plays.wait_for(timeout=5000)
+            plays.wait_for()
             page.locator("#stage").click()
             page.keyboard.press("Space")
 
         plays_after(robot.click)
-        assert robot.is_checked()
+        expect(robot).to_be_checked()
         plays_after(lambda: page.locator("#play .motion select").select_option("stepped"))
         plays_after(page.get_by_label("Steps", exact=True).click)
         plays_after(page.locator("#run").focus)
@@ -99,14 +101,14 @@ def test_space_plays_whatever_was_clicked_before(browser, gate):
         said.wait_for()
         page.get_by_label("Steps", exact=True).fill("321")
         page.keyboard.press("Tab")
-        said.wait_for(state="hidden", timeout=5000)
+        said.wait_for(state="hidden")
         # After Tab, Space presses what has the focus.
         page.locator("#theme").focus()
         page.keyboard.press("Shift+Tab")
         page.keyboard.press("Tab")
         page.keyboard.press("Space")
-        page.locator("html[data-theme=dark]").wait_for(timeout=5000)
-        assert stands.count() == 1
+        page.locator("html[data-theme=dark]").wait_for()
+        expect(stands).to_have_count(1)
 
 
 def test_a_wall_that_burns_away_is_hatched_on_the_board(browser, gate):
@@ -114,14 +116,12 @@ def test_a_wall_that_burns_away_is_hatched_on_the_board(browser, gate):
     x, y = first_door(world)
     with opened(browser, gate) as page:
         page.get_by_label("Path", exact=True).uncheck()
-        page.wait_for_timeout(300)
         where = [*place(page, x + 0.05, y + 0.05), *place(page, x + 0.95, y + 0.95)]
-        assert colours_in(page, where) > 3
+        eventually(page, lambda: colours_in(page, where), lambda count: count > 3)
         page.locator("#board-time").focus()
         page.keyboard.press("End")
-        page.wait_for_timeout(300)
         # Only floor, burnt or not, and its grid.
-        assert colours_in(page, where) <= 3
+        eventually(page, lambda: colours_in(page, where), lambda count: count <= 3)
 
 
 def first_door(world):

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from worldgen import generate
 from worldgen.files.grid import write_world
@@ -53,7 +54,7 @@ def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like
     page.locator("#place", has_text="8 x 4 cells, 0 solid · 4.00 x 2.00 m").wait_for()
     page.locator("#import").set_input_files(pair[:1])
     page.get_by_text(re.compile("^Imported a.map.$")).wait_for()
-    assert more.get_by_label("Cell size").input_value() == "0.1"
+    expect(more.get_by_label("Cell size")).to_have_value("0.1")
     page.get_by_text("Import options").click()
     page.locator("#import").set_input_files(tmp_path / "x.bin")
     page.get_by_text("choose one of the formats listed in Import options").wait_for()

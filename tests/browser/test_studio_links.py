@@ -1,10 +1,12 @@
 """The first minute, and links to what a page shows."""
 
+import re
 import shutil
 from pathlib import Path
 
 import pytest
 
+from tests.helpers.browser import eventually, expect
 from tests.helpers.fleets import passage
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
@@ -28,7 +30,7 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
         page.locator("#tour-next", has_text="Next").click()
         page.locator("#proof.toured").wait_for()
         page.keyboard.press("Escape")
-        assert page.locator(".tour").is_hidden()
+        expect(page.locator(".tour")).to_be_hidden()
 
         page.goto(f"{base}#campaign?folder=found&failure=found/thesis-1-loop-104.grid")
         page.locator("#failure-cause b").wait_for()
@@ -37,8 +39,8 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
         )
         page.locator(".result").nth(1).wait_for()
         page.locator("#readout", has_text="step 500 of").wait_for()
-        assert page.url.endswith(
-            "#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
+        expect(page).to_have_url(
+            f"{base}#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
         )
 
         # A failure sets its own robot, whichever one ran before.
@@ -46,9 +48,8 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
         page.locator("#open-play").click()
         page.locator("#name", has_text="thesis-1-loop-104.grid").wait_for()
         page.wait_for_function("() => document.querySelectorAll('.result').length === 1")
-        assert page.locator("#play .robots input:checked").evaluate_all(
-            "boxes => boxes.map(box => box.value)"
-        ) == ["thesis-1"]
+        expect(page.locator("#play .robots input:checked")).to_have_count(1)
+        expect(page.locator("#play .robots input:checked")).to_have_value("thesis-1")
 
         page.locator("#start-menu summary").click()
         page.locator("[data-example=fire]").first.click()
@@ -79,7 +80,7 @@ def test_a_link_shows_the_same_in_a_fresh_browser_or_says_what_is_missing(browse
         def fresh(link, until):
             with opened(browser, gate, until=None) as page:
                 page.goto(f"{base}#{link}")
-                page.locator(*until[:1], **until[1]).first.wait_for(timeout=60_000)
+                page.locator(*until[:1], **until[1]).first.wait_for()
                 assert page.complaints == []
                 return page.locator(until[0]).first.inner_text()
 
@@ -114,8 +115,8 @@ def test_a_link_to_an_unknown_family_says_so_and_opens_no_other_world(browser, t
         page.goto(f"{base}#draw?family=nothing&world_seed=1")
         page.locator("#gone", has_text="nothing").wait_for()
         page.wait_for_load_state("networkidle")
-        assert page.locator("#gone").is_visible()
-        assert page.locator("#name").inner_text() == "not saved yet"
+        expect(page.locator("#gone")).to_be_visible()
+        expect(page.locator("#name")).to_have_text("not saved yet")
 
 
 @pytest.mark.nightly
@@ -128,7 +129,7 @@ def test_a_link_to_the_generated_world_that_is_shown_generates_nothing(browser, 
         page.evaluate("document.getElementById('said').textContent = ''")
         page.goto(f"{base}#draw?world_seed=1&family=trap")
         page.wait_for_timeout(1500)
-        assert page.locator("#said").inner_text() == ""
+        expect(page.locator("#said")).to_have_text("")
         page.goto(f"{base}#draw?family=trap&world_seed=2")
         page.locator("#said", has_text="Opened trap 2").wait_for(state="attached")
 
@@ -145,18 +146,29 @@ def test_on_a_phone_the_menu_and_every_place_of_the_tour_can_be_seen(browser, tm
             page.locator(".tour", has_text=f"{number} of 8").wait_for()
             if number == 5:
                 page.locator(".result").wait_for()
-            page.wait_for_timeout(300)
-            middle = page.locator(".toured").evaluate(
-                """(shown) => {
-                  const { top, bottom } = shown.getBoundingClientRect();
-                  return (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2;
-                }"""
+            eventually(
+                page,
+                lambda: (middle_of_toured(page), page.locator(".tour").bounding_box()),
+                is_seen,
             )
-            card = page.locator(".tour").bounding_box()
-            assert 0 < middle < 844, number
-            assert not card["y"] < middle < card["y"] + card["height"], number
             page.locator("#tour-next").click()
         assert page.complaints == []
+
+
+def middle_of_toured(page):
+    """Return the height of the middle of the part that the tour shows, as far as it is in sight."""
+    return page.locator(".toured").evaluate(
+        """(shown) => {
+          const { top, bottom } = shown.getBoundingClientRect();
+          return (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2;
+        }"""
+    )
+
+
+def is_seen(places):
+    """Return whether a part is in the window of a phone, and not under the tour's card."""
+    middle, card = places
+    return 0 < middle < 844 and not card["y"] < middle < card["y"] + card["height"]
 
 
 @pytest.mark.nightly
@@ -166,8 +178,8 @@ def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tm
         page.locator(".status", has_text="4 robots; the tools move robot 1").wait_for()
         page.keyboard.press("2")
         page.locator(".result", has_text="naive").first.wait_for()
-        assert page.locator(".result").count() == 1
-        assert "reached" in page.locator(".result").inner_text()
+        expect(page.locator(".result")).to_have_count(1)
+        expect(page.locator(".result")).to_contain_text("reached")
         assert page.complaints == []
 
 
@@ -175,11 +187,9 @@ def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tm
 def test_a_fleet_that_cannot_arrive_together_is_called_blocked_in_draw_and_play(browser, tmp_path):
     write_world(passage(), tmp_path / "swap.grid")
     with studio_of(tmp_path, file="swap.grid") as gate, opened(browser, gate) as page:
-        assert page.locator("#proof").inner_text().startswith("✗ blocked: robots 1 and 2")
+        expect(page.locator("#proof")).to_have_text(re.compile("^✗ blocked: robots 1 and 2"))
         page.keyboard.press("2")
-        note = page.locator(".result .note")
-        note.wait_for(timeout=60_000)
-        assert note.inner_text() == (
+        expect(page.locator(".result .note")).to_have_text(
             "The robots cannot all arrive in this world, whatever the controllers do "
             "(proved by a swap)."
         )

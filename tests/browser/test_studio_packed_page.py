@@ -7,6 +7,7 @@ import shutil
 
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio_packed import FAILURES, fill, studio_with_kinds
 from tests.helpers.studio_page import opened
 
@@ -40,7 +41,7 @@ def test_an_archive_s_failures_are_on_the_wall_and_one_is_edited(browser, gate, 
         page.locator("#campaign-folder option", has_text="later").wait_for(
             state="attached"
         )  # listed again
-        assert page.locator("#campaign-folder").input_value() == "below/old.tar.gz"
+        expect(page.locator("#campaign-folder")).to_have_value("below/old.tar.gz")
         shutil.rmtree(folder / "later")
         assert page.complaints == []
 

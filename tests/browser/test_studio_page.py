@@ -11,9 +11,10 @@ import pytest
 
 from sim.episode import simulate
 from sim.options.run import RunOptions
+from tests.helpers.browser import expect
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import drag, opened, place, solid_cells
+from tests.helpers.studio_page import drag, expect_solid_cells, opened, place, solid_cells
 from worldgen import generate
 from worldgen.files.grid import read_world, write_world
 
@@ -54,9 +55,10 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
     draw_configuration_5(page)
     page.keyboard.press("2")
     result = page.locator(".result[data-controller=thesis-2]")
-    assert "loop" in result.inner_text() and "every 104 steps" in result.inner_text()
-    assert page.get_by_role("button", name="One period").count() == 1
-    assert "period 104" in page.locator("#instruments").inner_text()
+    expect(result).to_contain_text("loop")
+    expect(result).to_contain_text("every 104 steps")
+    expect(page.get_by_role("button", name="One period")).to_have_count(1)
+    expect(page.locator("#instruments")).to_contain_text("period 104")
     digest = page.locator(".digest").inner_text()
     page.keyboard.press("1")
     page.keyboard.press("Control+s")
@@ -69,7 +71,7 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
     page.reload()
     page.locator("#name", has_text="mine.grid").wait_for()
     page.keyboard.press("2")
-    assert page.locator(".digest").inner_text() == digest
+    expect(page.locator(".digest")).to_have_text(digest)
     assert page.complaints == []
 
 
@@ -77,7 +79,7 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
 def test_the_right_button_erases(page):
     drag(page, (5, 5), (9, 5))
     drag(page, (6, 5), (8, 5), button="right")
-    assert solid_cells(page) == BORDER + 2
+    expect_solid_cells(page, BORDER + 2)
 
 
 @pytest.mark.gate
@@ -114,9 +116,8 @@ def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside
     page.locator("#tab-maker").click()
     page.get_by_text("Cells per side, including the solid border. 10 to 20,000 cells.").wait_for()
     page.get_by_role("spinbutton", name="Size", exact=True).fill("9")
-    assert (
-        page.get_by_role("spinbutton", name="Size", exact=True).get_attribute("aria-invalid")
-        == "true"
+    expect(page.get_by_role("spinbutton", name="Size", exact=True)).to_have_attribute(
+        "aria-invalid", "true"
     )
     page.get_by_role("button", name="Generate", exact=True).click()
     page.get_by_text("Size must be a whole number, 10 to 20,000 cells.").wait_for()
@@ -133,7 +134,7 @@ def test_robots_of_several_colours_drive_in_what_is_drawn_at_once(page):
     page.locator("#play .robots").get_by_label("thesis-1").check()
     page.keyboard.press("Control+Enter")
     page.locator(".result").nth(1).wait_for()
-    assert page.locator(".chip").count() == 2
+    expect(page.locator(".chip")).to_have_count(2)
     page.keyboard.press("Home")
     page.locator("#play").get_by_role("button", name="Play", exact=True).click()
     page.locator("#readout", has_text=re.compile(r"step [1-9]")).wait_for()
@@ -155,7 +156,7 @@ def test_a_page_without_the_token_gets_nothing(browser, gate):
     with browser.new_context() as context:
         page = context.new_page()
         page.goto(gate.address.partition("?")[0])
-        assert "your browser has no access" in page.inner_text("body")
+        expect(page.locator("body")).to_contain_text("your browser has no access")
 
 
 def start_studio(folder, *port):
@@ -187,7 +188,7 @@ def test_a_killed_server_loses_nothing_and_the_page_says_so(browser, tmp_path):
         page.get_by_text("was restarted").wait_for()
         page.goto(address)
         page.locator("#proof.good").wait_for()
-        assert solid_cells(page) == BORDER + 1
+        expect_solid_cells(page, BORDER + 1)
         again.send_signal(signal.SIGINT)
         assert again.wait(timeout=180) == 0
     process.stderr.close(), again.stderr.close()
@@ -200,7 +201,7 @@ def test_a_failure_s_file_brings_its_controller_and_replays_to_its_digest(page, 
     page.locator(".file", has_text="failure.grid").click()
     page.get_by_text("Opened failure.grid").first.wait_for()
     page.keyboard.press("2")
-    assert page.locator(".digest").inner_text() == read_world(FAILURE).failure.trace_digest
+    expect(page.locator(".digest")).to_have_text(read_world(FAILURE).failure.trace_digest)
 
 
 @pytest.mark.nightly
@@ -293,18 +294,18 @@ def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_clo
         second = first.context.new_page()
         second.goto(gate.address)
         second.locator("#proof.good").wait_for()
-        assert solid_cells(second) == BORDER
+        expect_solid_cells(second, BORDER)
         second.keyboard.press("Control+s")
         second.keyboard.type("second")
         second.keyboard.press("Enter")
         second.get_by_text("Saved second.grid").wait_for()
         second.close(run_before_unload=True)
         first.reload()
-        assert solid_cells(first) == BORDER + 5
+        expect_solid_cells(first, BORDER + 5)
         third = first.context.new_page()
         first.close(run_before_unload=True)
         third.goto(gate.address)
-        assert solid_cells(third) == BORDER + 5
+        expect_solid_cells(third, BORDER + 5)
         assert (folder / "second.grid").is_file()
 
 
@@ -315,12 +316,10 @@ def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_
     with studio_of(folder, named=["./misspelt.py:Robot"]) as gate, opened(browser, gate) as page:
         told = page.locator("#gone")
         told.get_by_text("misspelt.py").wait_for()
-        assert (
-            "misspelt.py:Robot cannot run." in told.inner_text()
-            and "no such file" in told.inner_text()
-        )
+        expect(told).to_contain_text("misspelt.py:Robot cannot run.")
+        expect(told).to_contain_text("no such file")
         told.get_by_role("button", name="Close").click()
-        assert not told.is_visible()
+        expect(told).to_be_hidden()
         assert page.complaints == []
 
 
@@ -331,9 +330,10 @@ def test_no_difficulty_can_be_given_for_a_family_whose_worlds_change(page):
     difficulty = page.get_by_label("Difficulty, 0 to 1")
     difficulty.fill("0.8")
     page.get_by_label("Family").select_option("fire")
-    assert difficulty.is_disabled() and difficulty.input_value() == ""
+    expect(difficulty).to_be_disabled()
+    expect(difficulty).to_have_value("")
     page.get_by_label("Family").select_option("maze")
-    assert difficulty.is_enabled()
+    expect(difficulty).to_be_enabled()
 
 
 @pytest.mark.nightly
@@ -345,12 +345,10 @@ def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_mil
     page.get_by_label("Rows").first.fill("30")
     page.get_by_role("button", name="Resize").click()
     page.locator("#place", has_text="44 x 30 cells").wait_for()
-    assert (
-        solid_cells(page) == drawn - 40 - 2 * 9 - 5
-    )  # below, the border and the stroke have disappeared
-    assert (
-        page.get_by_label("x m").first.input_value() == "0.65"
-    )  # the start has moved with its cells
+    # Below, the border and the stroke have disappeared.
+    expect_solid_cells(page, drawn - 40 - 2 * 9 - 5)
+    # The start has moved with its cells.
+    expect(page.get_by_label("x m").first).to_have_value("0.65")
     for sides, words in ((("50", "1"), "50 x 1 cells"), (("20000", "209"), "20000 x 209 cells")):
         for label, side in zip(("Columns", "Rows"), sides, strict=True):
             page.get_by_label(label).first.fill(side)
@@ -368,11 +366,12 @@ def test_play_and_campaign_begin_with_the_controller_that_was_named_at_the_start
     with studio_of(tmp_path, named=["bug1"]) as gate, opened(browser, gate) as page:
         page.keyboard.press("3")
         page.locator("#campaign-controller").wait_for()
-        assert page.locator("#campaign-controller").input_value() == "bug1"
+        expect(page.locator("#campaign-controller")).to_have_value("bug1")
         page.keyboard.press("2")
         page.locator(".result[data-controller=bug1]").wait_for()
         named = page.locator("#play .robots input").first
-        assert (named.input_value(), named.is_checked()) == ("bug1", True)
+        expect(named).to_have_value("bug1")
+        expect(named).to_be_checked()
         page.locator("#play").get_by_label("Motion model").select_option("stepped")
         page.locator("#other-controllers", has_text="more under swept, including bug1").wait_for()
         page.locator("#run-due", has_text="Not run yet").wait_for()
@@ -385,7 +384,7 @@ def test_in_a_blocked_world_the_results_say_so_and_the_cut_is_drawn(page):
     page.locator("#proof.bad", has_text="separates the start from the target").wait_for()
     page.keyboard.press("2")
     page.locator(".result .note", has_text="can reach the target").wait_for()
-    assert page.get_by_label("Cut").is_checked()
+    expect(page.get_by_label("Cut")).to_be_checked()
 
 
 @pytest.mark.nightly
@@ -397,7 +396,7 @@ def test_start_and_target_are_named_under_the_mouse(page):
         )
         page.mouse.move(*place(page, float(x) / 0.1, float(y) / 0.1))
         page.locator(".status .place", has_text=f"{name} · cell").wait_for()
-        assert page.locator("#board").get_attribute("title").startswith(name)
+        expect(page.locator("#board")).to_have_attribute("title", re.compile(f"^{name}"))
 
 
 @pytest.mark.gate
@@ -406,7 +405,7 @@ def test_a_name_that_was_typed_stays_while_one_draws_on(page):
     page.keyboard.type("mine")
     drag(page, (3, 3), (9, 3))
     page.locator("#name", has_text="changed").wait_for()
-    assert page.locator("#save-name").input_value() == "mine"
+    expect(page.locator("#save-name")).to_have_value("mine")
 
 
 @pytest.mark.gate
@@ -443,4 +442,4 @@ def test_the_first_run_of_a_new_user_shows_a_loop_and_no_fault_of_a_motion_model
         page.keyboard.press("2")
         result = page.locator(".result[data-controller=turn-left]")
         result.get_by_text("loop", exact=True).wait_for()
-        assert page.locator("#play .motion select").input_value() == "swept"
+        expect(page.locator("#play .motion select")).to_have_value("swept")

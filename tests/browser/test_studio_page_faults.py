@@ -7,9 +7,9 @@ import contextlib
 
 import pytest
 
-from tests.helpers.browser import WAIT
+from tests.helpers.browser import WAIT, expect
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import drag, opened, solid_cells
+from tests.helpers.studio_page import drag, expect_solid_cells, opened, solid_cells
 
 # While `held` is a list, the page's messages are held back; `letGo` sends them and ends when all
 # are answered.
@@ -100,7 +100,7 @@ def test_numbers_of_a_world_that_has_changed_meanwhile_are_not_shown(page):
     page.get_by_text("Measuring").wait_for()
     draw_a_wall(page)
     page.evaluate("window.letGo()")
-    assert page.locator(".numbers").count() == 0
+    expect(page.locator(".numbers")).to_have_count(0)
     page.locator("#measure").click()
     page.locator(".numbers").wait_for()
 
@@ -173,13 +173,14 @@ def test_a_number_out_of_its_bounds_is_told_and_changes_nothing(page, label, wro
     field.press("Tab")
     page.locator(".fault", has_text="Enter a number from").wait_for()
     page.locator("#proof.good").wait_for()
-    assert field.input_value() == wrong
+    expect(field).to_have_value(wrong)
     # the drawing is unchanged, because a world with such a number could not be stored
     page.reload()
     page.wait_for_selector("#proof.good")
     page.keyboard.press("Control+z")
     page.locator("#name", has_text="not saved yet").wait_for()
-    assert field.input_value() == before and page.complaints == []
+    expect(field).to_have_value(before)
+    assert page.complaints == []
 
 
 @pytest.mark.nightly
@@ -202,7 +203,8 @@ def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and
         fresh = another_tab(page, again.address)
         other.get_by_text("Another tab has continued this drawing.").wait_for()
         page.locator("#gone").wait_for(state="hidden")
-        assert [solid_cells(one) for one in (page, other, fresh)] == [*drawn, drawn[1]]
+        for one, count in zip((page, other, fresh), (*drawn, drawn[1]), strict=True):
+            expect_solid_cells(one, count)
         page.wait_for_function(BOTH_KEPT)
         fresh.evaluate(NO_ROOM)
         drag(fresh, (30, 5), (30, 8))
@@ -210,8 +212,9 @@ def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and
         for one in (page, other):
             with one.expect_event("close"):
                 one.close(run_before_unload=True)
-        assert solid_cells(another_tab(fresh)) == drawn[0] != drawn[1]
-        assert "changed" not in another_tab(fresh).locator("#name").inner_text()
+        assert drawn[0] != drawn[1]
+        expect_solid_cells(another_tab(fresh), drawn[0])
+        expect(another_tab(fresh).locator("#name")).not_to_contain_text("changed")
 
 
 @pytest.mark.nightly
@@ -219,7 +222,7 @@ def test_a_tab_that_has_gone_on_by_itself_keeps_its_draft_from_new_ones(page):
     draw_a_wall(page)
     reconnect(page)
     other = another_tab(page)
-    assert "changed" not in other.locator("#name").inner_text()
+    expect(other.locator("#name")).not_to_contain_text("changed")
     page.reload()
     page.locator("#name", has_text="changed").wait_for()
 
@@ -241,11 +244,11 @@ def test_after_a_new_start_with_other_controllers_an_open_page_offers_those(brow
         another_tab(page, again.address)
         robots = page.locator("#play .robots")
         robots.get_by_label(new, exact=True).wait_for()
-        assert robots.get_by_label(new, exact=True).is_checked()
-        assert robots.get_by_label(old, exact=True).count() == 0
+        expect(robots.get_by_label(new, exact=True)).to_be_checked()
+        expect(robots.get_by_label(old, exact=True)).to_have_count(0)
         page.keyboard.press("3")
         page.locator("#campaign-controller option", has_text=new).wait_for(state="attached")
-        assert page.locator("#campaign-controller option", has_text=old).count() == 0
+        expect(page.locator("#campaign-controller option", has_text=old)).to_have_count(0)
 
 
 @pytest.mark.nightly
@@ -257,4 +260,4 @@ def test_a_page_too_many_says_so_and_comes_when_another_one_is_closed(browser, f
         other.get_by_text("1 pages are open, which is the limit; close another one.").wait_for()
         page.close()
         other.locator("#proof.good").wait_for()
-        assert other.locator("#gone").is_hidden()
+        expect(other.locator("#gone")).to_be_hidden()

@@ -5,11 +5,13 @@ Its layout, the thesis's settings, worlds that change.
 
 import base64
 import math
+import re
 from pathlib import Path
 
 import pytest
 
 from sim import simulate
+from tests.helpers.browser import eventually, expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened
 from worldgen.families.builtin.shift import shifted
@@ -39,8 +41,9 @@ def run(page, steps=300):
     page.locator(".result", has_text=f"{steps} steps").first.wait_for()
 
 
-def digest(page):
-    return page.locator("[aria-current] .digest").inner_text()
+def expect_digest(page, digest):
+    """Wait until the run in front has this digest."""
+    expect(page.locator("[aria-current] .digest")).to_have_text(digest)
 
 
 def expected(world, controller, **options):
@@ -93,9 +96,8 @@ def test_with_three_robots_world_controls_state_and_all_results_are_in_sight(bro
             page.get_by_role("checkbox", name=name).check()
         run(page)
         page.locator(".result").nth(2).wait_for()
-        assert (
-            out_of_sight(page, *SEEN, "#play .setup .robots label", "#play .headings button") == []
-        )
+        parts = (*SEEN, "#play .setup .robots label", "#play .headings button")
+        eventually(page, lambda: out_of_sight(page, *parts), lambda hidden: hidden == [])
 
 
 @pytest.mark.nightly
@@ -118,10 +120,8 @@ def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     page.get_by_role("button", name="Behaviours").click()
     run(page)
     page.locator(".results li").nth(5).wait_for()
-    assert (
-        out_of_sight(page, "#stage", "#run", "#scrub", "#instruments b", ".results li:first-child")
-        == []
-    )
+    parts = ("#stage", "#run", "#scrub", "#instruments b", ".results li:first-child")
+    eventually(page, lambda: out_of_sight(page, *parts), lambda hidden: hidden == [])
     box = page.locator("#play .results").bounding_box()
     assert box["y"] + box["height"] == 720 and 250 < box["height"] < 0.61 * 672
     assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
@@ -132,11 +132,11 @@ def test_the_flow_chart_marks_the_behaviour_that_acts(browser, gate):
     with opened(browser, gate) as page:
         play(page, 300)
         run(page)
-        assert page.locator("#arbitration").is_hidden()
+        expect(page.locator("#arbitration")).to_be_hidden()
         page.keyboard.press("b")
         chart = page.locator("#arbitration")
         chart.get_by_role("img", name="Flow chart of thesis-2").wait_for()
-        assert "drive on for 5 steps" in chart.get_by_role("listitem").nth(2).inner_text()
+        expect(chart.get_by_role("listitem").nth(2)).to_contain_text("drive on for 5 steps")
 
         # At each step the box of one behaviour is marked, the one that the instruments name.
         expected_acts = simulate(
@@ -161,7 +161,8 @@ def test_the_flow_chart_marks_the_behaviour_that_acts(browser, gate):
         page.get_by_role("checkbox", name="thesis-2").uncheck()
         page.locator("#run").click()
         page.locator(".result", has_text="bug1").wait_for()
-        assert chart.is_hidden() and page.locator("#show-arbitration").is_hidden()
+        expect(chart).to_be_hidden()
+        expect(page.locator("#show-arbitration")).to_be_hidden()
         assert page.complaints == []
 
 
@@ -183,7 +184,7 @@ def test_the_behaviours_settings_are_those_of_the_command_line(page):
         "sensor_range": 50,
         "noise": True,
     }
-    assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", **own)
+    expect_digest(page, expected(read_world(CONFIG_5), "thesis-2", **own))
     for words in ("Behaviours 3 changed", "Sensor 2 changed"):
         page.get_by_role("button", name=words).wait_for()
     page.get_by_role("button", name="Behaviours").click()
@@ -201,12 +202,12 @@ def test_a_setting_out_of_its_bounds_is_marked_and_nothing_is_run_with_it(page):
     page.keyboard.press("Control+Enter")
     page.locator(".fault", has_text="36 to 1,000").wait_for()
     page.get_by_label("Sensor range").and_(page.locator(":focus")).wait_for()
-    assert page.locator(".result", has_text="300 steps").count() == 0
+    expect(page.locator(".result", has_text="300 steps")).to_have_count(0)
     page.keyboard.press("Control+a")
     page.keyboard.type("40")
     page.keyboard.press("Control+Enter")
     page.locator(".result", has_text="300 steps").wait_for()
-    assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", sensor_range=40)
+    expect_digest(page, expected(read_world(CONFIG_5), "thesis-2", sensor_range=40))
 
 
 @pytest.mark.nightly
@@ -221,8 +222,8 @@ def test_with_a_wrong_setting_the_former_world_s_run_is_not_shown_as_this_one_s(
     page.locator("#name", has_text="changed").wait_for()
     page.keyboard.press("2")
     page.locator("#run-said.bad", has_text="a setting is not valid").wait_for()
-    assert page.locator(".stage.stale").count() == 1
-    assert page.evaluate("document.activeElement.tagName") != "INPUT"
+    expect(page.locator(".stage.stale")).to_have_count(1)
+    expect(page.locator("input:focus")).to_have_count(0)
     page.locator("#run").click()
     page.get_by_label("Steps", exact=True).and_(page.locator(":focus")).wait_for()
 
@@ -234,10 +235,10 @@ def test_walls_change_places_and_stand_still_again(page):
     page.locator(".result", has_text="300 steps").wait_for()
     still = read_world(CONFIG_5)
     moving = shifted(still, 0)
-    assert digest(page) == expected(moving, "thesis-2") and len(moving.timeline) > 0
-    assert (
-        page.locator(".changes").inner_text()
-        == f"The world changes ({len(moving.timeline)} changes)"
+    assert len(moving.timeline) > 0
+    expect_digest(page, expected(moving, "thesis-2"))
+    expect(page.locator(".changes")).to_have_text(
+        f"The world changes ({len(moving.timeline)} changes)"
     )
     page.get_by_label("The world changes").uncheck()
     page.locator("#run").click()
@@ -305,9 +306,8 @@ def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others
         page.keyboard.press("2")
         page.locator("#stop-run").click()
         page.locator("#run-said", has_text="Stopped.").wait_for()
-        assert page.locator("#stop-run").is_hidden() and page.locator("#run").evaluate(
-            "e => e === document.activeElement"
-        )
+        expect(page.locator("#stop-run")).to_be_hidden()
+        expect(page.locator("#run")).to_be_focused()
         page.locator("#play .robots").get_by_label("mine.py:Stuck").uncheck()
         page.locator("#play .robots").get_by_label("thesis-1").check()
         page.locator("#run").click()
@@ -323,13 +323,12 @@ def test_a_robot_with_options_is_added_by_its_words(browser, gate):
         page.get_by_label("Steps", exact=True).fill("300")
         page.get_by_label("Another robot, with options").fill("thesis-2+repaired")
         page.keyboard.press("Enter")
-        assert page.get_by_role("checkbox", name="thesis-2+repaired").is_checked()
+        expect(page.get_by_role("checkbox", name="thesis-2+repaired")).to_be_checked()
         page.keyboard.press("Control+Enter")
-        page.locator(".result").nth(1).wait_for()
-        assert [name.split()[1] for name in page.locator(".result").all_inner_texts()] == [
-            "thesis-2",
-            "thesis-2+repaired",
+        names = [
+            re.compile(rf"^\S+ {re.escape(name)} ") for name in ("thesis-2", "thesis-2+repaired")
         ]
+        expect(page.locator(".result")).to_have_text(names, use_inner_text=True)
         assert page.complaints == []
 
 
@@ -340,7 +339,7 @@ def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, 
         page.get_by_label("Another robot, with options").fill("nope")
         page.keyboard.press("Enter")
         page.locator("#another-fault", has_text="'nope'").wait_for()
-        assert page.get_by_role("checkbox", name="nope").count() == 0
+        expect(page.get_by_role("checkbox", name="nope")).to_have_count(0)
         page.locator(".result").first.wait_for()
         before = page.locator(".result").all_inner_texts()
         for name, values in (
@@ -354,7 +353,7 @@ def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, 
                 page.keyboard.press("Tab")
                 page.locator(f"#{field.get_attribute('id')}-fault").wait_for()
             field.fill("1")
-        assert page.locator(".result").all_inner_texts() == before
+        expect(page.locator(".result")).to_have_text(before, use_inner_text=True)
 
 
 @pytest.mark.gate

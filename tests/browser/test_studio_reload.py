@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from tests.helpers.browser import eventually, expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 
@@ -70,9 +71,9 @@ def test_a_reload_brings_back_the_generated_world_the_settings_and_the_result(br
         before = digest_and_address(page)
         assert "family=trap" in before[1] and "world_seed=3" in before[1]
         page.reload()
-        assert digest_and_address(page) == before
-        assert page.get_by_label("Steps", exact=True).input_value() == "321"
-        assert page.locator(".stage.stale").count() == 0
+        eventually(page, lambda: digest_and_address(page), lambda seen: seen == before)
+        expect(page.get_by_label("Steps", exact=True)).to_have_value("321")
+        expect(page.locator(".stage.stale")).to_have_count(0)
         assert page.complaints == []
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from tests.helpers.browser import eventually, expect
 from tests.helpers.campaign_folder import LOOP, campaign_folder
 from tests.helpers.studio import studio_of, studio_of_config_5
 from tests.helpers.studio_page import opened
@@ -63,10 +64,10 @@ def test_a_failure_is_played_beside_what_it_was(browser, campaign):
         page.keyboard.press("2")
         page.locator("#beside").click()
         page.keyboard.press("Home")
-        assert page.locator("section#play .stage canvas").count() == 2
-        assert page.locator(".stage .tag").all_inner_texts() == ["As found", "Shrunk"]
+        expect(page.locator("section#play .stage canvas")).to_have_count(2)
+        expect(page.locator(".stage .tag")).to_have_text(["As found", "Shrunk"])
         page.locator("#beside").click()
-        assert page.locator("section#play .stage canvas").count() == 1
+        expect(page.locator("section#play .stage canvas")).to_have_count(1)
         assert page.complaints == []
 
 
@@ -74,6 +75,15 @@ def _pixels(page):
     """Return the picture of each of the two canvases."""
     read = "nodes => nodes.map(node => node.toDataURL())"
     return page.locator("section#play .stage canvas").evaluate_all(read)
+
+
+def _changed(page, before):
+    """Return the pictures of the two canvases once both are others than before."""
+    return eventually(
+        page,
+        lambda: _pixels(page),
+        lambda seen: all(one != other for one, other in zip(before, seen, strict=True)),
+    )
 
 
 def _saved(page, words):
@@ -99,13 +109,12 @@ def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
         middles = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes]
         page.mouse.move(*middles[0])
         page.mouse.wheel(0, -300)
-        zoomed = _pixels(page)
+        zoomed = _changed(page, whole)
         page.mouse.down()
         page.mouse.move(middles[0][0] + 60, middles[0][1] + 30, steps=4)
         page.mouse.up()
-        moved = _pixels(page)
-        for k in (0, 1):
-            assert len({whole[k], zoomed[k], moved[k]}) == 3
+        moved = _changed(page, zoomed)
+        assert all(one != other for one, other in zip(whole, moved, strict=True))
         picture = Image.open(io.BytesIO(_saved(page, "Picture")))
         widths = page.locator("section#play .stage canvas").evaluate_all(
             "nodes => nodes.map(node => node.width)"
@@ -145,5 +154,6 @@ def test_the_button_ends_a_picture_that_is_being_saved(browser, gate):
         page.locator(".save button", has_text="Animation").click()
         page.locator(".save summary", has_text="Stop saving").click()
         page.locator(".save summary", has_text=re.compile("^Save$")).wait_for()
-        assert page.locator("#run-said.quiet").inner_text() == "Not saved." and saved == []
+        expect(page.locator("#run-said.quiet")).to_have_text("Not saved.")
+        assert saved == []
         assert page.complaints == []

@@ -1,7 +1,10 @@
 """The state of the studio's page that does not change, whatever arrives in the meantime."""
 
+import re
+
 import pytest
 
+from tests.helpers.browser import expect
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_held import hold, let_go
 from worldgen import generate
@@ -36,7 +39,7 @@ def test_where_every_way_closes_is_known_after_saving_as_before(page):
     page.keyboard.press("Control+s")
     page.locator("#name:not(:has-text('changed'))").wait_for()
     page.locator("[role=status]", has_text="Saved trap.grid.").first.wait_for(state="attached")
-    assert page.locator("#widest").inner_text() == words
+    expect(known).to_have_text(words, use_inner_text=True)
 
 
 def test_a_wrong_number_goes_with_the_world_for_which_it_was_typed(page):
@@ -44,13 +47,13 @@ def test_a_wrong_number_goes_with_the_world_for_which_it_was_typed(page):
     was = radius.input_value()
     radius.fill("-3")
     radius.press("Tab")
-    assert radius.get_attribute("aria-invalid") == "true"
+    expect(radius).to_have_attribute("aria-invalid", "true")
     page.locator("#tab-files").click()
     page.locator(".file", has_text="corridor.grid").click()
     page.locator("#name", has_text="corridor.grid").wait_for()
     page.locator("#tab-world").click()
     page.wait_for_function("() => !document.querySelector('#panel-world [aria-invalid]')")
-    assert radius.input_value() == was
+    expect(radius).to_have_value(was)
 
 
 def test_walls_that_were_to_change_places_and_no_more_are_to_stay_where_they_are(page):
@@ -62,8 +65,8 @@ def test_walls_that_were_to_change_places_and_no_more_are_to_stay_where_they_are
     has_asked(page)
     page.locator("#changes").uncheck()
     let_go(page)
-    assert not page.locator("#changes").is_checked()
-    assert "changed" not in page.locator("#name").inner_text()
+    expect(page.locator("#changes")).not_to_be_checked()
+    expect(page.locator("#name")).not_to_contain_text("changed")
 
 
 def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_open_first(page):
@@ -80,7 +83,7 @@ def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_o
     page.locator(
         ".result"
     ).first.wait_for()  # the choices have been loaded, and the file would be listed
-    assert page.locator("#name").inner_text().startswith("not saved yet")
+    expect(page.locator("#name")).to_have_text(re.compile("^not saved yet"))
     assert page.complaints == []
 
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.helpers.browser import eventually, expect
 from tests.helpers.campaign_folder import (
     LOOP,
     STALLED,
@@ -42,30 +43,34 @@ def shown(page):
 
 
 def test_the_worst_failure_comes_first_and_what_cannot_be_sensed_last(page, folder):
-    assert shown(page) == [f"found/{name}" for name in (TUNNEL, LOOP, STALLED)]
+    ordered = [f"found/{name}" for name in (TUNNEL, LOOP, STALLED)]
+    eventually(page, lambda: shown(page), lambda names: names == ordered)
     page.locator("[data-filter=sort]").select_option("size")
-    sizes = [read_world(folder / name).walls.size for name in shown(page)]
-    assert sizes == sorted(sizes)
+    eventually(
+        page,
+        lambda: [read_world(folder / name).walls.size for name in shown(page)],
+        lambda sizes: sizes == sorted(sizes),
+    )
 
 
 def test_what_is_not_shrunk_is_said_to_be_as_found(page):
     unshrunk = page.locator(".card", has_text="as found, not shrunk")
-    assert unshrunk.count() == 1
+    expect(unshrunk).to_have_count(1)
     unshrunk.click()
     page.locator("#failure-panel", has_text="as found, not shrunk").wait_for()
-    assert STALLED in unshrunk.get_attribute("data-failure")
+    expect(unshrunk).to_have_attribute("data-failure", f"found/{STALLED}")
 
 
 def test_the_explained_failure_has_its_cells_marked(page, folder):
     panel = page.locator("#failure-panel")
     page.locator(f".card[data-failure='found/{LOOP}']").click()
     page.locator("#failure-cause", has_text="It arrives if some cell is free.").wait_for()
-    assert panel.get_by_text("cell named in the text").is_visible()
+    expect(panel.get_by_text("cell named in the text")).to_be_visible()
     check_in_place(
         panel.locator("canvas:not([data-mark])"), read_world(folder / "found" / LOOP), (2, 1)
     )
     # Nothing is known about the others.
     page.locator(f".card[data-failure='found/{TUNNEL}']").click()
     page.locator("#failure-cause", has_text="It slides").wait_for()
-    assert panel.get_by_text("cell named in the text").count() == 0
+    expect(panel.get_by_text("cell named in the text")).to_have_count(0)
     assert page.complaints == []

@@ -2,7 +2,7 @@
 
 import contextlib
 
-from tests.helpers.browser import page_in
+from tests.helpers.browser import expect, page_in
 
 # The page of somebody who has last run the thesis's robot, under its own motion model.
 _USED = """() => {
@@ -66,8 +66,18 @@ def drag(page, first, last, *, button="left"):
 
 def solid_cells(page):
     """Return how many cells are solid, according to the text below the board."""
-    page.mouse.move(*place(page, 1, 1))
-    page.mouse.move(640, 20)
-    words = page.locator(".status .place")
+    words = _about_the_world(page)
     words.filter(has_text="solid").wait_for()
     return int(words.inner_text().split(" cells, ")[1].split(" solid")[0].replace(",", ""))
+
+
+def expect_solid_cells(page, count):
+    """Wait until so many cells are solid, according to the text below the board."""
+    expect(_about_the_world(page)).to_contain_text(f" cells, {count:,} solid")
+
+
+def _about_the_world(page):
+    """Move the mouse off the board, so that the text below it is about the whole world."""
+    page.mouse.move(*place(page, 1, 1))
+    page.mouse.move(640, 20)
+    return page.locator(".status .place")

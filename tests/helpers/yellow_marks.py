@@ -2,6 +2,8 @@
 
 import pytest
 
+from tests.helpers.browser import eventually
+
 # The middle of the yellow pixels of a canvas, and its size.
 YELLOW = """canvas => {
   const { width, height } = canvas;
@@ -18,11 +20,10 @@ YELLOW = """canvas => {
 def check_in_place(canvas, world, cell):
     """Check that a canvas that shows the whole world has a yellow mark on a cell."""
     canvas.scroll_into_view_if_needed()
-    seen = canvas.evaluate(YELLOW)
+    seen = eventually(canvas.page, lambda: canvas.evaluate(YELLOW), lambda seen: seen["count"] > 20)
     edge = 2 * (9 if seen["width"] < 400 else 16)
     height = seen["height"] - 18  # the scale bar is below the world
     scale = min((seen["width"] - edge) / world.width, (height - edge) / world.height)
     across = seen["width"] / 2 + (cell[0] + 0.5 - world.width / 2) * scale
     down = height / 2 - (cell[1] + 0.5 - world.height / 2) * scale
-    assert seen["count"] > 20
     assert seen["middle"] == pytest.approx([across, down], abs=3)
