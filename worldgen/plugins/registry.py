@@ -244,8 +244,8 @@ class Registry(Generic[T]):
         except InvalidParameter as error:
             # A module that the user's own module lacks is a fault of its code.
             missing = error.__cause__
-            is_named = isinstance(missing, ModuleNotFoundError) and not is_file
-            if is_named and f"{place}.".startswith(f"{missing.name}."):
+            lacks_module = isinstance(missing, ModuleNotFoundError) and not is_file
+            if lacks_module and f"{place}.".startswith(f"{getattr(missing, 'name', None)}."):
                 raise self._no_module(name, place) from missing
             raise
         # The attribute is missing, so suggest a similar one, or list the file's own definitions.
