@@ -176,8 +176,6 @@ PARSED = {
         "fuzz --controller turn-left --oracle detour=3 --oracle turn --out failures/",
     "fuzz --controller turn-left --oracle detuor=3":
         "fuzz --controller turn-left --oracle detour=3 --out failures/",
-    "fuzz --controller turn-left --database known":
-        "fuzz --controller turn-left --baseline known --out failures/",
     "corpus list fails --verdict stalled": "corpus list fails --only verdict=stalled",
     "corpus list fails --verdict=loop --cause 'circles-*'":
         "corpus list fails --only verdict=loop --only 'cause=circles-*'",

@@ -41,7 +41,7 @@ OTHER_WORDS = {
     "y": ("force",), "format": ("to", "from"), "type": ("to", "kind"), "lang": ("kind",),
     "language": ("kind",), "r": ("radius", "robot-radius"), "env": ("family",),
     "verdict": ("only",), "cause": ("only",), "controller": ("only",), "v": ("version",), "h": ("help",),
-    "detour": ("oracle",), "database": ("baseline",),
+    "detour": ("oracle",),
 }  # fmt: skip
 NAMED = {"only": ("verdict", "cause", "controller"), "oracle": ("detour",)}
 """What ``--only FIELD=PATTERN`` and ``--oracle NAME=NUMBER`` name and people take for options."""
