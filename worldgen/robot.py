@@ -172,6 +172,13 @@ class Robot:
         return ((self.start.x, self.start.y), *((goal.x, goal.y) for goal in self.goals))
 
     @property
+    def starts_in_target(self) -> bool:
+        """True if the start is in the target, but not its centre, and nothing else is asked for."""
+        away = math.dist((self.start.x, self.start.y), (self.target.x, self.target.y))
+        is_only_goal = not self.waypoints and self.target.heading is None
+        return is_only_goal and 0.0 < away <= self.target.radius
+
+    @property
     def inner_radius(self) -> float:
         """Radius, m, of the largest disc about the axle in the body; 0 if the axle is outside."""
         if self.is_disc:

@@ -48,6 +48,8 @@ class RobotOverrides:
             it steers instantly.
         arrival: What counts as arriving: touch: the path meets the target; step: a step ends in it;
             stop: a step ends in it and the robot stands, at most SPEED m/s and TURN_RATE rad/s fast.
+        target_radius: Radius of the target, m, as Nav2's xy_goal_tolerance. Waypoints of the world
+            keep theirs.
         target_heading: Heading that the robot must have at the target, rad, and the largest
             difference from it.
         contact: What a wall does to a move into it: slide along the wall, stop there, or fail,
@@ -67,6 +69,7 @@ class RobotOverrides:
     reverse: bool | None = None
     steering_rate: Annotated[float | None, Bounds(0.0, unit="1/s")] = None
     arrival: Annotated[str | None, Written(metavar="touch|step|stop[:SPEED[:TURN_RATE]]")] = None
+    target_radius: Annotated[float | None, Bounds(0.0, unit="m", above=True)] = None
     target_heading: Annotated[str | None, Written(metavar="RAD[:TOLERANCE]")] = None
     contact: Literal["slide", "stop", "fail"] | None = None
     waypoints: Annotated[str | None, Written(metavar="X,Y[,RADIUS]...|N")] = None
@@ -102,7 +105,7 @@ class RobotOverrides:
     @property
     def changes_body(self) -> bool:
         """True if they are about the body or the drive, not only about the goal."""
-        goal = ("arrival", "target_heading", "contact", "waypoints")
+        goal = ("arrival", "target_radius", "target_heading", "contact", "waypoints")
         return any(name not in goal for name in self.given())
 
     @property
@@ -249,6 +252,8 @@ class RobotOverrides:
         changes: dict[str, Any] = {}
         if self.arrival is not None:
             changes |= _arrival(self.arrival)
+        if self.target_radius is not None:
+            changes["radius"] = self.target_radius
         if self.target_heading is not None:
             changes |= _heading(self.target_heading)
         if self.contact is not None:
@@ -515,6 +520,14 @@ def describe_goal(goal: Target) -> str:
         goal.contact or "", ""
     )
     return ", ".join(filter(None, (words, contact)))
+
+
+def describe_start_in_target(robot: Robot) -> str:
+    """Return the sentence about a robot that :attr:`Robot.starts_in_target`."""
+    return (
+        f"the start is in the target, which has a radius of {robot.target.radius:g} m, so the robot "
+        f"arrives at once; give a smaller one (--target-radius M)"
+    )
 
 
 def describe_waypoint(robot: Robot, number: int) -> str:

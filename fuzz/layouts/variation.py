@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sim.controllers.fields import OF_A_WORLD
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
 from worldgen.body_room import layout_radius, usual_cell, with_chosen_waypoints
@@ -244,14 +243,6 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
 
 def _check_name(name: str, scenario: Scenario) -> None:
     motion = scenario.run.motion
-    if name in OF_A_WORLD - _OF_THE_ROBOT.keys():
-        raise InvalidParameter(
-            "option-reserved",
-            "{option} {name}: {name} is a quantity of the world that a map fixes, so nothing varies it",
-            "if you mean a field of your class, rename the field",
-            option=_OPTION,
-            name=name,
-        )
     fields = (one.name for one in scenario.fields)
     known = (*_OF_THE_ROBOT, *OVERRIDES, "time_step", *switch_class(motion).names(), *fields)
     if name not in known:

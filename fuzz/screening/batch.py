@@ -98,11 +98,13 @@ class SceneRobots(NamedTuple):
         cell_size: Side of a cell, m.
         passage: Radius of the disc for which a path to the target must be wide enough, m; 0 for the
             robot's own. For a body it is an estimate, and the prover decides the worlds that matter.
+        target_radius: Radius of every target, m; None if a scene chooses it.
     """
 
     radii: tuple[float, ...]
     cell_size: float
     passage: float = 0.0
+    target_radius: float | None = None
 
 
 class Batch:
@@ -283,7 +285,9 @@ def _sizes(robots: SceneRobots) -> tuple[list[tuple[int, int]], Ints, int]:
     def disc(radius: float) -> tuple[int, int]:
         return disc_numbers(decode_world(plain, robot_radius=radius, cell_size=side))
 
-    within = [in_cells(radius, side) * UNIT for radius in target_radii(side)]
+    own = robots.target_radius
+    radii = target_radii(side) if own is None else (own,)
+    within = [in_cells(radius, side) * UNIT for radius in radii]
     targets = np.array([math.floor(w * w) for w in within], np.int64)
     flood_reach = disc(robots.passage)[1] if robots.passage else 0
     return [disc(radius) for radius in robots.radii], targets, flood_reach

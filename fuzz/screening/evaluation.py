@@ -349,7 +349,9 @@ def _scene_robots(world: World, robot: Mapping[str, Value]) -> SceneRobots:
     is_fixed = "robot_radius" in robot or not world.robots[0].is_disc
     radii = (world.robot_radius,) if is_fixed else RADII
     passage, cell_size = layout_disc(robot)
-    return SceneRobots(radii, cell_size, passage if overrides_in(robot).changes_body else 0.0)
+    overrides = overrides_in(robot)
+    own_passage = passage if overrides.changes_body else 0.0
+    return SceneRobots(radii, cell_size, own_passage, overrides.target_radius)
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ class CampaignConfig(SearchOptions):
             robots = self.fixed_map.robots
             allowed["robot_radius"] = radii_on(self.fixed_map)
             allowed["robot_speed"] = tuple(robot.speed for robot in robots)
-            allowed["target_radius"] = tuple(robot.target.radius for robot in robots)
+            allowed["robot_target_radius"] = tuple(robot.target.radius for robot in robots)
         if self.fixes_time_step:
             allowed["time_step"] = (self.scenario.run.time_step,)
         # Nothing ever changes an option that is a list, so no failure needs to repeat it.

@@ -22,7 +22,7 @@ FIXED = "fixed"
 _OF_A_ROBOT: dict[str, Callable[[Robot], float]] = {
     "robot_radius": lambda robot: robot.radius,
     "robot_speed": lambda robot: robot.speed,
-    "target_radius": lambda robot: robot.target.radius,
+    "robot_target_radius": lambda robot: robot.target.radius,
 }
 
 
@@ -32,10 +32,10 @@ class Constraint:
 
     Args:
         allowed: The quantities in order of their names, each with its values. A quantity is
-            ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), ``target_radius`` (m),
-            one of the robot's body, drive or goal (``OVERRIDES`` in :mod:`fuzz.layouts.variation`),
-            an option of the motion model or a field of the controller's class. Those of robots hold
-            for each robot of a world.
+            ``time_step`` (s), ``robot_radius`` (m), ``robot_speed`` (m/s), one of the
+            robot's body, drive or goal (``OVERRIDES`` in :mod:`fuzz.layouts.variation`), an option of
+            the motion model or a field of the controller's class. Those of robots hold for each
+            robot of a world.
     """
 
     allowed: tuple[tuple[str, tuple[Value, ...]], ...] = ()
@@ -87,7 +87,7 @@ def _once_each(values: Collection[Value]) -> tuple[Value, ...]:
 
 def _is_one_of(case: Case, name: str, values: Collection[Value]) -> bool:
     """Return True if a quantity of a case, if it has that, has one of these values."""
-    if name not in OVERRIDES:
+    if name in _OF_A_ROBOT or name not in OVERRIDES:
         return all(value in values for value in _values(case, name))
     return all(any(_has(robot, name, value) for value in values) for robot in case.world.robots)
 

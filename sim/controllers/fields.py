@@ -32,7 +32,7 @@ _OF_THE_CONTRACT = frozenset(
     }
 )
 
-OF_A_WORLD = frozenset({"robot_radius", "robot_speed", "target_radius"})
+OF_A_WORLD = frozenset({"robot_radius", "robot_speed", "robot_target_radius"})
 """Quantities of a world that a campaign varies or fixes, so a field cannot have such a name."""
 
 _TAKEN = _OF_THE_CONTRACT | OF_A_WORLD | WORDS_OF_A_RUN | {LEARNED}

@@ -26,7 +26,12 @@ from worldgen.robot_overrides import RobotOverrides
 
 LONG = {"footprint": "1.2x0.4"}
 CAR = {"footprint": "0.62x0.9", "drive": "car", "turning_radius": 0.5, "reverse": True}
-GOAL = {"arrival": "stop:0.05", "target_heading": "1.5708:0.1", "contact": "fail"}
+GOAL = {
+    "arrival": "stop:0.05",
+    "target_radius": 0.13,
+    "target_heading": "1.5708:0.1",
+    "contact": "fail",
+}
 
 
 def config(controller="turn-right", **options):
@@ -60,6 +65,13 @@ def test_every_strategy_runs_this_robot_alone(strategy, robot):
         assert check_certificate(failure.world).valid
         assert failure.record.details["fixed"].keys() == quantities_of(overrides).keys()
         assert replay(failure).confirmed
+
+
+def test_a_failure_and_its_shrunk_world_have_the_radius_of_the_target_that_was_given():
+    result = unit(config(target_radius=0.13), "native")
+    failures = list(result.failures.values())
+    worlds = [*(one.world for one in failures), shrink(failures[0]).failure.world]
+    assert {world.target.radius for world in worlds} == {0.13}
 
 
 def test_boundaries_of_a_footprint_leave_its_size_alone():

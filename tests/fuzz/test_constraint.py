@@ -223,8 +223,13 @@ def test_a_stored_campaign_keeps_its_constraint(tmp_path):
     stored = json.loads(json.dumps(fingerprint_of(config).configuration))
     assert config_of(stored).constraint == config.constraint
     assert {name for name, _ in config.constraint.allowed} == {
-        "robot_radius", "robot_speed", "wall_friction", "target_radius", "time_step",
+        "robot_radius", "robot_speed", "wall_friction", "robot_target_radius", "time_step",
     }  # fmt: skip
+
+
+def test_radii_of_the_target_that_vary_replace_the_maps_own(tmp_path):
+    config = configure(options("map", tmp_path, vary=("robot_target_radius=0.1,0.2",)), 1)
+    assert dict(config.constraint.allowed)["robot_target_radius"] == (0.1, 0.2)
 
 
 def test_settings_of_the_project_are_given_too(tmp_path, monkeypatch):

@@ -9,7 +9,7 @@ import pytest
 from fuzz.boundary import Subject, axis_of_field
 from fuzz.facts.proofs import certified
 from fuzz.failure import Failure
-from fuzz.layouts.variation import Variation
+from fuzz.layouts.variation import Variation, applied
 from fuzz.overview import counterfactual
 from fuzz.overview.counterfactual import Change, counterfactuals, describe_changes
 from fuzz.shrink.run import shrink
@@ -37,7 +37,7 @@ class Robot:
     tries: int = 3
     eager: bool = False
     mode: str = "seek"
-    target_radius: float = 0.1
+    robot_target_radius: float = 0.1
     speed: float = 2.0
     senses = ("heading", "target_heading")
 
@@ -92,8 +92,9 @@ def test_a_field_named_like_an_axis_or_a_quantity_of_the_world_is_not_varied_und
     with pytest.raises(InvalidParameter) as refused:
         axis_of_field(Scenario(f"{HERE}:Robot"), "spede")
     assert str(refused.value).partition("it has ")[2].count("speed") == 1
-    with raises(InvalidParameter, "option-reserved"):
-        Variation.parse("target_radius=0.1,0.2", Scenario(f"{HERE}:Robot"))
+    varied = Variation.parse("robot_target_radius=0.1,0.2", Scenario(f"{HERE}:Robot"))
+    world, scenario = applied({varied.name: 0.2}, hall(), Scenario(f"{HERE}:Robot"))
+    assert (world.target.radius, scenario) == (0.2, Scenario(f"{HERE}:Robot"))
 
 
 def test_counterfactuals_name_the_nearest_value_of_each_field_that_helps(failure):

@@ -101,6 +101,7 @@ BODIES = {
         "robot_reverse": True,
     },
     "goal": {"robot_arrival": "stop", "robot_target_heading": "1:0.1", "robot_contact": "stop"},
+    "large target": {"robot_target_radius": 0.2},
     "no contact": {"robot_footprint": "1.2x0.4", "robot_contact": "fail"},
 }
 

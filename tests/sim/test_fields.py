@@ -43,7 +43,7 @@ class Robot(Still):
     clockwise: bool = True
     mode: Literal["seek", "flee"] = "seek"
     beams: int = 9
-    target_radius: float = 0.1
+    robot_target_radius: float = 0.1
     plan: tuple = ()
     _hidden: float = 0.0
     senses = ("bump",)
@@ -146,7 +146,7 @@ def test_a_controller_with_fields_is_the_same_object_until_its_file_is_loaded_ag
         ("Robot+plan=3", "option-reserved"),
         ("Robot+act=3", "unknown-name"),
         ("Needs+gain=3", "code-failed"),
-        ("Robot+target_radius=3", "option-reserved"),
+        ("Robot+robot_target_radius=3", "option-reserved"),
         ("ROBOT+lookahead=2", "unknown-name"),
         ("Stubborn+limit=5", "field-overwritten"),
         ("Picky+gain=-1", "code-failed"),

@@ -17,6 +17,7 @@ from worldgen.robot_overrides import RobotOverrides, describe_body, describe_goa
 from worldgen.world import Provenance, Robot
 
 ROOM = "##########\n#S......G#\n#........#\n##########"
+TWO_ROOMS = "##########\n#....#...#\n#.S..#.G.#\n#....#...#\n##########"
 BOX = ((-0.31, -0.45), (0.31, -0.45), (0.31, 0.45), (-0.31, 0.45))
 
 
@@ -73,6 +74,10 @@ def test_a_footprint_is_read_in_every_form(text, corners):
         (("--footprint", "0.62"), "wrong-form", "--footprint 0.62x0.9"),
         (("--footprint", "1e400x1"), "not-finite", "--footprint 0.62x0.9"),
         (("--footprint", "100x100"), "out-of-range", ""),
+        (("--target-radius", "0"), "", "--target-radius 1"),
+        (("--target-radius", "-0.25"), "", "--target-radius 1"),
+        (("--target-radius", "nan"), "not-finite", ""),
+        (("--target-radius", "1e9"), "out-of-range", ""),
         (("--target-heading", "1:-0.1"), "below-minimum", ""),
         (("--target-heading", "north"), "wrong-form", ""),
         (("--waypoints", "1.2;0.4"), "wrong-form", "--waypoints 1.2,0.4"),
@@ -158,6 +163,57 @@ def test_another_body_needs_another_proof_and_another_goal_does_not():
     assert (goal.certificate, goal.provenance) == (world.certificate, None)
     body = RobotOverrides(footprint="0.1x0.08").applied_to(world)
     assert (body.certificate, body.provenance) == (None, None)
+
+
+def test_another_radius_of_the_target_needs_another_proof_and_leaves_waypoints_as_they_are():
+    plain = drawn(ROOM)
+    first = dataclasses.replace(plain.target, x=0.35, radius=0.03)
+    robot = dataclasses.replace(plain.robots[0], waypoints=(first,))
+    world = dataclasses.replace(plain, robots=(robot,))
+    world = dataclasses.replace(world, certificate=decide(world).certificate)
+    larger = RobotOverrides(target_radius=0.2).applied_to(world)
+    assert (larger.target.radius, larger.robots[0].waypoints) == (0.2, (first,))
+    assert larger.certificate is None
+    assert RobotOverrides(target_radius=plain.target.radius).applied_to(world) is world
+    other = RobotOverrides(target_radius=0.2, waypoints="0.35,0.15 0.5,0.15,0.04")
+    radii = [goal.radius for goal in other.applied_to(world).robots[0].goals]
+    assert radii == [0.2, 0.04, 0.2]
+
+
+def test_a_radius_of_the_target_is_proved_run_and_stored(tmp_path):
+    # No door leads to the target, but a large one reaches through the wall.
+    write_world(drawn(TWO_ROOMS, radius=0.08), tmp_path / "w.grid")
+    blocked, larger = tmp_path / "w.grid", ("--target-radius", "0.4")
+    assert "blocked" in worldgen("verify", blocked).out
+    assert "reachable" in worldgen("verify", blocked, *larger).out
+    run = ("run", blocked, "--controller", "bug2")
+    assert [worldgen(*run).code, worldgen(*run, *larger).code] == [1, 0]
+    made = ("maze", "--size", "12", "--seed", "3", "--out")
+    for name, options in (("m", ()), ("r", larger)):
+        assert worldgen(*made, tmp_path / f"{name}.grid", *options).code == 0
+    plain, other = (read_world(tmp_path / f"{name}.grid") for name in "mr")
+    assert (other.walls == plain.walls).all()
+    assert (other.target.radius, other.provenance.params["target_radius"]) == (0.4, 0.4)
+    assert "target_radius" not in plain.provenance.params
+
+
+def test_a_target_that_covers_the_start_is_mentioned(room, tmp_path):
+    sentence = "the start is in the target, which has a radius of 3 m, so the robot arrives at once"
+    run = ("run", room, "--controller", "bug2")
+    maze = ("maze", "--size", "12", "--seed", "3", "--out", tmp_path / "m.grid")
+    for command in (("verify", room), run, maze):
+        assert sentence not in worldgen(*command).err
+        said = worldgen(*command, "--target-radius", "3", *(["--force"] if command is maze else []))
+        assert (said.code, sentence in said.err) == (0, True)
+
+
+def test_import_takes_one_radius_of_the_target(room, tmp_path):
+    command = ("import", room, "--out", tmp_path / "i.grid", "--target-radius", "0.1")
+    assert worldgen(*command).code == 0
+    assert read_world(tmp_path / "i.grid").target.radius == 0.1
+    both = worldgen(*command, "--force", "--target", "0.8,0.25,0.2")
+    assert both.code == 2
+    assert "--target X,Y,RADIUS or --target-radius" in both.err
 
 
 def test_a_foreign_map_keeps_what_was_not_read_of_it():

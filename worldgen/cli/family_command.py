@@ -21,7 +21,7 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
-from worldgen.cli.robot_options import note_axle
+from worldgen.cli.robot_options import note_axle, warn_of_start_in_target
 from worldgen.cli.set_output import Output, make_many
 from worldgen.cli.usage import ConditionalCommand, missing
 from worldgen.cli.wanted_worlds import (
@@ -186,6 +186,7 @@ def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) 
         text = "" if to.as_json or out is not None else dumps(world).decode()
         result = _result(world, out)
     emit_data(text)
+    warn_of_start_in_target(made_by.overrides(params), world)
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells{_for_robot(world)}, "

@@ -15,6 +15,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "reverse",
         "steering_rate",
         "arrival",
+        "target_radius",
         "target_heading",
         "contact",
         "waypoints",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from worldgen.cli.declared_options import declared_options
 from worldgen.cli.output import note
-from worldgen.robot_overrides import RobotOverrides
+from worldgen.robot_overrides import RobotOverrides, describe_start_in_target
 
 if TYPE_CHECKING:
     from worldgen.world import World
@@ -21,7 +21,8 @@ robot_options: Callable[[F], F] = declared_options(RobotOverrides.declared())
 def apply(world: World, options: RobotOverrides | Mapping[str, Any]) -> World:
     """Return the world with the robot that the options describe.
 
-    A body that does not cover its axle is accepted, and mentioned on stderr.
+    A body that does not cover its axle, and a target that covers the start, are accepted, and
+    mentioned on stderr.
 
     Args:
         world: The world.
@@ -34,7 +35,9 @@ def apply(world: World, options: RobotOverrides | Mapping[str, Any]) -> World:
     """
     overrides = options if isinstance(options, RobotOverrides) else RobotOverrides.of(options)
     note_axle(overrides)
-    return overrides.applied_to(world)
+    changed = overrides.applied_to(world)
+    warn_of_start_in_target(overrides, changed)
+    return changed
 
 
 def note_axle(overrides: RobotOverrides) -> None:
@@ -44,3 +47,16 @@ def note_axle(overrides: RobotOverrides) -> None:
             "note: the axle, (0, 0), is outside the footprint, so the robot turns about a point next "
             "to its body"
         )
+
+
+def warn_of_start_in_target(overrides: RobotOverrides, world: World, where: str = "") -> None:
+    """Warn of a radius of the target with which a world's robot arrives at once.
+
+    Args:
+        overrides: The options, of which only the target's radius matters.
+        world: The world of these options.
+        where: The file, if there can be several, with a colon and a space.
+    """
+    robot = world.robots[0]
+    if overrides.target_radius is not None and robot.starts_in_target:
+        note(f"warning: {where}{describe_start_in_target(robot)}")

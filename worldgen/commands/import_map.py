@@ -9,6 +9,7 @@ import click
 
 from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note, say
 from worldgen.cli.robot_options import note_axle, robot_options
+from worldgen.cli.usage import Instead
 from worldgen.support.plain_text import stacked
 from worldgen.support.progress import working
 
@@ -159,9 +160,12 @@ def import_map(
     # Collect what the user gave.
     kind = RobotOverrides.of(overrides)
     note_axle(kind)
+    to = None if target is None else interop.parse_point("target", target, "RADIUS")
+    if to is not None and len(to) > 2 and kind.target_radius is not None:
+        raise Instead("use --target X,Y,RADIUS or --target-radius, not both", "--target-radius")
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
-        None if target is None else interop.parse_point("target", target, "RADIUS"),
+        to,
         radius, speed, scen, row, seed, ignore_unread, robots, frame == "map", kind,
         None if near is None else interop.parse_point("near", near), clearance,
     )  # fmt: skip

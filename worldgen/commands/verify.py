@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from worldgen.cli.output import PATH, emit_json, json_option, note, say, skip_bad_file
-from worldgen.cli.robot_options import note_axle, robot_options
+from worldgen.cli.robot_options import note_axle, robot_options, warn_of_start_in_target
 from worldgen.cli.usage import Instead
 from worldgen.robot_overrides import RobotOverrides, describe_body
 from worldgen.support.plain_text import shown, stacked
@@ -89,6 +89,7 @@ def verify(
             for path, stored in read_worlds(paths, skip_bad_file):
                 work.say(f"{path}, world {len(results) + 1}")
                 world = overrides.applied_to(_as_disc(stored, radius))
+                warn_of_start_in_target(overrides, world, f"{path}: ")
                 result = {
                     "path": str(path),
                     **verify_world(world, radius, deadline),

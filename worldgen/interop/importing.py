@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,7 +19,7 @@ from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import UNIT, exact
 from worldgen.reach import REACHABLE, Decision, decide
-from worldgen.robot_overrides import RobotOverrides, describe_body
+from worldgen.robot_overrides import RobotOverrides, describe_body, describe_start_in_target
 from worldgen.support.paths import real_path
 from worldgen.support.plain_text import alternatives
 from worldgen.timeline import Timeline
@@ -269,22 +268,7 @@ def _placement(asked: ImportedRobot, used: ImportedRobot, placed: Placement) -> 
 
 def _arrivals_at_once(world: World) -> list[str]:
     """Return a warning if a robot starts in its target and has nothing else to do."""
-    at_once = [
-        robot
-        for robot in world.robots
-        if len(robot.goals) == 1
-        and robot.target.heading is None
-        and (robot.start.x, robot.start.y) != (robot.target.x, robot.target.y)
-        and math.dist((robot.start.x, robot.start.y), (robot.target.x, robot.target.y))
-        <= robot.target.radius
-    ]
-    if not at_once:
-        return []
-    radius = at_once[0].target.radius
-    return [
-        f"the start is in the target, which has a radius of {radius:g} m, so the robot arrives at "
-        f"once; give a smaller one (--target X,Y,RADIUS)"
-    ]
+    return [describe_start_in_target(robot) for robot in world.robots if robot.starts_in_target][:1]
 
 
 def _on_file(decision: Decision, found: ForeignMap) -> str:

@@ -18,8 +18,9 @@ from worldgen.robot_overrides import RobotOverrides
 from worldgen.world import Pose, Robot, Target, World
 
 # Words that describe a body, a car and a goal as the options do; a plain disc has none.
-# Waypoints are places, and these files have no list of them.
-_KINDS = tuple(option.name for option in RobotOverrides.declared() if option.name != "waypoints")
+# Waypoints are places, and these files have no list of them; the target's radius comes with its place.
+_ELSEWHERE = ("target_radius", "waypoints")
+_KINDS = tuple(option.name for option in RobotOverrides.declared() if option.name not in _ELSEWHERE)
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1, **dict.fromkeys(_KINDS, 1)}
 """Names of the facts, and the number of values of each."""
 
