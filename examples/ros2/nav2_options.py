@@ -2,13 +2,13 @@
 
     python nav2_options.py nav2_params.yaml [GOAL_HEADING]
 
-``controller_frequency`` becomes the time step, the first goal checker what counts as arriving, and
-the first ``footprint`` the body. Use it in a command line:
+``controller_frequency`` becomes the time step, the first goal checker the target's radius and what
+counts as arriving, and the first ``footprint`` the body. Use it in a command line:
 
     eval worldgen run w.grid --controller ./robot.py:Robot "$(python nav2_options.py nav2_params.yaml)"
 
-The target's radius, and that of a round robot, belong to the world: they are printed as a comment
-for the command that makes it.
+The radius of a round robot belongs to the world: it is printed as a comment for the command that
+makes it.
 """
 
 import argparse
@@ -62,10 +62,10 @@ def options_of(params: Any, heading: float | None) -> tuple[list[str], list[str]
             speeds = ("trans_stopped_velocity", "rot_stopped_velocity")
             arrival = ":".join([arrival, *(f"{table.get(name, STOPPED):g}" for name in speeds)])
         options.append(f"--arrival={arrival}")
+        options.append(f"--target-radius={table.get('xy_goal_tolerance', TOLERANCE):g}")
         if heading is not None:
             tolerance = table.get("yaw_goal_tolerance", TOLERANCE)
             options.append(f"--target-heading={heading:g}:{tolerance:g}")
-        remarks.append(f"--target X,Y,{table.get('xy_goal_tolerance', TOLERANCE):g}")
         break
     return options, remarks
 

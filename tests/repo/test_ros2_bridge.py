@@ -338,12 +338,15 @@ global_costmap:
         (
             PARAMS,
             ["--time-step=0.1", "--footprint=0.1,0.06 0.1,-0.06 -0.1,-0.06 -0.1,0.06",
-             "--arrival=stop:0.1:0.25", "--target-heading=0:0.3"],
-            "--target X,Y,0.2",
+             "--arrival=stop:0.1:0.25", "--target-radius=0.2", "--target-heading=0:0.3"],
+            "",
         ),
-        ("local_costmap: {robot_radius: 0.22}", ["--time-step=0.05"], "--radius 0.22"),
-        ("plugin: nav2_controller/SimpleGoalChecker", ["--time-step=0.05", "--arrival=step", "--target-heading=0:0.25"],
-         "--target X,Y,0.25"),
+        ("local_costmap: {robot_radius: 0.22}", ["--time-step=0.05"], "for worldgen import: --radius 0.22\n"),
+        (
+            "plugin: nav2_controller/SimpleGoalChecker",
+            ["--time-step=0.05", "--arrival=step", "--target-radius=0.25", "--target-heading=0:0.25"],
+            "",
+        ),
     ],
 )  # fmt: skip
 def test_parameters_of_nav2_become_options_that_a_run_takes(text, options, remark, tmp_path):
@@ -352,7 +355,7 @@ def test_parameters_of_nav2_become_options_that_a_run_takes(text, options, remar
     command = [sys.executable, FOLDER / "nav2_options.py", params, "0"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert shlex.split(done.stdout) == options
-    assert done.stderr == f"for worldgen import: {remark}\n"
+    assert done.stderr == remark
     write_world(room(), tmp_path / "w.grid")
     ended = worldgen("run", tmp_path / "w.grid", "--controller", "bug2", *options)
     assert ended.code in (0, 1), ended.err
