@@ -8,7 +8,7 @@ import multiprocessing
 import os
 import signal
 import time
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -37,15 +37,17 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
         nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
     process = worker_context("fuzz.studio.answers").Process(
-        target=_begin, args=(Inherited(), nice, target, *args), daemon=True
+        target=_begin, args=(Inherited(), dict(os.environ), nice, target, *args), daemon=True
     )
     with sigint_blocked():
         process.start()
     return process
 
 
-def _begin(_: Inherited, nice: int, target: Callable[..., None], *args: Any) -> None:
-    become_worker()
+def _begin(
+    _: Inherited, environment: Mapping[str, str], nice: int, target: Callable[..., None], *args: Any
+) -> None:
+    become_worker(environment)
     # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

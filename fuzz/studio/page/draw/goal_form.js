@@ -58,14 +58,16 @@ export function goalPart(studio) {
     }
   }
 
-  let shown = "";
+  let shown = { footprint: "", heading: "", arrival: "", waypoints: "" };
   const refresh = () => {
-    const texts = textsOf(model.world.source ?? ""),
-      now = JSON.stringify(texts);
+    const texts = textsOf(model.world.source ?? "");
     // What a user types stays until it is answered, and the world's own texts change.
-    if (now === shown || asked !== answered) return;
-    shown = now;
-    for (const [name, field] of Object.entries(fields)) field.value = texts[name];
+    if (JSON.stringify(texts) === JSON.stringify(shown) || asked !== answered) return;
+    for (const [name, field] of Object.entries(fields)) {
+      const isTyping = field === document.activeElement && field.value !== shown[name];
+      if (!isTyping) field.value = texts[name];
+    }
+    shown = texts;
     if (Object.values(texts).some(Boolean)) element.open = true;
   };
   return { element, refresh };
