@@ -170,7 +170,8 @@ def runs_of(folder):
     one = good[0]
     foreign = maps(folder)
     whole = str(folder)
-    few = ("--units", 1, "--seed", 1, "--workers", 1, "--family", "trap")
+    few = ("--units", 1, "--examples", 9, "--seed", 1, "--workers", 1)
+    traps = (*few, "--family", "trap")
     return {
         "show": [[name] for name in [*each, NAME]],
         "verify": [each[:1], [one], [NAME], [whole]],
@@ -189,11 +190,12 @@ def runs_of(folder):
         "corpus prune": [["--dry-run", whole]],
         "corpus export": [[whole, "--out", f"all{NAME}.zip"], [one, "--out", NAME]],
         "fuzz": [
-            ["--controller", name, *few, "--out", f"f{k}{NAME}", "-v"] for k, name in enumerate(BAD)
+            ["--controller", name, *traps, "--out", f"f{k}{NAME}", "-v"]
+            for k, name in enumerate(BAD)
         ]
-        + [["--controller", "turn-right", "--world", one, "--units", 1, "--out", f"w{NAME}"]]
-        + [["--resume", NAME], ["--controller", "turn-right", "--baseline", whole, *few]]
-        + [["--controller", "turn-right", "--oracle", TEXT, *few]],
+        + [["--controller", "turn-right", "--world", one, *few, "--out", f"w{NAME}"]]
+        + [["--resume", NAME], ["--controller", "turn-right", "--baseline", whole, *traps]]
+        + [["--controller", "turn-right", "--oracle", TEXT, *traps]],
         "find": [["--outcome", f"{TEXT}=reached", "--out", "x.grid"]],
         "compare": [
             [whole, "--controller", "turn-right"],

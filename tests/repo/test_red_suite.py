@@ -161,14 +161,17 @@ assert tool != "setprofile" or sys.getprofile() is trace
 """,
 }
 MONITORING = pytest.mark.skipif(sys.version_info < (3, 12), reason="Python 3.12 brought it")
-TOOLS = [
+DEBUGGERS = [
     pytest.param(["under.py", "settrace"], id="settrace"),
+    pytest.param(["-m", "pdb"], id="pdb"),
+]
+PROFILERS = [
     pytest.param(["under.py", "setprofile"], id="setprofile"),
     pytest.param(["under.py", "monitoring"], id="monitoring", marks=MONITORING),
-    pytest.param(["-m", "pdb"], id="pdb"),
     pytest.param(["-m", "cProfile", "-o", "profile"], id="cProfile"),
     pytest.param(["-m", "coverage", "run"], id="coverage"),
 ]
+TOOLS = [*DEBUGGERS, *PROFILERS]
 
 
 @pytest.fixture(scope="module")
@@ -232,8 +235,18 @@ def plain_commands(project):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("tool", TOOLS)
-def test_commands_are_the_same_under_a_tool(tool, project, plain_commands):
+@pytest.mark.parametrize("tool", DEBUGGERS)
+def test_commands_are_the_same_under_a_debugger(tool, project, plain_commands):
+    _expect_the_same(tool, project, plain_commands)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("tool", PROFILERS)
+def test_commands_are_the_same_under_a_profiler(tool, project, plain_commands):
+    _expect_the_same(tool, project, plain_commands)
+
+
+def _expect_the_same(tool, project, plain_commands):
     codes = [line.partition(" ")[2][:4] for line in plain_commands]
     assert codes == ["None", "1", "./ro", "None", "None"]
     done = python(project, *tool, "commands.py", stdin="continue\nquit\n")

@@ -105,7 +105,19 @@ for line in sys.stdin:
         print(json.dumps({"speed": 1.0, "turn_rate": 1.5}), flush=True)
 """
 MINE = ("--controller", "./noisy.py:Noisy")
-SEARCH = (*MINE, "--units", "1", "--examples", "3", "--seed", "1", "--out")
+SEARCH = (
+    *MINE,
+    "--family",
+    "trap",
+    "--units",
+    "1",
+    "--examples",
+    "3",
+    "--no-shrink",
+    "--seed",
+    "1",
+    "--out",
+)
 
 # By leaf command: what makes it run code of a user's; None if nothing does.
 COMMANDS = {

@@ -89,3 +89,12 @@ def drawn_by_numpy():
 def test_workers_draw_different_numbers_from_the_shared_generator_of_numpy():
     with WorkerPool(1, LOADED) as one, WorkerPool(1, LOADED) as other:
         assert one.submit(drawn_by_numpy).result() != other.submit(drawn_by_numpy).result()
+
+
+def test_workers_have_the_environment_of_now(monkeypatch):
+    with WorkerPool(1, LOADED) as pool:
+        pool.submit(os.getpid).result()
+    monkeypatch.setenv("SET_LATER", "yes")
+    with WorkerPool(1, LOADED) as pool:
+        assert pool.submit(os.getenv, "SET_LATER").result() == "yes"
+        assert pool.submit(os.getenv, "PYTHONSAFEPATH").result() is None

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import (
     get_all_start_methods,
@@ -118,7 +118,7 @@ class WorkerPool(ProcessPoolExecutor):
                 workers,
                 mp_context=worker_context(module),
                 initializer=_start_worker,
-                initargs=(Inherited(), initializer, args),
+                initargs=(Inherited(), dict(os.environ), initializer, args),
             )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -188,15 +188,24 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 def _start_worker(
-    _: Inherited, initializer: Callable[..., None] | None, args: tuple[Any, ...]
+    _: Inherited,
+    environment: Mapping[str, str],
+    initializer: Callable[..., None] | None,
+    args: tuple[Any, ...],
 ) -> None:
-    become_worker()
+    become_worker(environment)
     if initializer is not None:
         initializer(*args)
 
 
-def become_worker() -> None:
-    """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed."""
+def become_worker(environment: Mapping[str, str]) -> None:
+    """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed.
+
+    Args:
+        environment: The variables of that process now; a fork has those that it had earlier.
+    """
+    os.environ.clear()
+    os.environ.update(environment)
     # The programs that it starts are the user's, and find their modules as always.
     if os.environ.get(_SAFE_PATH) == _OURS:
         del os.environ[_SAFE_PATH]
