@@ -362,7 +362,7 @@ def _absurd(family: Family, case: Mapping[str, Value]) -> None:
         for value in _absurd_values(parameter)
     ]
     # Another process makes the worlds, because only a process can be ended at any time.
-    pool = WorkerPool(1, __name__)
+    pool = WorkerPool(1)
     try:
         names = _names_for_processes(family)
         name = None

@@ -7,13 +7,16 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from collections.abc import AsyncGenerator, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fuzz.studio.requests.edits import edited_files, loaded_files
 from fuzz.studio.requests.folder import Folder
@@ -21,7 +24,10 @@ from fuzz.studio.requests.protocol import Compare, Request, Run
 from fuzz.studio.requests.refusals import our_fault
 from worldgen.errors import Message, WorldgenError
 from worldgen.plugins.trust import Inherited
-from worldgen.plugins.workers import become_worker, sigint_blocked, worker_context
+from worldgen.plugins.workers import become_worker, sigint_blocked
+
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkServerContext, SpawnContext
 
 _NICE = 5  # gives the page priority
 
@@ -36,18 +42,39 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
         *args: Its arguments.
         nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
-    process = worker_context("fuzz.studio.answers").Process(
-        target=_begin, args=(Inherited(), dict(os.environ), nice, target, *args), daemon=True
-    )
     with sigint_blocked():
+        process = _context().Process(
+            target=_begin, args=(Inherited(), dict(os.environ), nice, target, *args), daemon=True
+        )
         process.start()
     return process
+
+
+def _context() -> ForkServerContext | SpawnContext:
+    """Return how processes begin.
+
+    On Linux a server process loads what they need, once, and they are forks of it, which takes
+    milliseconds. Elsewhere, and where its socket cannot be made because the path of the temporary
+    folder is too long, each loads everything itself, which takes a second.
+    """
+    if sys.platform == "linux":
+        from multiprocessing import forkserver  # noqa: PLC0415 - Windows has none
+
+        multiprocessing.set_forkserver_preload(["fuzz.studio.answers"])
+        with contextlib.suppress(OSError):
+            forkserver.ensure_running()
+            return multiprocessing.get_context("forkserver")
+    return multiprocessing.get_context("spawn")
 
 
 def _begin(
     _: Inherited, environment: Mapping[str, str], nice: int, target: Callable[..., None], *args: Any
 ) -> None:
-    become_worker(environment)
+    # A fork has the variables of the time when the server began, and the random numbers of its NumPy.
+    os.environ.clear()
+    os.environ.update(environment)
+    np.random.seed()
+    become_worker()
     # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

@@ -642,7 +642,7 @@ def test_workers_know_what_their_parent_may_run(stranger, ran, record):
 
     with trust.command_rule(None):
         trust.admit("./odd.py:X")
-        pool = WorkerPool(1, "worldgen.plugins.trust")
+        pool = WorkerPool(1)
         assert pool.submit(trust.may_run, "./odd.py:X").result()
         assert not pool.submit(trust.may_run, "./odd_pack/odd.py:X").result()
         pool.end()

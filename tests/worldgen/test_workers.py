@@ -5,14 +5,11 @@ import signal
 import threading
 import time
 
-import numpy as np
 import pytest
 
 from worldgen.plugins.workers import WorkerPool, ctrl_c_held_back
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
-
-LOADED = "numpy.random"
 
 
 def press():
@@ -65,12 +62,12 @@ def test_outside_the_main_thread_nothing_is_changed():
 
 
 def test_workers_of_a_pool_ignore_ctrl_c():
-    with WorkerPool(1, LOADED) as pool:
+    with WorkerPool(1) as pool:
         assert pool.submit(signal.getsignal, signal.SIGINT).result() == signal.SIG_IGN
 
 
 def test_a_pool_ends_a_worker_that_is_busy():
-    pool = WorkerPool(1, LOADED)
+    pool = WorkerPool(1)
     pool.submit(signal.getsignal, signal.SIGINT).result()
     (process,) = pool._processes.values()
     pool.submit(time.sleep, 600)
@@ -80,21 +77,3 @@ def test_a_pool_ends_a_worker_that_is_busy():
     while process.exitcode is None:
         process.join(0.01)
     assert process.exitcode == -signal.SIGTERM
-
-
-def drawn_by_numpy():
-    return np.random.random()
-
-
-def test_workers_draw_different_numbers_from_the_shared_generator_of_numpy():
-    with WorkerPool(1, LOADED) as one, WorkerPool(1, LOADED) as other:
-        assert one.submit(drawn_by_numpy).result() != other.submit(drawn_by_numpy).result()
-
-
-def test_workers_have_the_environment_of_now(monkeypatch):
-    with WorkerPool(1, LOADED) as pool:
-        pool.submit(os.getpid).result()
-    monkeypatch.setenv("SET_LATER", "yes")
-    with WorkerPool(1, LOADED) as pool:
-        assert pool.submit(os.getenv, "SET_LATER").result() == "yes"
-        assert pool.submit(os.getenv, "PYTHONSAFEPATH").result() is None

@@ -8,16 +8,9 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import (
-    get_all_start_methods,
-    get_context,
-    parent_process,
-    resource_tracker,
-    set_forkserver_preload,
-)
-from multiprocessing.context import ForkServerContext, SpawnContext
+from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
@@ -80,24 +73,6 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
         signal.signal(signal.SIGINT, before)
 
 
-def worker_context(module: str) -> SpawnContext | ForkServerContext:
-    """Return how processes begin: with nothing of this one, and with a module loaded.
-
-    Linux forks them from a server process that has loaded the module, in milliseconds and with
-    shared memory. Elsewhere each loads it by itself, because the libraries of macOS do not survive
-    a fork.
-
-    Args:
-        module: The module. If the server runs already, it has loaded that of the first call.
-    """
-    # pdb takes the specification away from the main module, and a new process reads it.
-    vars(sys.modules["__main__"]).setdefault("__spec__", None)
-    if sys.platform != "linux" or "forkserver" not in get_all_start_methods():
-        return get_context("spawn")
-    set_forkserver_preload([module])
-    return get_context("forkserver")
-
-
 class WorkerPool(ProcessPoolExecutor):
     """Processes that ignore Ctrl-C and end with the process that started them, even if killed.
 
@@ -105,20 +80,21 @@ class WorkerPool(ProcessPoolExecutor):
 
     Args:
         workers: Number of processes.
-        module: The module that the processes need, which is loaded once for all of them.
         initializer: Called first in each process; it and its arguments must be picklable.
         *args: Its arguments; objects of ``get_context("spawn")`` among them are shared.
     """
 
     def __init__(
-        self, workers: int, module: str, initializer: Callable[..., None] | None = None, *args: Any
+        self, workers: int, initializer: Callable[..., None] | None = None, *args: Any
     ) -> None:
+        # pdb takes the specification away from the main module, and a new process reads it.
+        vars(sys.modules["__main__"]).setdefault("__spec__", None)
         with current_folder_hidden():
             super().__init__(
                 workers,
-                mp_context=worker_context(module),
+                mp_context=get_context("spawn"),
                 initializer=_start_worker,
-                initargs=(Inherited(), dict(os.environ), initializer, args),
+                initargs=(Inherited(), initializer, args),
             )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -188,31 +164,19 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 def _start_worker(
-    _: Inherited,
-    environment: Mapping[str, str],
-    initializer: Callable[..., None] | None,
-    args: tuple[Any, ...],
+    _: Inherited, initializer: Callable[..., None] | None, args: tuple[Any, ...]
 ) -> None:
-    become_worker(environment)
+    become_worker()
     if initializer is not None:
         initializer(*args)
 
 
-def become_worker(environment: Mapping[str, str]) -> None:
-    """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed.
-
-    Args:
-        environment: The variables of that process now; a fork has those that it had earlier.
-    """
-    os.environ.clear()
-    os.environ.update(environment)
+def become_worker() -> None:
+    """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed."""
     # The programs that it starts are the user's, and find their modules as always.
     if os.environ.get(_SAFE_PATH) == _OURS:
         del os.environ[_SAFE_PATH]
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # All forks of one process begin with the same state of NumPy's generator.
-    if "numpy.random" in sys.modules:
-        sys.modules["numpy.random"].seed()
     threading.Thread(target=_end_with_driver, daemon=True).start()
 
 

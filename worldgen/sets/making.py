@@ -98,7 +98,7 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
     if workers == 1:
         yield from map(_make, jobs)
         return
-    pool = WorkerPool(workers, __name__)
+    pool = WorkerPool(workers)
     # Ctrl+C is delivered only between worlds, so that no half-made world is yielded.
     with ctrl_c_held_back() as listen:
         try:

@@ -169,12 +169,7 @@ class ProcessExecutor:
     def __enter__(self) -> Self:
         """Prepare to start processes, the first when it is needed."""
         self._pool = WorkerPool(
-            self._workers,
-            "fuzz.campaign.unit",
-            _begin,
-            self._stopped_at,
-            self._counters,
-            self._all_loaded,
+            self._workers, _begin, self._stopped_at, self._counters, self._all_loaded
         )
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
