@@ -173,10 +173,11 @@ class Robot:
 
     @property
     def starts_in_target(self) -> bool:
-        """True if the start is in the target, but not its centre, and nothing else is asked for."""
-        away = math.dist((self.start.x, self.start.y), (self.target.x, self.target.y))
-        is_only_goal = not self.waypoints and self.target.heading is None
-        return is_only_goal and 0.0 < away <= self.target.radius
+        """True if the start is in all goals, but not the target's centre, and no heading is asked for."""
+        start = (self.start.x, self.start.y)
+        is_inside = all(math.dist(start, (goal.x, goal.y)) <= goal.radius for goal in self.goals)
+        is_centre = start == (self.target.x, self.target.y)
+        return is_inside and not is_centre and self.target.heading is None
 
     @property
     def inner_radius(self) -> float:

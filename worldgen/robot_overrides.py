@@ -525,8 +525,8 @@ def describe_goal(goal: Target) -> str:
 def describe_start_in_target(robot: Robot) -> str:
     """Return the sentence about a robot that :attr:`Robot.starts_in_target`."""
     return (
-        f"the start is in the target, which has a radius of {robot.target.radius:g} m, so the robot "
-        f"arrives at once; give a smaller one (--target-radius M)"
+        f"the start is in the target, which has a radius of {robot.target.radius:g} m, so there is no "
+        f"way to go; give a smaller one (--target-radius M)"
     )
 
 

@@ -22,6 +22,7 @@ from worldgen.cli.output import (
     typed,
     workers_option,
 )
+from worldgen.cli.robot_options import warn_of_start_in_target
 from worldgen.cli.usage import ConditionalCommand
 
 if TYPE_CHECKING:
@@ -215,6 +216,8 @@ def _begin(
         config = with_stored_pace(config, out)
     for sentence in ineffective([config.scenario]):
         note(f"note: {sentence}")
+    if config.fixed_map is not None:
+        warn_of_start_in_target(options.robot, config.fixed_map)
     return begin(config, out, run_budget, force=force)
 
 

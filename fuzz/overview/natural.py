@@ -376,7 +376,7 @@ def drawn_worlds(
 
 
 def natural_case(drawn: DrawnWorld, scenario: Scenario) -> Case | None:
-    """Return a natural world with its robot; ``None`` if it cannot arrive there.
+    """Return a natural world with its robot; ``None`` if it cannot arrive there, or starts there.
 
     Raises:
         WorldgenError: If there is no such world.
@@ -384,7 +384,9 @@ def natural_case(drawn: DrawnWorld, scenario: Scenario) -> Case | None:
     world = generated(drawn.family, drawn.seed, drawn.values)
     world, scenario = applied(drawn.values, world, scenario.with_run(seed=drawn.number))
     proved = world if world.certificate else certified(world)
-    return None if proved is None else Case(proved, scenario)
+    if proved is None or proved.robots[0].starts_in_target:
+        return None
+    return Case(proved, scenario)
 
 
 def _run(case: Case) -> tuple[Episode, Cause | None]:

@@ -16,8 +16,6 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fuzz.studio.requests.edits import edited_files, loaded_files
 from fuzz.studio.requests.folder import Folder
 from fuzz.studio.requests.protocol import Compare, Request, Run
@@ -70,10 +68,9 @@ def _context() -> ForkServerContext | SpawnContext:
 def _begin(
     _: Inherited, environment: Mapping[str, str], nice: int, target: Callable[..., None], *args: Any
 ) -> None:
-    # A fork has the variables of the time when the server began, and the random numbers of its NumPy.
+    # A fork has the variables of the time when its server began.
     os.environ.clear()
     os.environ.update(environment)
-    np.random.seed()
     become_worker()
     # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):

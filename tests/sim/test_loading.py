@@ -72,9 +72,16 @@ def test_a_module_that_does_not_exist_is_named_with_what_to_write(registry, plac
     assert str(caught.value).endswith("for your own, use package.module:name or ./file.py:name")
 
 
-def test_a_file_that_does_not_exist_is_told_as_it_was_written():
-    with raises(InvalidParameter, "no-such-file", name="./absent.py:Robot"):
-        CONTROLLERS.get("./absent.py:Robot")
+@pytest.mark.parametrize("name", ["./absent.py:Robot", f"{'long' * 99}.py:Robot"])
+def test_a_file_that_does_not_exist_is_told_as_it_was_written(name):
+    with raises(InvalidParameter, "no-such-file", name=name):
+        CONTROLLERS.get(name)
+
+
+def test_a_module_is_found_whatever_its_name(tmp_path, monkeypatch):
+    (tmp_path / "my-robot.py").write_text(STANDS)
+    monkeypatch.syspath_prepend(tmp_path)
+    assert CONTROLLERS.get("my-robot:Mine") is not None
 
 
 def test_a_module_that_the_users_module_lacks_is_a_fault_of_its_code(tmp_path, monkeypatch):

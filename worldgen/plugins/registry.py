@@ -46,6 +46,13 @@ def _file(place: str) -> Path:
     return _LENT.get(place, Path(place))
 
 
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # its name is too long, or its folder may not be read
+        return False
+
+
 @contextlib.contextmanager
 def user_code(doing: str) -> Iterator[None]:
     """Turn any error of a user's code, even an attempt to exit Python, into ``InvalidParameter``.
@@ -223,7 +230,7 @@ class Registry(Generic[T]):
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
         is_file = place.endswith(".py")
-        if is_file and not expanded(_file(place)).is_file():
+        if is_file and not _is_file(expanded(_file(place))):
             raise InvalidParameter(
                 "no-such-file",
                 "{noun} {name!r}: there is no such file",
@@ -234,7 +241,8 @@ class Registry(Generic[T]):
         if not is_file:
             # A user's file with the name of one of our packages would be hidden by ours.
             check_not_ours(place, attribute)
-        if not (is_file or all(map(str.isidentifier, place.split(".")))):
+        # import_module() takes neither as a name of a module.
+        if not is_file and not all(place.split(".")):
             raise self._no_module(name, place)
         try:
             with loading(f"{self.noun} {name!r}: loading {place}"):

@@ -58,16 +58,17 @@ export function goalPart(studio) {
     }
   }
 
-  let shown = { footprint: "", heading: "", arrival: "", waypoints: "" };
+  const shown = { footprint: "", heading: "", arrival: "", waypoints: "" };
   const refresh = () => {
     const texts = textsOf(model.world.source ?? "");
     // What a user types stays until it is answered, and the world's own texts change.
     if (JSON.stringify(texts) === JSON.stringify(shown) || asked !== answered) return;
     for (const [name, field] of Object.entries(fields)) {
       const isTyping = field === document.activeElement && field.value !== shown[name];
-      if (!isTyping) field.value = texts[name];
+      if (isTyping) continue;
+      shown[name] = texts[name];
+      field.value = texts[name];
     }
-    shown = texts;
     if (Object.values(texts).some(Boolean)) element.open = true;
   };
   return { element, refresh };

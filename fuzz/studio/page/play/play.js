@@ -188,7 +188,10 @@ function tell(play, words, isBad = false) {
 // user drives.
 async function beginDriving(play) {
   // A run in progress ends first, because its last words would replace those about driving.
-  if (isSame(play.under, now(play))) await play.running.catch(() => {});
+  if (isSame(play.under, now(play))) {
+    tell(play, "You drive when this run has ended.");
+    await play.running.catch(() => {});
+  }
   if (!isSame(play.shown, now(play))) await run(play, true);
   if (!isSame(play.shown, now(play)) || play.studio.page() !== "play") return null;
   play.player?.play(false);
