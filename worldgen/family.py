@@ -249,6 +249,7 @@ class Family:
             "give it more room: a larger size"
             + (" or cell_size, a smaller footprint" if overrides.changes_body else "")
             + ("" if overrides.changes_body else ", a smaller robot_radius")
+            + (", a smaller target_radius" if overrides.target_radius is not None else "")
             + ", or fewer obstacles"
             + (" or robots" if is_fleet else ""),
             family=self.name,

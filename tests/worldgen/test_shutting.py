@@ -128,6 +128,12 @@ def test_a_world_too_small_for_a_cut_is_refused():
 
 
 @pytest.mark.gate
+def test_a_target_that_covers_every_layout_is_named_as_a_way_out():
+    with raises(GenerationFailed, "no-layout-found") as caught:
+        generate("maze", 1, size=12, blocked=1.0, target_radius=9.0)
+    assert "a smaller target_radius" in str(caught.value)
+
+
 def test_the_command_makes_one_or_a_share_of_a_set_which_can_be_made_again(tmp_path):
     done = worldgen("maze", "--blocked", "--seed", 7, "--json", "--out", tmp_path / "w.grid")
     assert json.loads(done.out)["result"] == BLOCKED
