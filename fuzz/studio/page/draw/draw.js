@@ -318,7 +318,11 @@ function showRun(draw, parts, run, robot, why) {
   board.run = run && isStill ? { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } } : null;
   const zoom = isStill && el("button", { type: "button", class: "link", "aria-keyshortcuts": "z", title: "Zoom to the run (z)", onclick: () => board.toRun() }, "zoom to it");
   const words = run ? [name, " ", verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)} `, zoom || ""] : [why && `${shortName(robot)}: ${why}`];
+  // A control that has the focus keeps it.
+  const controls = () => /** @type {HTMLElement[]} */ ([...parts.run.querySelectorAll("input, button")]);
+  const focused = controls().findIndex((one) => one === document.activeElement);
   parts.run.replaceChildren(...words);
+  if (focused >= 0) controls()[focused]?.focus();
 }
 
 // Makes the status below the board; it also describes the board to screen readers.
