@@ -100,11 +100,11 @@ class Ending:
         if summary.tried:
             say(f"tried on the map: {describe_tried(summary.tried)}")
         natural = result.natural
-        given = {one.name: one.values for one in self.config.vary}.get("robot_target_radius")
-        if given is not None and natural is not None and not natural.worlds:
+        is_radius_given = any(one.name == "robot_target_radius" for one in self.config.vary)
+        if is_radius_given and natural is not None and not natural.worlds:
             note(
-                f"targets of {max(given):g} m cover the starts of natural worlds, so there is no way to "
-                f"go; give a smaller --target-radius"
+                "no natural world was run: the target covers their starts, or time was up; in the first "
+                "case, give a smaller --target-radius"
             )
         # Add notes about slow, stateful or hanging controllers.
         controller = self.config.scenario.controller
