@@ -76,6 +76,18 @@ export function keyButton(content, label, key, act, more = {}) {
 }
 
 /**
+ * Replaces what an element holds; a control in it that has the focus keeps it, by its place among all.
+ * @param {HTMLElement} element
+ * @param {() => void} replace
+ */
+export function keepFocus(element, replace) {
+  const controls = () => /** @type {HTMLElement[]} */ ([...element.querySelectorAll("button, input")]);
+  const focused = controls().findIndex((one) => one === document.activeElement);
+  replace();
+  controls()[focused]?.focus({ preventScroll: true });
+}
+
+/**
  * Makes a drop-down list from pairs of value and text.
  * @param {(string | number)[][]} pairs
  * @param {string | number | null} chosen

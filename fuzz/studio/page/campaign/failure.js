@@ -1,6 +1,6 @@
 // The chosen failure: what happened, and the actions for it.
 
-import { causeWords, el, plural, unfinished, verdictDot } from "#player/dom.js";
+import { causeWords, el, keepFocus, plural, unfinished, verdictDot } from "#player/dom.js";
 import { legendOfCells } from "#player/legend.js";
 import { drawSmall } from "#player/picture/map.js";
 import { framesPart } from "#player/robots.js";
@@ -31,10 +31,7 @@ function follow(panel, failures) {
   const before = panel.failure,
     now = before && failures.find((one) => one.name === before.name);
   if (!now || (now.digest === before.digest && now.known === before.known)) return;
-  const buttons = () => [...panel.element.querySelectorAll("button")];
-  const focused = buttons().indexOf(document.activeElement);
-  show(panel, now);
-  buttons()[focused]?.focus({ preventScroll: true });
+  keepFocus(panel.element, () => show(panel, now));
 }
 
 function show(panel, failure) {

@@ -1,6 +1,6 @@
 // The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
-import { choice, el, grouped, keyButton, shortName, verdictDot } from "#player/dom.js";
+import { choice, el, grouped, keepFocus, keyButton, shortName, verdictDot } from "#player/dom.js";
 import { proofWords, runWords } from "#player/edit/answer.js";
 import { makeBoard } from "#player/edit/board.js";
 import { showTabs } from "#studio/shared/fields.js";
@@ -318,11 +318,7 @@ function showRun(draw, parts, run, robot, why) {
   board.run = run && isStill ? { run: run.drawn, step: run.steps, show: { trail: true, touched: false, changes: true } } : null;
   const zoom = isStill && el("button", { type: "button", class: "link", "aria-keyshortcuts": "z", title: "Zoom to the run (z)", onclick: () => board.toRun() }, "zoom to it");
   const words = run ? [name, " ", verdictDot(run.verdict), " ", el("b", {}, run.verdict), ` ${runWords(run)} `, zoom || ""] : [why && `${shortName(robot)}: ${why}`];
-  // A control that has the focus keeps it.
-  const controls = () => /** @type {HTMLElement[]} */ ([...parts.run.querySelectorAll("input, button")]);
-  const focused = controls().findIndex((one) => one === document.activeElement);
-  parts.run.replaceChildren(...words);
-  if (focused >= 0) controls()[focused]?.focus();
+  keepFocus(parts.run, () => parts.run.replaceChildren(...words));
 }
 
 // Makes the status below the board; it also describes the board to screen readers.
