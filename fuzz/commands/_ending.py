@@ -99,13 +99,6 @@ class Ending:
         )
         if summary.tried:
             say(f"tried on the map: {describe_tried(summary.tried)}")
-        natural = result.natural
-        is_radius_given = any(one.name == "robot_target_radius" for one in self.config.vary)
-        if is_radius_given and natural is not None and not natural.worlds:
-            note(
-                "no natural world was run: the target covers their starts, or time was up; in the first "
-                "case, give a smaller --target-radius"
-            )
         # Add notes about slow, stateful or hanging controllers.
         controller = self.config.scenario.controller
         if (share := describe_share(summary, controller)) is not None:

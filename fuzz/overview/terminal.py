@@ -95,7 +95,13 @@ def overview_lines(
         if path and causes[0].cause.severity in _EXPLAINED:
             lines.append(f"why: worldgen explain {path}")
         lines.append(f"look at it: worldgen report {place} --out report.html")
-    if numbers.answer == Answer.NONE and folder is not None:
+    natural = result.natural
+    if natural is not None and natural.complete and not natural.worlds and not natural.unsensed:
+        lines.append(
+            "no natural world has a way to go for this robot: give it a smaller body, or a smaller "
+            "--target-radius if the target covers the start"
+        )
+    elif numbers.answer == Answer.NONE and folder is not None:
         lines.append(f"give it more time: {shown(remedy)}")
     return lines
 

@@ -200,10 +200,13 @@ def test_a_radius_of_the_target_is_proved_run_and_stored(tmp_path):
 def test_a_target_that_covers_the_start_is_mentioned(room, tmp_path):
     sentence = "the start is in the target, which has a radius of 3 m, so there is no way to go"
     run = ("run", room, "--controller", "bug2")
-    maze = ("maze", "--size", "12", "--seed", "3", "--out", tmp_path / "m.grid")
-    for command in (("verify", room), run, maze):
+    maze = ("maze", "--size", "12", "--seed", "3", "--force", "--out")
+    made = (*maze, tmp_path / "m.grid")
+    wanted = (*made, "--where", "detour > 0")
+    several = (*maze, tmp_path / "set", "--count", "2")
+    for command in (("verify", room), run, made, wanted, several):
         assert sentence not in worldgen(*command).err
-        said = worldgen(*command, "--target-radius", "3", *(["--force"] if command is maze else []))
+        said = worldgen(*command, "--target-radius", "3")
         assert (said.code, sentence in said.err) == (0, True)
 
 
@@ -212,7 +215,8 @@ def test_a_fuzz_campaign_gives_no_answer_where_the_target_covers_every_start(tmp
         "fuzz", "--controller", "turn-left", "--target-radius", "50", "--units", "1", "--examples", "9",
         "--seed", "1", "--workers", "1", "--out", tmp_path / "found",
     )  # fmt: skip
-    assert "no answer: none of the" in done.out and "--target-radius" in done.err
+    assert "no answer: none of the" in done.out and "give it more time" not in done.out
+    assert "a smaller --target-radius" in done.out
     assert done.code == 4
 
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from worldgen.cli.output import draw_seed, emit_json, note
+from worldgen.cli.robot_options import warn_of_start_in_target
 from worldgen.errors import OutputError, WorldgenError
+from worldgen.robot_overrides import RobotOverrides
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -51,6 +53,7 @@ def make_many(plan: SetPlan, seed: int | None, out: Path, *, force: bool, as_jso
         as_json: True to print one JSON object.
     """
     from worldgen.domain import MASK64
+    from worldgen.files.worlds import read_worlds
     from worldgen.sets import make_set, manifest_of
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))
@@ -67,6 +70,10 @@ def make_many(plan: SetPlan, seed: int | None, out: Path, *, force: bool, as_jso
             else f"seeds {header.seed} to {last}"
         )
     )
+    overrides = RobotOverrides.of(header.params)
+    if overrides.target_radius is not None:
+        path, first = next(read_worlds([out]))
+        warn_of_start_in_target(overrides, first, f"{path}: ")
     if as_json:
         asked = {
             "family": header.family,

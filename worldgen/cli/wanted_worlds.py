@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from worldgen.cli.output import draw_seed, emit_data, emit_json, note
+from worldgen.cli.robot_options import warn_of_start_in_target
 from worldgen.cli.set_output import Output, make_many
 from worldgen.errors import GenerationFailed
+from worldgen.robot_overrides import RobotOverrides
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -182,6 +184,7 @@ def _write(one: Nearest, again: str, to: Output) -> dict[str, Any]:
     note(f"{place}fits at try {one.number}: {values}")
     note(f"  to make it again: {again}")
     made = world.provenance
+    warn_of_start_in_target(RobotOverrides.of(made.params), world, place)
     return {
         "file": None if file is None else str(file),
         "seed": one.seed,
