@@ -184,11 +184,12 @@ def _write(one: Nearest, again: str, to: Output) -> dict[str, Any]:
     note(f"{place}fits at try {one.number}: {values}")
     note(f"  to make it again: {again}")
     made = world.provenance
-    warn_of_start_in_target(RobotOverrides.of(made.params), world, place)
+    params = {} if made is None else made.params
+    warn_of_start_in_target(RobotOverrides.of(params), world, place)
     return {
         "file": None if file is None else str(file),
         "seed": one.seed,
-        "params": {} if made is None else made.params,
+        "params": params,
         "metrics": one.metrics if made is None or not metrics else made.metrics,
         "digest": world_digest(world),
         "try": one.number,
