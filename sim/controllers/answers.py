@@ -94,6 +94,8 @@ class Answers:
             all that it has observed since its ``reset``.
         differ: Whether the controller once gave another answer than before.
         ends: By the key of a run's last answer, whether its attributes then were as at the start.
+        repeated_proofs: Number of proofs of loops in which every answer was computed although an
+            earlier run had given it, and was the same.
     """
 
     def __init__(self) -> None:
@@ -102,6 +104,7 @@ class Answers:
         self.by_history = False
         self.differ = False
         self.ends: dict[bytes, bool] = {}
+        self.repeated_proofs = 0
         self._latest: dict[bytes, bytes] = {}
         self._older: dict[bytes, bytes] = {}
         self._bytes = 0
@@ -234,6 +237,8 @@ class _Run:
         self._state = hashlib.blake2b(begun.own + begun.shared, digest_size=16).digest()
         self._is_light = len(begun.own) <= _LIGHT
         self._computed = 0
+        # Whether an answer was computed that no earlier run had given.
+        self._has_new = False
         self._has_reused = False
         self._ended: HiddenState | None = None
 
@@ -282,6 +287,7 @@ class _Run:
         else:
             is_proved = self._proved_if is not None and self._proved_if()
             self._answers.end_run(self._proved if is_proved else set())
+            self._answers.repeated_proofs += is_proved and not (self._has_new or self._has_reused)
         return None
 
     def _begin_again(self) -> None:
@@ -294,8 +300,9 @@ class _Run:
         answer = self._act(seen, memory)
         seconds = time.perf_counter() - began
         plain = _plain(answer)
+        known = None if plain is None else self._answers.known(key)
+        self._has_new |= known is None
         if plain is not None:
-            known = self._answers.known(key)
             if known not in (None, plain):
                 self._differ()
             if self._proved_if is not None:

@@ -3,6 +3,7 @@
 import pytest
 
 from fuzz.facts.proofs import certified
+from fuzz.oracles import Trial
 from fuzz.overview.counterfactual import counterfactuals
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
@@ -157,6 +158,14 @@ def test_the_run_that_confirms_a_loop_calls_the_controller_in_two_periods(tmp_pa
     calls, again = calls_of(lambda: failure_of(world, Scenario.parse(name), fewest_steps=4000))
     assert again.record == failure.record
     assert calls >= loop.entry + 2 * loop.period
+
+
+def test_a_loop_is_not_run_again_if_its_proof_got_all_answers_a_second_time(tmp_path, monkeypatch):
+    name = bumper(tmp_path)
+    monkeypatch.setattr(Trial, "again", None)
+    failure = failure_of(certified(cup()), Scenario.parse(name), fewest_steps=4000)
+    assert failure.verdict == "loop"
+    assert known(name).repeated_proofs == 1
 
 
 def test_the_run_that_confirms_a_failure_notices_what_reused_answers_hide(tmp_path, monkeypatch):
