@@ -16,7 +16,7 @@ from fuzz.simplicity import Case, FailureOrder, simplicity
 from fuzz.violation import Violation
 from sim.episode import Episode, simulate
 from sim.evidence import Evidence, read_evidence
-from sim.options.run import FEWEST_STEPS, RunOptions
+from sim.options.run import RunOptions, recorded_budget
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
@@ -250,9 +250,9 @@ class Failure:
 
     @property
     def scenario(self) -> Scenario:
-        """The controller and its options; the smallest budget is the recorded one if that is less."""
-        options = self.options
-        return Scenario(self.record.controller, options, min(options.steps, FEWEST_STEPS))
+        """The controller and its options, with the budget that the record shows."""
+        budget = recorded_budget(self.world, self.options)
+        return Scenario(self.record.controller, self.options, budget)
 
     @property
     def label(self) -> str:

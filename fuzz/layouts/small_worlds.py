@@ -1,8 +1,8 @@
 """Small worlds in which a run is short: for controllers whose steps take long.
 
 A world comes from a family at a small size, or is one of a few scenes: a target nearby, a door, a
-cup, a corner, a gap, an island, a slot, walls to go around, posts. The first worlds can be crossed in about 20 steps
-of their robot; later ones grow.
+cup, a corner, a gap, an island, a slot, walls to go around, posts. The first worlds can be crossed in
+about 20 steps of their robot; among later ones are some of up to ten times that size.
 """
 
 from __future__ import annotations
@@ -34,11 +34,10 @@ from worldgen.world import (
 # Families whose small worlds a robot can cross in few steps. Changes, by fire or moving walls, would
 # make it wait, and harm it in ways that it may not sense.
 _FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
-# Steps that it takes to drive straight through the worlds of the first round, and how many each
-# round adds.
+# Steps that it takes to drive straight through the worlds of the first round. Each of the next
+# rounds adds worlds of twice the size, as many as of each size before.
 _FIRST_STEPS = (16, 32)
-_MORE_STEPS = 2
-_MOST_STEPS = 300
+_DOUBLED = 3
 # Sides of families' worlds, cells. Smaller ones have no room for what makes the family.
 _SMALLEST_SIDE = 10
 _LARGEST_SIDE = 40
@@ -103,7 +102,8 @@ def small_world(
     speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
     maker = _Maker(stream, values, radius, speed, speed * time_step)
     turn, place = divmod(number, 2 * len(_FAMILIES))
-    low, high = (min(steps + _MORE_STEPS * turn, _MOST_STEPS) for steps in _FIRST_STEPS)
+    size = 1 << stream.below(min(turn, _DOUBLED) + 1)
+    low, high = (steps * size for steps in _FIRST_STEPS)
     best: World | None = None
     for _ in range(_DRAWS):
         steps = stream.between(low, high)

@@ -26,7 +26,7 @@ from sim.controllers.base import CompiledController, Controller
 from sim.controllers.core_act import CoreAct
 from sim.motion import MOTIONS
 from sim.options.disturbances import pushes_of
-from sim.options.run import BUDGET_FACTOR, COVER, FEWEST_STEPS, MAX_STEPS, RunOptions
+from sim.options.run import COVER, MAX_STEPS, USUAL_BUDGET, RunOptions
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import event_step
 from worldgen.reach.body.core_calls import Body
@@ -210,8 +210,8 @@ def _recipe(world: World, controller: Controller, options: RunOptions) -> dict[s
         "tolerance": options.motion_model().overlap_tolerance,
         "steps": options.steps,
         "budget": {
-            "factor": BUDGET_FACTOR,
-            "fewest": FEWEST_STEPS,
+            "factor": USUAL_BUDGET.witnesses,
+            "fewest": USUAL_BUDGET.fewest,
             "most": MAX_STEPS,
             "moved": robot.moved,
             "drift": robot.drift,

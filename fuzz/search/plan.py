@@ -77,7 +77,7 @@ class Prices:
 _PROOF_RUNS = 4
 _PROOF_STEPS = 60_000
 # Steps of a proof where each is expensive: the witness's budget twice, or a loop several times.
-_COSTLY_PROOF = 3_000
+_COSTLY_PROOF = 1_500
 # Milliseconds of a proof, in addition to its steps.
 _PROOF_COST = 8.0
 # Fraction of a step's time that the search adds to it.

@@ -128,7 +128,7 @@ class StillFails:
         """Smallest budget of any candidate, in steps."""
         if self.is_proved_by_the_run:
             return self.tried_budget or self.budget
-        return self.scenario.fewest_steps
+        return self.scenario.budget.fewest
 
     @functools.cached_property
     def controller(self) -> Controller:

@@ -23,7 +23,7 @@ from sim.episode import Episode
 from sim.episode.differences import count_sources, note_difference
 from sim.evidence import LoopEvidence, evidence_table
 from sim.motion import MOTIONS
-from sim.options.run import FEWEST_STEPS, RunOptions
+from sim.options.run import USUAL_BUDGET, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.world import FailureRecord, Value, World
@@ -215,7 +215,7 @@ def _diagnosis(
 def _options_elsewhere(trial: Trial, scenario: Scenario) -> RunOptions:
     """Return the options of runs in other worlds, which only decide a failure's circumstance."""
     options = trial.options
-    if scenario.fewest_steps >= FEWEST_STEPS or trial.witness is None:
+    if scenario.budget.fewest >= USUAL_BUDGET.fewest or trial.witness is None:
         return options
     # Each step is expensive here. Robots that arrive at all mostly do so much earlier.
     few = math.ceil(_FEW_WITNESSES * trial.witness.duration / options.time_step)

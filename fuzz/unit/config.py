@@ -10,7 +10,7 @@ from fuzz.unit.constraint import Constraint
 from fuzz.unit.options import SearchOptions
 from fuzz.unit.pace import Pace, usual_pace
 from sim.controllers import CONTROLLERS
-from sim.options.run import FEWEST_COSTLY_STEPS, FEWEST_STEPS, RunOptions
+from sim.options.run import COSTLY_BUDGET, USUAL_BUDGET, RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Value, World
 
@@ -56,9 +56,9 @@ class CampaignConfig(SearchOptions):
 
     def __post_init__(self) -> None:
         is_slow = self.measured is not None and self.measured.is_slow
-        fewest = FEWEST_COSTLY_STEPS if is_slow else FEWEST_STEPS
-        if self.scenario.fewest_steps != fewest:
-            object.__setattr__(self, "scenario", replace(self.scenario, fewest_steps=fewest))
+        budget = COSTLY_BUDGET if is_slow else USUAL_BUDGET
+        if self.scenario.budget != budget:
+            object.__setattr__(self, "scenario", replace(self.scenario, budget=budget))
 
     @property
     def units_of_a_round(self) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeGuard
+from typing import Annotated, Any, Literal, NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -37,8 +37,6 @@ TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
 # Maximum number of steps; a recorded one takes about 300 bytes.
 MAX_RECORDED = 4_000_000
-# A run may take this many times the witness's time before it counts as stalled or timed out.
-BUDGET_FACTOR = 50
 # Settings of every run that a failure stores.
 _OF_THE_RUN = ("steps", "time_step", "task", "frozen_time")
 # The budget of a coverage task, as a multiple of a tour of all cells and back.
@@ -49,12 +47,25 @@ _MOST_OF_A_DRIFT = 10
 _ROUNDING = 1e-6
 # Cells: larger steps would come near the limits of 64-bit lattice arithmetic.
 _LONGEST_STEP = 1_000
-# Smallest budget, steps, however short the witness.
-FEWEST_STEPS = 4_000
-# The same where each step is expensive: it is the budget of a witness of 20 steps.
-FEWEST_COSTLY_STEPS = 1_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
+
+
+class Budget(NamedTuple):
+    """How long a run may take before it counts as stalled or timed out.
+
+    Args:
+        witnesses: Times the witness's time.
+        fewest: Steps at least, however short the witness.
+    """
+
+    witnesses: int
+    fewest: int
+
+
+USUAL_BUDGET = Budget(50, 4_000)
+COSTLY_BUDGET = Budget(20, 600)
+"""The same where each step is expensive."""
 
 
 @dataclass(frozen=True)
@@ -245,17 +256,17 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(world: World, run: RunOptions, fewest: int = FEWEST_STEPS) -> int:
+def step_budget(world: World, run: RunOptions, budget: Budget = USUAL_BUDGET) -> int:
     """Return the steps that a run gets.
 
-    They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
-    To cover a world, the time to drive from each cell to the next and back replaces the witness's
-    time. Time lost to pushes and drift is added first.
+    Usually they are 50 times the witness's time, at least 4,000; 20,000 without a witness. To cover a
+    world, the time to drive from each cell to the next and back replaces the witness's time. Time lost
+    to pushes and drift is added first.
 
     Args:
         world: The world, with its certificate.
         run: Options of the run; its own budget is ignored.
-        fewest: Smallest budget, however short the witness.
+        budget: How long it may take.
 
     Raises:
         InvalidWorld: If a world that changes is to be covered.
@@ -267,7 +278,7 @@ def step_budget(world: World, run: RunOptions, fewest: int = FEWEST_STEPS) -> in
         factor = _COVER_FACTOR
     elif isinstance(world.certificate, Witness | JointWitness):
         duration = exact(world.certificate.duration)
-        factor = BUDGET_FACTOR
+        factor = budget.witnesses
     else:
         return _STEPS_WITHOUT_WITNESS
     # Disturbances cost time.
@@ -275,7 +286,21 @@ def step_budget(world: World, run: RunOptions, fewest: int = FEWEST_STEPS) -> in
         delay, slower = delay_of(world, run.robot)
         duration = min(slower, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
     wanted = math.ceil(factor * duration / exact(run.time_step))
-    return min(max(wanted, fewest), MAX_STEPS)
+    return min(max(wanted, budget.fewest), MAX_STEPS)
+
+
+def recorded_budget(world: World, run: RunOptions) -> Budget:
+    """Return the budget with which a run has got its steps, or one that is close to it.
+
+    Args:
+        world: The world, with its certificate.
+        run: Options of the run, with its steps.
+    """
+    witnesses = USUAL_BUDGET.witnesses
+    if isinstance(world.certificate, Witness) and run.task != COVER:
+        times = math.ceil(run.steps / step_budget(world, run, Budget(1, 1)))
+        witnesses = min(max(times, COSTLY_BUDGET.witnesses), witnesses)
+    return Budget(witnesses, min(run.steps, USUAL_BUDGET.fewest))
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:

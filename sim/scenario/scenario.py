@@ -15,10 +15,11 @@ from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.motion import MOTIONS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
-    FEWEST_STEPS,
     OF_EVERY_RUN,
     TARGET,
+    USUAL_BUDGET,
     WORDS_OF_A_RUN,
+    Budget,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -40,12 +41,12 @@ class Scenario:
         controller: Name, as on the command line.
         run: Options of each run. The number of steps depends on the world, see :meth:`options`, so
             the number given here is ignored.
-        fewest_steps: Smallest budget of a run, however short the witness.
+        budget: How long a run may take.
     """
 
     controller: str
     run: RunOptions = field(default_factory=RunOptions)
-    fewest_steps: int = FEWEST_STEPS
+    budget: Budget = USUAL_BUDGET
 
     def __post_init__(self) -> None:
         admit_argument(self.controller)
@@ -138,7 +139,7 @@ class Scenario:
             steps: Budget to use instead.
         """
         if steps is None:
-            steps = step_budget(world, self.run, self.fewest_steps)
+            steps = step_budget(world, self.run, self.budget)
         return replace(self.run, steps=steps)
 
     def with_run(self, **changes: Any) -> Scenario:

@@ -134,10 +134,10 @@ def test_only_slow_controllers_begin_with_small_worlds():
     assert "small" not in strategies_for(quick, SearchState())
 
 
-def test_the_smallest_budget_follows_the_pace():
+def test_the_budget_follows_the_pace():
     slow = CampaignConfig(Scenario(EXAMPLE), measured=SLOW)
-    budgets = [one.scenario.fewest_steps for one in (slow, replace(slow, measured=None))]
-    assert budgets == [1_000, 4_000]
+    budgets = [tuple(one.scenario.budget) for one in (slow, replace(slow, measured=None))]
+    assert budgets == [(20, 600), (50, 4_000)]
 
 
 def test_several_robots_have_no_small_worlds():
@@ -174,7 +174,7 @@ def test_a_run_that_is_no_loop_spends_the_budget_of_its_witness(name):
     (failure,) = result.failures.values()
     duration = failure.world.certificate.duration
     assert failure.verdict == "stalled"
-    assert failure.options.steps == max(math.ceil(50 * duration / 0.015), 1_000) < 4_000
+    assert failure.options.steps == max(math.ceil(20 * duration / 0.015), 600) < 4_000
     assert failure.scenario.options(failure.world) == failure.options
     assert replay(failure).confirmed
 
