@@ -36,10 +36,11 @@ EMPTY_ARENA = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0
 
 # The first step shows what reset() returned, the second what act() made of it.
 _STEPS = 2
-# Steps of the first run that measures a step; each further run has twice as many.
-_FEW_STEPS = 4
+# Steps of the first run that measures a step; each further run has four times as many.
+_FEW_STEPS = 8
+_LONGER = 4
 # Seconds after which a run is long enough to measure a step, and the limit on its steps.
-_LONG_ENOUGH = 0.1
+_LONG_ENOUGH = 0.03
 _MOST_STEPS = 1024
 # A busy machine only ever adds time, so each time is the least of this many.
 _REPEATS = 3
@@ -161,7 +162,7 @@ def step_times(
             limit = _FEW_STEPS
             done, spent = run(limit)
             while done == limit and spent < _LONG_ENOUGH and limit < _MOST_STEPS:
-                limit *= 2
+                limit = min(_LONGER * limit, _MOST_STEPS)
                 done, spent = run(limit)
             for _ in range(_REPEATS - 1):
                 run(limit)
