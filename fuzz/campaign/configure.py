@@ -20,6 +20,7 @@ from sim.episode.try_out import EMPTY_ARENA, step_times, try_out
 from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
+from sim.runners.controller_host import host_of
 from sim.scenario import Scenario, read_settings
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
@@ -31,6 +32,8 @@ from worldgen.world import World
 _VARY = "--vary"
 # Share of the budget in which the controller's pace is measured.
 _TO_MEASURE = 0.03
+# Seconds for the same where the pace is only mentioned.
+_TO_MENTION = 1.0
 
 
 def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
@@ -118,6 +121,19 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         spent = step_times(scenario, at_most=_TO_MEASURE * seconds, world=begins_on)
     pace = spent and measured_pace(CONTROLLERS.get(scenario.controller), *spent)
     return replace(config, measured=pace)
+
+
+def unstated_pace(config: CampaignConfig) -> Pace | None:
+    """Return the pace of a slow Python class for which nobody has stated or measured it.
+
+    Without a time limit the campaign must not depend on it, so this only serves to mention it.
+    """
+    controller = CONTROLLERS.get(config.scenario.controller)
+    if config.measured is not None or not host_of(controller).in_python:
+        return None
+    spent = step_times(config.scenario, at_most=_TO_MENTION)
+    pace = spent and measured_pace(controller, *spent)
+    return pace if pace and pace.is_slow else None
 
 
 def _check_robot(varied: Collection[Variation], fixed_map: World | None, robots: int) -> None:

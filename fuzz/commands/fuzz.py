@@ -201,7 +201,7 @@ def _begin(
     run_budget: Budget, *, out: Path, seed: int | None, force: bool, **said: Any
 ) -> CampaignRun:
     """Return a new campaign, or the same one again in its folder."""
-    from fuzz.campaign.configure import configure
+    from fuzz.campaign.configure import configure, unstated_pace
     from fuzz.campaign.store import begin, stored_seed, with_stored_pace
     from sim.scenario.unused import ineffective
 
@@ -214,6 +214,12 @@ def _begin(
     config = configure(options, drawn, run_budget.seconds)
     if options.pace is None and not force:
         config = with_stored_pace(config, out)
+    if run_budget.seconds is None and (pace := unstated_pace(config)) is not None:
+        note(
+            f"note: a step of {config.scenario.controller} takes about {1e3 * pace.step:.2g} ms, and "
+            f"without a budget a unit counts on a quick class: --pace {1e3 * pace.step:.2g} sizes "
+            "it for that, and brings the first result far sooner"
+        )
     for sentence in ineffective([config.scenario]):
         note(f"note: {sentence}")
     if config.fixed_map is not None:

@@ -34,9 +34,10 @@ from worldgen.world import (
 # Families whose small worlds a robot can cross in few steps. Changes, by fire or moving walls, would
 # make it wait, and harm it in ways that it may not sense.
 _FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
-# Steps that it takes to drive straight through the worlds of the first round. Each of the next
-# rounds adds worlds of twice the size, as many as of each size before.
-_FIRST_STEPS = (16, 32)
+# Steps that it takes to drive straight through the worlds of the first round. In later rounds half of
+# the worlds are of that size, a quarter of twice that, and so on: each size takes about as long. That
+# begins with one more doubling in each round, up to this many.
+_FIRST_STEPS = (20, 40)
 _DOUBLED = 3
 # Sides of families' worlds, cells. Smaller ones have no room for what makes the family.
 _SMALLEST_SIDE = 10
@@ -102,8 +103,9 @@ def small_world(
     speed = float(cast("float", values.get("robot_speed", DEFAULT_ROBOT_SPEED)))
     maker = _Maker(stream, values, radius, speed, speed * time_step)
     turn, place = divmod(number, 2 * len(_FAMILIES))
-    size = 1 << stream.below(min(turn, _DOUBLED) + 1)
-    low, high = (steps * size for steps in _FIRST_STEPS)
+    most = min(turn, _DOUBLED)
+    doubled = next((times for times in range(most) if stream.below(2)), most)
+    low, high = (steps << doubled for steps in _FIRST_STEPS)
     best: World | None = None
     for _ in range(_DRAWS):
         steps = stream.between(low, high)

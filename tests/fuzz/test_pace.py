@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from fuzz.campaign.configure import configure
+from fuzz.campaign.configure import configure, unstated_pace
 from fuzz.campaign.store import Budget, begin, resume, with_stored_pace
 from fuzz.campaign.store.fingerprint import config_of, fingerprint_of
 from fuzz.failure import ShrinkState
@@ -72,6 +72,20 @@ def test_a_controller_of_about_the_usual_pace_is_not_recorded(controller, monkey
 
 def test_without_a_budget_no_clock_decides():
     assert configure(CampaignOptions(controller=f"{HERE}:Padded"), seed=1).measured is None
+
+
+@pytest.mark.parametrize(
+    ("controller", "pace", "is_mentioned"),
+    [
+        (f"{HERE}:Padded", None, True),
+        (f"{HERE}:Padded", 2.0, False),
+        (PYTHON, None, False),
+        ("bug2", None, False),
+    ],
+)
+def test_a_pace_is_mentioned_if_a_slow_class_has_none(controller, pace, is_mentioned):
+    found = unstated_pace(configure(CampaignOptions(controller=controller, pace=pace), seed=1))
+    assert (found is not None) == is_mentioned
 
 
 def test_a_given_pace_is_not_measured():

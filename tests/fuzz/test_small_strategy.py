@@ -102,13 +102,20 @@ def test_every_small_world_has_a_witness_that_holds():
 
 
 def test_the_first_worlds_can_be_crossed_in_few_steps():
-    steps = [world.certificate.duration / 0.015 for world in worlds(range(2 * ROUND))]
+    steps = [world.certificate.duration / 0.015 for world in worlds(range(ROUND))]
     assert np.median(steps) < 45 and max(steps) < 120
 
 
 def test_small_worlds_grow():
     first, later = worlds(range(ROUND)), worlds(range(30 * ROUND, 31 * ROUND))
     assert sum(one.walls.size for one in later) > 2 * sum(one.walls.size for one in first)
+
+
+def test_small_worlds_go_on_among_larger_ones():
+    steps = [
+        one.certificate.duration / 0.015 for one in worlds(range(8 * ROUND, 12 * ROUND)) if one
+    ]
+    assert np.median(steps) < 70 and max(steps) > 250
 
 
 @pytest.mark.parametrize(
