@@ -121,7 +121,33 @@ def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
         moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
         if moved <= _SAME_PLACE * world.robot_radius:
             return _measured(world, trace, part.first, part.last, recurs=True)
+        lap = _lap(world, trace, part.period)
+        if lap:
+            return _measured(world, trace, trace.steps - lap, trace.steps, recurs=True)
     return _measured(world, trace, trace.steps // 2, trace.steps, recurs=False)
+
+
+def _lap(world: World, trace: Trace, period: int) -> int:
+    """Return after how many steps a robot whose moves recur is back, having turned once; else 0.
+
+    Args:
+        world: World of the run.
+        trace: The run's recording.
+        period: Steps after which its moves recur, at the end of the run.
+    """
+    turned = abs(float(_wrapped(np.diff(trace.heading[-period - 1 :])).sum()))
+    if not turned:
+        return 0
+    steps = np.arange(1, trace.steps // 2 + 1)
+    around = math.tau / turned * period
+    # One of the steps in which the lap is complete ends nearest to where it began.
+    steps = steps[np.abs(steps - around) <= max(period, 1)]
+    if not len(steps):
+        return 0
+    apart = np.hypot(trace.x[-1] - trace.x[-1 - steps], trace.y[-1] - trace.y[-1 - steps])
+    nearest = int(np.argmin(apart))
+    is_back = apart[nearest] <= _SAME_PLACE * world.robot_radius
+    return int(steps[nearest]) if is_back else 0
 
 
 def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool) -> RepeatedPart:
@@ -134,7 +160,10 @@ def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool
     walls = _SolidCells(world)
 
     # Describe each step.
-    turn = np.abs(_wrapped(np.diff(heading)))
+    turns = _wrapped(np.diff(heading))
+    turn = np.abs(turns)
+    # Each lap of a circle encloses its area again, and adds to the length.
+    laps = max(1.0, abs(float(turns.sum())) / math.tau)
     stride = np.hypot(np.diff(x), np.diff(y))
     length = float(stride.sum())
     ahead = np.diff(x) * np.cos(heading[:-1]) + np.diff(y) * np.sin(heading[:-1])
@@ -153,7 +182,7 @@ def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool
         turning=float(turn.mean()) / (2 * math.pi),
         about_faces=float((turn >= _ABOUT_FACE).mean()),
         reversals=float((np.diff(direction) != 0.0).sum()) / (last - first),
-        is_retraced=abs(_area(x, y)) <= _HARDLY * length * length,
+        is_retraced=laps * abs(_area(x, y)) <= _HARDLY * length * length,
         touching=float(bump.mean()),
         around_island=winding_number(x, y, walls.islands(x, y)),
         around_target=abs(_around(x, y, target)),

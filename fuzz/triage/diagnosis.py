@@ -39,6 +39,9 @@ from worldgen.world import Value, World
 # moves there.
 _ONE_PLACE = 1.0
 
+# Robot radii: a circle that is narrower is a turn on the spot.
+_CIRCLE = 0.25
+
 # Robot radii per step, and turns per step, on average, below which a robot does not move at all.
 _MOVES_AT_ALL = 1e-4
 _TURNS_AT_ALL = 0.001
@@ -309,6 +312,8 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if at_one_place:
         if seen.about_faces or seen.reversals:
             return Cause.GOES_BACK_AND_FORTH
+        if turns and not seen.is_retraced and seen.extent >= _CIRCLE * seen.radius:
+            return Cause.DRIVES_IN_CIRCLES
         return Cause.TURNS_ON_THE_SPOT if turns else Cause.STANDS_STILL
     # Turning all the time, it follows nothing and aims at nothing.
     if seen.turning >= _RESTLESS and (seen.about_faces or seen.touching < _MOSTLY):

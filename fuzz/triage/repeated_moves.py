@@ -40,6 +40,9 @@ _BACKWARDS = 0.5
 # Robot radii; a robot that moves less than this while turning is said to turn on the spot.
 _ON_THE_SPOT = 0.5
 
+# Robot radii; a circle with a smaller radius is a turn on the spot.
+_TIGHTEST = 0.125
+
 # Degrees between the heading and a wall: up to the first, the wall is ahead; up to the second,
 # ahead on one side; up to the third, on that side; beyond that, behind.
 _AHEAD = 30.0
@@ -216,7 +219,9 @@ def _of_last_part(world: World, episode: Episode) -> str:
     drift = ""
     if isinstance(episode.evidence, BudgetEvidence) and episode.evidence.memory_drift:
         drift = f"; its pose repeats, and {describe_memory_drift(episode.evidence)}"
-    return f"{begin}: {_in_order([_describe(move, world.robot_radius) for move in moves])}{drift}"
+    circle = _circle(moves[0], world.robot_radius) if len(moves) == 1 else ""
+    told = circle or _in_order([_describe(move, world.robot_radius) for move in moves])
+    return f"{begin}: {told}{drift}"
 
 
 def _in_order(told: list[str]) -> str:
@@ -263,6 +268,22 @@ def _moves(bearings: WallBearings, trace: Trace, first: int, last: int) -> Itera
         move = _Move(1, turn, length, backwards, pushes, wall)
     if move is not None:
         yield move
+
+
+def _circle(move: _Move, radius: float) -> str:
+    """Return a move that goes on and on as a circle; empty if it drives straight on, or hardly."""
+    if abs(move.turn) < _NOTICED or move.begins_at:
+        return ""
+    turned = math.radians(abs(move.turn))
+    around = move.length / turned
+    # The side of a half turn in one step says nothing, and it leads back.
+    if around < _TIGHTEST * radius or turned >= math.pi * move.steps / 2:
+        return ""
+    backwards = " backwards" if move.backwards else ""
+    side = "left" if move.turn > 0.0 else "right"
+    return (
+        f"it drives{backwards} in a circle with a radius of {rounded(around, 2)} m, to the {side}"
+    )
 
 
 def _describe(move: _Move, radius: float) -> str:

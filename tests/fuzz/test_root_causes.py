@@ -15,12 +15,48 @@ from fuzz.overview import Cause
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run, diagnosis_of, diagnosis_of_run
 from fuzz.triage.repeated_moves import describe_period
-from sim import simulate
+from sim import Command, simulate
 from sim.options.run import options_from
 from tests.helpers.faulty_robots import HERE, found_by, gap, hall
 from worldgen import Pose, Robot, Target, World
 
 SHIPPED = Path(__file__).parents[2] / "corpora/failures"
+
+
+class Circles:
+    """Drives in circles that never quite close, and counts its steps, so that no state recurs."""
+
+    turn = 6.02  # degrees a step
+    share_of_speed = 0.5
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, seen, memory):
+        rate = math.radians(self.turn) / seen.time_step
+        return Command(self.share_of_speed * seen.top_speed, rate), (memory[0] + 1.0,)
+
+
+class Turns(Circles):
+    """Creeps while it turns: a circle of a hundredth of its radius."""
+
+    share_of_speed = 0.005
+
+
+@pytest.mark.parametrize("steps", [600, 833, 4_000])
+@pytest.mark.parametrize("far", [True, False], ids=["far from the target", "around the target"])
+def test_circles_without_a_proved_loop_are_circles(steps, far):
+    target = Target(*((2.1, 2.1) if far else (1.2, 1.32)), 0.01)
+    world = certified(replace(hall(24, 24, start=(1.2, 1.2)), target=target))
+    run = simulate(world, Circles(), steps=steps, record=True)
+    assert run.verdict in ("stalled", "timeout")
+    assert cause_of_run(world, run) == Cause.DRIVES_IN_CIRCLES
+    assert describe_period(world, run).endswith(
+        "it drives in a circle with a radius of 0.14 m, to the left"
+    )
+    assert cause_of_run(world, simulate(world, Turns(), steps=steps, record=True)) == (
+        Cause.TURNS_ON_THE_SPOT
+    )
 
 
 @pytest.mark.parametrize(
