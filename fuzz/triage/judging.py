@@ -97,8 +97,9 @@ def failure_of(
         **details: Further details to record.
     """
     judged = judge(
-        world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, **details
-    )
+        world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, elsewhere=True,
+        **details,
+    )  # fmt: skip
     return judged.failure
 
 
@@ -110,6 +111,7 @@ def judge(
     fewest_steps: int = 0,
     steps: int | None = None,
     known: Episode | None = None,
+    elsewhere: bool = True,
     **details: Value,
 ) -> JudgedRun:
     """Judge a scenario: run it, and prove the failure that an oracle finds.
@@ -122,6 +124,7 @@ def judge(
             ``timeout`` always refer to the witness's budget, even if the robot arrives after it.
         steps: The exact budget for verdicts that the run itself proves.
         known: The run with the witness's budget, recorded, if it has already been done.
+        elsewhere: Whether to run it in other worlds, too, for a circumstance that only these show.
         **details: Further details to record.
     """
     oracle = oracle or verdict_oracle(world)
@@ -164,8 +167,10 @@ def judge(
         # A run of the search may end later than a fresh one, which looks for a loop, or earlier.
         # Only two fresh runs show whether the controller does the same again.
         return judge(
-            world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, **details
-        )
+            world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None,
+            elsewhere=elsewhere,
+            **details,
+        )  # fmt: skip
     # Only what follows needs these modules, so a replay does not load them.
     from fuzz.facts.hazards import hazard_details  # noqa: PLC0415
 
@@ -182,7 +187,7 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            **_diagnosis(trial, found, oracle, details, scenario),
+            **_diagnosis(trial, found, oracle, details, scenario if elsewhere else None),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -191,9 +196,21 @@ def judge(
 
 
 def _diagnosis(
-    trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value], scenario: Scenario
+    trial: Trial,
+    found: Violation,
+    oracle: Oracle,
+    details: Mapping[str, Value],
+    elsewhere: Scenario | None,
 ) -> dict[str, Value]:
-    """Return the details that hold a new failure's cause; a replay finds them in the file."""
+    """Return the details that hold a new failure's cause; a replay finds them in the file.
+
+    Args:
+        trial: The run.
+        found: What the oracle finds in it.
+        oracle: The oracle.
+        details: Further details of the record.
+        elsewhere: What to run in other worlds; ``None`` if that is not to be done.
+    """
     from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
     from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
     from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
@@ -207,7 +224,9 @@ def _diagnosis(
     seen = diagnosis.diagnosis_of_run(
         trial.world,
         replace(episode, evidence=found.evidence or episode.evidence),
-        OtherWorlds(trial.controller, _options_elsewhere(trial, scenario)),
+        None
+        if elsewhere is None
+        else OtherWorlds(trial.controller, _options_elsewhere(trial, elsewhere)),
     )
     return diagnosis.details_of(seen)
 

@@ -202,7 +202,17 @@ class Triage:
         # A run that is too long to be recorded could not be shown, so it is dropped.
         with contextlib.suppress(InvalidParameter):
             settings |= self._config.constraint.details()
-            found = judge(world, scenario, oracle, found_by=self.result.strategy, **settings)
+            # Runs in other worlds would delay a slow controller's failure. Shrinking makes them.
+            config = self._config
+            elsewhere = not (config.pace.is_slow and config.shrink and config.robots == 1)
+            found = judge(
+                world,
+                scenario,
+                oracle,
+                found_by=self.result.strategy,
+                elsewhere=elsewhere,
+                **settings,
+            )
             self._keep(found.failure)
             return found.is_settled
         return False

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from fuzz.campaign.unit import run_unit
+from fuzz.facts import changed_worlds
+from fuzz.facts.changed_worlds import OtherWorlds
 from fuzz.layouts.small_worlds import small_world
 from fuzz.search.plan import planned_strategy, strategies_for
 from fuzz.search.registry import check_strategy
 from fuzz.search.suspects import Symptom, symptom_of
-from fuzz.triage.judging import judge
+from fuzz.triage.judging import failure_of, judge
 from fuzz.triage.replaying import replay
 from fuzz.unit.config import CampaignConfig
 from fuzz.unit.deadline import Deadline
@@ -173,6 +175,26 @@ def test_the_first_failure_of_a_cause_ends_the_unit_and_replays():
     result = run_unit(config(f"{HERE}:Straight"), 0)
     assert len(result.failures) == 1
     assert all(replay(one).confirmed for one in result.failures.values())
+
+
+@pytest.mark.parametrize("shrink", [True, False])
+def test_a_slow_controller_runs_in_other_worlds_only_once_its_failure_is_stored(
+    monkeypatch, shrink
+):
+    made = []
+
+    def other_worlds(*args):
+        made.append(args)
+        return OtherWorlds(*args)
+
+    monkeypatch.setattr(changed_worlds, "OtherWorlds", other_worlds)
+    result = run_unit(config(f"{HERE}:Straight", shrink=shrink), 0)
+    assert result.failures
+    # Nothing would make them later if failures are not shrunk.
+    assert bool(made) == (not shrink)
+    for failure in result.failures.values():
+        assert failure_of(failure.world, failure.scenario) is not None
+    assert made
 
 
 @pytest.mark.parametrize("name", ["Counting", "Hiding"])
