@@ -40,6 +40,7 @@ _PRIOR = {SMALL: 1000.0, NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 
 """First estimate of the new signatures that a strategy finds per unit of cost; 1 if not listed."""
 
 _FLOOR = 0.3  # share of the budget that is split evenly
+_COSTLY_FLOOR = 0.1  # the same where each step is expensive
 _FAILURE = 0.01  # weight of a failure, relative to a new signature
 _WORLD_COST = {
     NATIVE: 0.02,
@@ -110,9 +111,9 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
         return (*small, "map", *((BOUNDARY,) if has_subject else ()))
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
-    # In worlds of fire a robot mostly waits, and burns in ways that it may not sense. Natural worlds
-    # have some, too.
-    drawn = tuple(name for name in _DRAWN if not small or name != "fire")
+    # The small strategy draws from the families that suit it, and ends runs that promise nothing. In
+    # fire and behind moving walls a robot mostly waits; natural worlds have some of these.
+    drawn = _DRAWN[:1] if small else _DRAWN
     return (*small, *native, *drawn, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
@@ -144,7 +145,8 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
         _worth(name, memory.strategies.get(name, StrategyYield(name)), prices) for name in names
     ]
     total = sum(yields)
-    return [_FLOOR / len(names) + (1.0 - _FLOOR) * one / total for one in yields]
+    floor = _COSTLY_FLOOR if SMALL in names else _FLOOR
+    return [floor / len(names) + (1.0 - floor) * one / total for one in yields]
 
 
 def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:

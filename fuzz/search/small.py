@@ -388,8 +388,10 @@ class _Unit:
             return
         episode = trial.episode(outcome)
         cause = cause_of_run(trial.world, episode)
-        # Few failures of a cause are shown, and one in a unit is enough to find another variant.
-        is_enough = self._known[cause.value] >= MOST_SHOWN and not is_new
+        # Few failures of a cause are shown, and one in a unit is enough to find another variant. One in
+        # all is enough if its proof is a whole second run.
+        most = 1 if verdict == UNDECIDED else MOST_SHOWN
+        is_enough = self._known[cause.value] >= most and not is_new
         few = MOST_SHOWN if is_new else 1
         if is_enough or self._triage.examined(verdict, cause.value) >= few:
             self._leave(outcome.steps, cause, verdict)
