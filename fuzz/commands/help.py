@@ -47,7 +47,7 @@ NOT_PROVED = (
     (
         "`stalled`",
         "The robot entered no new cell in the second half of a budget of 50 times the witness's "
-        "time. It may arrive later.",
+        "time, or 20 times where each step is slow; the record says it. It may arrive later.",
     ),
     ("`timeout`", "The budget ran out."),
     (
