@@ -16,6 +16,7 @@ from fuzz.unit.names import TIME_STEPS
 from fuzz.unit.options import MOST_ROBOTS, CampaignOptions, SearchOptions
 from fuzz.unit.pace import Pace, measured_pace
 from sim.controllers import CONTROLLERS
+from sim.controllers.answers import SLOW_STEP
 from sim.episode.try_out import EMPTY_ARENA, step_times, try_out
 from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
@@ -133,7 +134,7 @@ def unstated_pace(config: CampaignConfig) -> Pace | None:
         return None
     spent = step_times(config.scenario, at_most=_TO_MENTION)
     pace = spent and measured_pace(controller, *spent)
-    return pace if pace and pace.is_slow else None
+    return pace if pace and pace.step > SLOW_STEP else None
 
 
 def _check_robot(varied: Collection[Variation], fixed_map: World | None, robots: int) -> None:

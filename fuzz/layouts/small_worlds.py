@@ -2,7 +2,7 @@
 
 A world comes from a family at a small size, or is one of a few scenes: a target nearby, a door, a
 cup, a corner, a gap, an island, a slot, walls to go around, posts. The first worlds can be crossed in
-about 20 steps of their robot; among later ones are some of up to ten times that size.
+about 20 steps of their robot; among later ones are some of up to four times that size.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from worldgen.world import (
 # make it wait, and harm it in ways that it may not sense.
 _FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
 # Steps that it takes to drive straight through the worlds of the first round. In later rounds half of
-# the worlds are of that size, a quarter of twice that, and so on: each size takes about as long. That
-# begins with one more doubling in each round, up to this many.
+# the worlds are of that size, a quarter of twice that, and the rest of four times that. That begins
+# with one more doubling in each round, up to this many.
 _FIRST_STEPS = (20, 40)
-_DOUBLED = 3
+_DOUBLED = 2
 # Sides of families' worlds, cells. Smaller ones have no room for what makes the family.
 _SMALLEST_SIDE = 10
 _LARGEST_SIDE = 40
@@ -91,7 +91,7 @@ def small_world(
 
     Args:
         stream: Source of randomness; it is advanced.
-        number: Place in the sequence, which decides what is made and how large it is.
+        number: Place in the sequence, which decides what is made, and how large it may be.
         values: The robot's ``robot_radius``, m, ``robot_speed``, m/s, body, drive and goal, if they
             are not the usual ones; others are ignored.
         time_step: Duration of a step, s.

@@ -26,7 +26,7 @@ from sim.controllers.base import CompiledController, Controller
 from sim.controllers.core_act import CoreAct
 from sim.motion import MOTIONS
 from sim.options.disturbances import pushes_of
-from sim.options.run import COVER, MAX_STEPS, USUAL_BUDGET, RunOptions
+from sim.options.run import COVER, MAX_STEPS, RunOptions, recorded_budget
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import event_step
 from worldgen.reach.body.core_calls import Body
@@ -203,6 +203,7 @@ def _recipe(world: World, controller: Controller, options: RunOptions) -> dict[s
     """Return everything about a run that an edit of its world leaves as it is."""
     robot = options.robot
     pushes = pushes_of(robot)
+    budget = recorded_budget(world, options)
     own = _on_lattice if MOTIONS.get(options.motion).on_lattice else _stepped
     return {
         "motion": options.motion,
@@ -210,8 +211,8 @@ def _recipe(world: World, controller: Controller, options: RunOptions) -> dict[s
         "tolerance": options.motion_model().overlap_tolerance,
         "steps": options.steps,
         "budget": {
-            "factor": USUAL_BUDGET.witnesses,
-            "fewest": USUAL_BUDGET.fewest,
+            "factor": budget.witnesses,
+            "fewest": budget.fewest,
             "most": MAX_STEPS,
             "moved": robot.moved,
             "drift": robot.drift,

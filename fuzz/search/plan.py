@@ -113,7 +113,7 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
     native = (NATIVE, ARCHIVE) if fits_native(config) else ()
     # The small strategy draws from the families that suit it, and ends runs that promise nothing. In
     # fire and behind moving walls a robot mostly waits; natural worlds have some of these.
-    drawn = _DRAWN[:1] if small else _DRAWN
+    drawn = ("features",) if small else _DRAWN
     return (*small, *native, *drawn, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
@@ -126,26 +126,30 @@ def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> 
     names = strategies_for(config, memory)
     # Walk along the shares, laid end to end from 0 to 1, to the unit's point.
     point = unit * _GOLDEN % 2**64 / 2**64
-    for name, share in zip(names, strategy_shares(names, memory, prices_of(config)), strict=True):
+    floor = _COSTLY_FLOOR if config.pace.is_slow else _FLOOR
+    shares = strategy_shares(names, memory, prices_of(config), floor)
+    for name, share in zip(names, shares, strict=True):
         point -= share
         if point < 0.0:
             return name
     return names[-1]
 
 
-def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -> list[float]:
+def strategy_shares(
+    names: Sequence[str], memory: SearchState, prices: Prices, floor: float = _FLOOR
+) -> list[float]:
     """Return each strategy's share of the budget; the shares add up to 1.
 
     Args:
         names: Names of the strategies.
         memory: State of the search, with each strategy's finds so far.
         prices: Cost of the campaign's work.
+        floor: Share of the budget that is split evenly.
     """
     yields = [
         _worth(name, memory.strategies.get(name, StrategyYield(name)), prices) for name in names
     ]
     total = sum(yields)
-    floor = _COSTLY_FLOOR if SMALL in names else _FLOOR
     return [floor / len(names) + (1.0 - floor) * one / total for one in yields]
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fuzz.facts.contacts import walls_at_the_end, winding_number
-from fuzz.triage.repeated_moves import last_part
+from fuzz.triage.repeated_moves import SAME_PLACE, lap_of, last_part
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.trace import Trace
@@ -25,9 +25,6 @@ _ABOUT_FACE = 0.45 * 2 * math.pi
 
 # Share of the radius. A robot that never gets farther from its start than this does not drive.
 _PARKED = 0.1
-
-# Radii between two places that count as the same.
-_SAME_PLACE = 0.1
 
 # Area that a path encloses, divided by the square of its length: 0.08 for a circle, and 0.02 for a
 # rectangle twelve times as long as wide.
@@ -117,37 +114,16 @@ def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
     # while the robot gets farther and farther, such as driving straight on, are not a repetition.
     part = last_part(episode)
     if part is not None and part.period:
-        before = part.last - part.period
-        moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
-        if moved <= _SAME_PLACE * world.robot_radius:
-            return _measured(world, trace, part.first, part.last, recurs=True)
-        lap = _lap(world, trace, part.period)
-        if lap:
+        # On its way back, a robot may move as on its way there.
+        for period in (part.period, 2 * part.period):
+            before = max(part.last - period, 0)
+            moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
+            if moved <= SAME_PLACE * world.robot_radius:
+                first = min(part.first, before)
+                return _measured(world, trace, first, part.last, recurs=True)
+        if lap := lap_of(world, trace, part.period):
             return _measured(world, trace, trace.steps - lap, trace.steps, recurs=True)
     return _measured(world, trace, trace.steps // 2, trace.steps, recurs=False)
-
-
-def _lap(world: World, trace: Trace, period: int) -> int:
-    """Return after how many steps a robot whose moves recur is back, having turned once; else 0.
-
-    Args:
-        world: World of the run.
-        trace: The run's recording.
-        period: Steps after which its moves recur, at the end of the run.
-    """
-    turned = abs(float(_wrapped(np.diff(trace.heading[-period - 1 :])).sum()))
-    if not turned:
-        return 0
-    steps = np.arange(1, trace.steps // 2 + 1)
-    around = math.tau / turned * period
-    # One of the steps in which the lap is complete ends nearest to where it began.
-    steps = steps[np.abs(steps - around) <= max(period, 1)]
-    if not len(steps):
-        return 0
-    apart = np.hypot(trace.x[-1] - trace.x[-1 - steps], trace.y[-1] - trace.y[-1 - steps])
-    nearest = int(np.argmin(apart))
-    is_back = apart[nearest] <= _SAME_PLACE * world.robot_radius
-    return int(steps[nearest]) if is_back else 0
 
 
 def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool) -> RepeatedPart:
@@ -162,9 +138,9 @@ def _measured(world: World, trace: Trace, first: int, last: int, *, recurs: bool
     # Describe each step.
     turns = _wrapped(np.diff(heading))
     turn = np.abs(turns)
-    # Each lap of a circle encloses its area again, and adds to the length.
-    laps = max(1.0, abs(float(turns.sum())) / math.tau)
     stride = np.hypot(np.diff(x), np.diff(y))
+    # Each lap of a circle encloses its area again, and adds to the length. One period has one lap.
+    laps = 1.0 if recurs else max(1.0, abs(float(turns[stride > 0.0].sum())) / math.tau)
     length = float(stride.sum())
     ahead = np.diff(x) * np.cos(heading[:-1]) + np.diff(y) * np.sin(heading[:-1])
     direction = np.sign(ahead[stride > 0.0])

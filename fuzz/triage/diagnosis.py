@@ -18,6 +18,7 @@ from fuzz.facts.hazards import Hazard, hazard_in
 from fuzz.facts.signature import Standoff, is_entered, standoff, towards_its_goal
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of, passes_target
+from fuzz.triage.repeated_moves import RARELY, TIGHTEST_CIRCLE
 from sim.clock.stopping import OutOfTime
 from sim.episode import Episode
 from sim.evidence import (
@@ -39,9 +40,6 @@ from worldgen.world import Value, World
 # moves there.
 _ONE_PLACE = 1.0
 
-# Robot radii: a circle that is narrower is a turn on the spot.
-_CIRCLE = 0.25
-
 # Robot radii per step, and turns per step, on average, below which a robot does not move at all.
 _MOVES_AT_ALL = 1e-4
 _TURNS_AT_ALL = 0.001
@@ -60,9 +58,6 @@ _ALONG = 1.0
 
 # Cells that a robot stays near the place where it is nearest to its target.
 _NEARBY = 3.0
-
-# Share of steps that touch a wall below which walls are not what holds the robot back.
-_RARELY = 0.02
 
 # Share of steps above which a wall holds the robot: neither the target nor its own turns do.
 _MOSTLY = 0.5
@@ -312,7 +307,8 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if at_one_place:
         if seen.about_faces or seen.reversals:
             return Cause.GOES_BACK_AND_FORTH
-        if turns and not seen.is_retraced and seen.extent >= _CIRCLE * seen.radius:
+        is_wide = seen.extent >= 2.0 * TIGHTEST_CIRCLE * seen.radius
+        if turns and not seen.is_retraced and is_wide and seen.touching < RARELY:
             return Cause.DRIVES_IN_CIRCLES
         return Cause.TURNS_ON_THE_SPOT if turns else Cause.STANDS_STILL
     # Turning all the time, it follows nothing and aims at nothing.
@@ -323,7 +319,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     # which is inside the outer wall; a robot that does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_AN_OBSTACLE
-    if seen.touching >= _RARELY:
+    if seen.touching >= RARELY:
         return Cause.RETURNS_TO_A_WALL
 
     # Away from walls.
@@ -341,7 +337,7 @@ def _at_goal(world: World, trace: Trace, seen: RepeatedPart) -> Cause | None:
         return None
     if goal.arrival != "touch" and passes_target(world, trace):
         return Cause.PASSES_ITS_GOAL
-    if seen.touching >= _RARELY:
+    if seen.touching >= RARELY:
         return None
     # A robot that turns next to its target tries to take up the heading.
     turns = seen.extent <= _ONE_PLACE * seen.radius and seen.turning >= _TURNS_AT_ALL
@@ -353,7 +349,7 @@ def _with_circumstance(
     world: World, cause: Cause, seen: RepeatedPart, others: OtherWorlds | None, reached: int
 ) -> Diagnosis:
     """Return a motion with the circumstance in which the robot repeats it, on the way to a goal."""
-    hardly_touches = seen.touching < _RARELY
+    hardly_touches = seen.touching < RARELY
     # Runs in other worlds show most. Without time for them, the robot's own run is the best
     # evidence.
     if others is not None:

@@ -97,9 +97,15 @@ def failure_of(
         **details: Further details to record.
     """
     judged = judge(
-        world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None, elsewhere=True,
+        world,
+        scenario,
+        oracle,
+        fewest_steps=fewest_steps,
+        steps=steps,
+        known=None,
+        elsewhere=True,
         **details,
-    )  # fmt: skip
+    )
     return judged.failure
 
 
@@ -157,7 +163,7 @@ def judge(
     if found is None:
         return JudgedRun(None, is_settled=True)
     # The proof of a loop may have been a second run already.
-    is_loop = isinstance(trial.episode.evidence, LoopEvidence)
+    is_loop = oracle.by_verdict and isinstance(trial.episode.evidence, LoopEvidence)
     is_repeated = is_loop and _repeated_proofs(scenario.controller) > repeated_before
     if not _holds(trial, found) or not (
         is_repeated or _comes_again(trial, found, oracle, is_fresh=known is None)
@@ -167,10 +173,15 @@ def judge(
         # A run of the search may end later than a fresh one, which looks for a loop, or earlier.
         # Only two fresh runs show whether the controller does the same again.
         return judge(
-            world, scenario, oracle, fewest_steps=fewest_steps, steps=steps, known=None,
+            world,
+            scenario,
+            oracle,
+            fewest_steps=fewest_steps,
+            steps=steps,
+            known=None,
             elsewhere=elsewhere,
             **details,
-        )  # fmt: skip
+        )
     # Only what follows needs these modules, so a replay does not load them.
     from fuzz.facts.hazards import hazard_details  # noqa: PLC0415
 
@@ -187,7 +198,13 @@ def judge(
         evidence=found.table,
         details={
             "class": found.bucket,
-            **_diagnosis(trial, found, oracle, details, scenario if elsewhere else None),
+            **_diagnosis(
+                trial,
+                found,
+                oracle,
+                details,
+                _options_elsewhere(trial, scenario) if elsewhere else None,
+            ),
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -200,7 +217,7 @@ def _diagnosis(
     found: Violation,
     oracle: Oracle,
     details: Mapping[str, Value],
-    elsewhere: Scenario | None,
+    options_elsewhere: RunOptions | None,
 ) -> dict[str, Value]:
     """Return the details that hold a new failure's cause; a replay finds them in the file.
 
@@ -209,9 +226,9 @@ def _diagnosis(
         found: What the oracle finds in it.
         oracle: The oracle.
         details: Further details of the record.
-        elsewhere: What to run in other worlds; ``None`` if that is not to be done.
+        options_elsewhere: Options of runs in other worlds; ``None`` if there are to be none.
     """
-    from fuzz.cause import Cause, Diagnosis  # noqa: PLC0415
+    from fuzz.cause import Cause, Circumstance, Diagnosis  # noqa: PLC0415
     from fuzz.facts.changed_worlds import OtherWorlds  # noqa: PLC0415 - loads the metrics of worlds
     from fuzz.facts.hazards import hazard_in  # noqa: PLC0415
     from fuzz.triage import diagnosis  # noqa: PLC0415
@@ -221,13 +238,16 @@ def _diagnosis(
     if (hazard := hazard_in(details)) is not None:
         return diagnosis.details_of(Diagnosis(diagnosis.CAUSE_OF_HAZARD[hazard]))
     episode = trial.episode
+    others = OtherWorlds(trial.controller, options_elsewhere) if options_elsewhere else None
     seen = diagnosis.diagnosis_of_run(
-        trial.world,
-        replace(episode, evidence=found.evidence or episode.evidence),
-        None
-        if elsewhere is None
-        else OtherWorlds(trial.controller, _options_elsewhere(trial, elsewhere)),
+        trial.world, replace(episode, evidence=found.evidence or episode.evidence), others
     )
+    # Where it is says little as long as nothing shows that no gap, and no change, holds it there.
+    if others is None and seen.circumstance in (
+        Circumstance.BEHIND_A_WALL,
+        Circumstance.AT_THE_TARGET,
+    ):
+        seen = Diagnosis(seen.cause)
     return diagnosis.details_of(seen)
 
 

@@ -41,7 +41,18 @@ _BACKWARDS = 0.5
 _ON_THE_SPOT = 0.5
 
 # Robot radii; a circle with a smaller radius is a turn on the spot.
-_TIGHTEST = 0.125
+TIGHTEST_CIRCLE = 0.125
+
+# Robot radii between two places that count as the same.
+SAME_PLACE = 0.1
+
+# Share of steps that touch a wall below which walls are not what holds the robot back.
+RARELY = 0.02
+
+# By how much the sides of the box around a circle may differ from its diameter, as a share of the
+# radius, and what its steps turn in all from a whole turn, degrees.
+_ROUND = 0.2
+_ALIKE_CIRCLE = 20.0
 
 # Degrees between the heading and a wall: up to the first, the wall is ahead; up to the second,
 # ahead on one side; up to the third, on that side; beyond that, behind.
@@ -144,6 +155,51 @@ def _recurrence(trace: Trace) -> int:
     return 0
 
 
+def lap_of(world: World, trace: Trace, period: int) -> int:
+    """Return after how many steps a robot whose moves recur is back, having turned once; else 0.
+
+    Args:
+        world: World of the run.
+        trace: The run's recording.
+        period: Steps after which its moves recur, at the end of the run.
+    """
+    turns = _turns(trace, np.arange(trace.steps - period, trace.steps))
+    turned = abs(float(turns.sum()))
+    # What turns around within one period need not be on its way around anything.
+    if not turned or turned >= 180.0:
+        return 0
+    # One of the steps about where the lap is complete ends nearest to where it began.
+    around = 360.0 / turned * period
+    steps = np.arange(1, trace.steps // 2 + 1)
+    steps = steps[np.abs(steps - around) <= period / 2]
+    if not len(steps):
+        return 0
+    apart = np.hypot(trace.x[-1] - trace.x[-1 - steps], trace.y[-1] - trace.y[-1 - steps])
+    nearest = int(np.argmin(apart))
+    return int(steps[nearest]) if apart[nearest] <= SAME_PLACE * world.robot_radius else 0
+
+
+def _circle(world: World, trace: Trace, first: int, last: int) -> str:
+    """Return how a range of steps drives a circle; empty if it drives none."""
+    around = slice(first, last + 1)
+    x = trace.x[around]
+    y = trace.y[around]
+    turned = float(_turns(trace, np.arange(first, last)).sum())
+    dx, dy = np.diff(x), np.diff(y)
+    radius = float(np.hypot(dx, dy).sum()) / math.tau
+    # As wide and as high as a circle of that length.
+    is_round = all(abs(float(np.ptp(along)) - 2.0 * radius) <= _ROUND * radius for along in (x, y))
+    is_wide = radius >= TIGHTEST_CIRCLE * world.robot_radius
+    touches = float(trace.bump[first + 1 : last + 1].mean())
+    is_once = abs(abs(turned) - 360.0) <= _ALIKE_CIRCLE
+    if touches >= RARELY or not (is_round and is_wide and is_once):
+        return ""
+    heading = trace.heading[first:last]
+    backwards = float((dx * np.cos(heading) + dy * np.sin(heading)).sum()) < 0.0
+    side = "left" if turned > 0.0 else "right"
+    return f"{'backwards, ' if backwards else ''}with a radius of {rounded(radius, 2)} m, turning {side}"
+
+
 @dataclass
 class _Move:
     """Consecutive steps that turn to the same side, or not at all, and drive in one direction.
@@ -208,6 +264,11 @@ def _of_last_part(world: World, episode: Episode) -> str:
         return (
             f"does not repeat itself; in its last {steps} {_summary(bearings, trace, first, last)}"
         )
+    lap = part.period if part.is_proved else lap_of(world, trace, part.period)
+    if lap and (circle := _circle(world, trace, last - lap, last)):
+        same = "the same" if part.is_proved else "about the same"
+        seconds = rounded(lap * trace.time_step, 3)
+        return f"drives {same} circle again and again, {circle}, in {lap} steps ({seconds} s)"
     # A period may have more than 100,000 moves, so stop at the first that is too many.
     moves = list(itertools.islice(_moves(bearings, trace, first, last), _MOST_MOVES + 1))
     begin = f"repeats {steps}" if part.is_proved else f"ends by repeating about {again}"
@@ -219,9 +280,7 @@ def _of_last_part(world: World, episode: Episode) -> str:
     drift = ""
     if isinstance(episode.evidence, BudgetEvidence) and episode.evidence.memory_drift:
         drift = f"; its pose repeats, and {describe_memory_drift(episode.evidence)}"
-    circle = _circle(moves[0], world.robot_radius) if len(moves) == 1 else ""
-    told = circle or _in_order([_describe(move, world.robot_radius) for move in moves])
-    return f"{begin}: {told}{drift}"
+    return f"{begin}: {_in_order([_describe(move, world.robot_radius) for move in moves])}{drift}"
 
 
 def _in_order(told: list[str]) -> str:
@@ -268,22 +327,6 @@ def _moves(bearings: WallBearings, trace: Trace, first: int, last: int) -> Itera
         move = _Move(1, turn, length, backwards, pushes, wall)
     if move is not None:
         yield move
-
-
-def _circle(move: _Move, radius: float) -> str:
-    """Return a move that goes on and on as a circle; empty if it drives straight on, or hardly."""
-    if abs(move.turn) < _NOTICED or move.begins_at:
-        return ""
-    turned = math.radians(abs(move.turn))
-    around = move.length / turned
-    # The side of a half turn in one step says nothing, and it leads back.
-    if around < _TIGHTEST * radius or turned >= math.pi * move.steps / 2:
-        return ""
-    backwards = " backwards" if move.backwards else ""
-    side = "left" if move.turn > 0.0 else "right"
-    return (
-        f"it drives{backwards} in a circle with a radius of {rounded(around, 2)} m, to the {side}"
-    )
 
 
 def _describe(move: _Move, radius: float) -> str:

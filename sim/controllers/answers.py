@@ -94,8 +94,8 @@ class Answers:
             all that it has observed since its ``reset``.
         differ: Whether the controller once gave another answer than before.
         ends: By the key of a run's last answer, whether its attributes then were as at the start.
-        repeated_proofs: Number of proofs of loops in which every answer was computed although an
-            earlier run had given it, and was the same.
+        repeated_proofs: Number of runs that were to prove a loop, in which every answer was computed
+            although an earlier run had given it, and was the same.
     """
 
     def __init__(self) -> None:
@@ -247,6 +247,7 @@ class _Run:
         answers = self._answers
         # Quick, or found to keep state in the middle of this run.
         if answers.is_off or answers.by_history:
+            self._has_new = True
             return self._act(seen, memory)
         key = _key(self._state, seen, memory)
         found = answers.find(key, proved_only=self._proved_if is not None)

@@ -42,6 +42,10 @@ _LONGER = 4
 # Seconds after which a run is long enough to measure a step, and the limit on its steps.
 _LONG_ENOUGH = 0.03
 _MOST_STEPS = 1024
+# Steps of a run that show what only every so many of them do, such as planning again, and the time
+# above which nothing is run for that, or a second time, s.
+_TELLING_STEPS = 32
+_LONG = 0.1
 # A busy machine only ever adds time, so each time is the least of this many.
 _REPEATS = 3
 # On a busy machine, measuring may last this many times as long as it computes.
@@ -161,10 +165,12 @@ def step_times(
                 run(1)
             limit = _FEW_STEPS
             done, spent = run(limit)
-            while done == limit and spent < _LONG_ENOUGH and limit < _MOST_STEPS:
+            while done == limit < _MOST_STEPS and (
+                spent < _LONG_ENOUGH or (limit < _TELLING_STEPS and spent < _LONG)
+            ):
                 limit = min(_LONGER * limit, _MOST_STEPS)
                 done, spent = run(limit)
-            for _ in range(_REPEATS - 1):
+            for _ in range(_REPEATS - 1 if spent < _LONG else 0):
                 run(limit)
     except OutOfTime:
         # The first step took all of the time, so each may.

@@ -51,7 +51,7 @@ _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
 
 
-class Budget(NamedTuple):
+class RunBudget(NamedTuple):
     """How long a run may take before it counts as stalled or timed out.
 
     Args:
@@ -63,8 +63,8 @@ class Budget(NamedTuple):
     fewest: int
 
 
-USUAL_BUDGET = Budget(50, 4_000)
-COSTLY_BUDGET = Budget(20, 600)
+USUAL_BUDGET = RunBudget(50, 4_000)
+COSTLY_BUDGET = RunBudget(20, 600)
 """The same where each step is expensive."""
 
 
@@ -74,7 +74,7 @@ class RunOptions:
 
     Args:
         motion: Name of the motion model.
-        steps: Budget in steps.
+        steps: RunBudget in steps.
         time_step: Duration of a step, s, 0.001 to 10.
         seed: Seed of the run's random numbers.
         thesis: Options of the motion model ``stepped``.
@@ -256,7 +256,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(world: World, run: RunOptions, budget: Budget = USUAL_BUDGET) -> int:
+def step_budget(world: World, run: RunOptions, budget: RunBudget = USUAL_BUDGET) -> int:
     """Return the steps that a run gets.
 
     Usually they are 50 times the witness's time, at least 4,000; 20,000 without a witness. To cover a
@@ -289,18 +289,18 @@ def step_budget(world: World, run: RunOptions, budget: Budget = USUAL_BUDGET) ->
     return min(max(wanted, budget.fewest), MAX_STEPS)
 
 
-def recorded_budget(world: World, run: RunOptions) -> Budget:
-    """Return the budget with which a run has got its steps, or one that is close to it.
+def recorded_budget(world: World, run: RunOptions) -> RunBudget:
+    """Return the budget with which a run has got its steps; the usual one, or less, if none fits.
 
     Args:
         world: The world, with its certificate.
         run: Options of the run, with its steps.
     """
-    witnesses = USUAL_BUDGET.witnesses
-    if isinstance(world.certificate, Witness) and run.task != COVER:
-        times = math.ceil(run.steps / step_budget(world, run, Budget(1, 1)))
-        witnesses = min(max(times, COSTLY_BUDGET.witnesses), witnesses)
-    return Budget(witnesses, min(run.steps, USUAL_BUDGET.fewest))
+    if run.task != COVER:
+        for budget in (USUAL_BUDGET, COSTLY_BUDGET):
+            if step_budget(world, run, budget) == run.steps:
+                return budget
+    return RunBudget(USUAL_BUDGET.witnesses, min(run.steps, USUAL_BUDGET.fewest))
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:

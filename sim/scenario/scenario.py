@@ -19,7 +19,7 @@ from sim.options.run import (
     TARGET,
     USUAL_BUDGET,
     WORDS_OF_A_RUN,
-    Budget,
+    RunBudget,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -46,7 +46,7 @@ class Scenario:
 
     controller: str
     run: RunOptions = field(default_factory=RunOptions)
-    budget: Budget = USUAL_BUDGET
+    budget: RunBudget = USUAL_BUDGET
 
     def __post_init__(self) -> None:
         admit_argument(self.controller)
@@ -136,7 +136,7 @@ class Scenario:
 
         Args:
             world: Its witness decides how long a run may take.
-            steps: Budget to use instead.
+            steps: RunBudget to use instead.
         """
         if steps is None:
             steps = step_budget(world, self.run, self.budget)

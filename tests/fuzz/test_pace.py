@@ -197,3 +197,18 @@ def test_the_same_campaign_again_keeps_the_pace_with_which_it_began(tmp_path):
     again = resume(tmp_path)
     again.store.close()
     assert again.config.measured == Pace(0.004)
+
+
+class SlowToBegin(Example):
+    """Plans for twenty milliseconds before each run, and acts at once."""
+
+    def reset(self):
+        end = time.process_time() + 0.02
+        while time.process_time() < end:
+            pass
+        return super().reset()
+
+
+def test_no_pace_is_mentioned_of_a_class_that_only_begins_slowly():
+    config = configure(CampaignOptions(controller=f"{HERE}:SlowToBegin"), seed=1)
+    assert unstated_pace(config) is None

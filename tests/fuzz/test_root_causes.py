@@ -37,26 +37,85 @@ class Circles:
         return Command(self.share_of_speed * seen.top_speed, rate), (memory[0] + 1.0,)
 
 
+class Backs(Circles):
+    """Does so backwards."""
+
+    share_of_speed = -0.5
+
+
 class Turns(Circles):
     """Creeps while it turns: a circle of a hundredth of its radius."""
 
     share_of_speed = 0.005
 
 
-@pytest.mark.parametrize("steps", [600, 833, 4_000])
-@pytest.mark.parametrize("far", [True, False], ids=["far from the target", "around the target"])
-def test_circles_without_a_proved_loop_are_circles(steps, far):
-    target = Target(*((2.1, 2.1) if far else (1.2, 1.32)), 0.01)
-    world = certified(replace(hall(24, 24, start=(1.2, 1.2)), target=target))
-    run = simulate(world, Circles(), steps=steps, record=True)
+class Moves(Circles):
+    """Repeats a list of moves: steps, degrees of each, and share of the top speed."""
+
+    moves = ()
+
+    def act(self, seen, memory):
+        each = [move[1:] for move in self.moves for _ in range(move[0])]
+        turn, share = each[int(memory[0]) % len(each)]
+        command = Command(share * seen.top_speed, math.radians(turn) / seen.time_step)
+        return command, (memory[0] + 1.0,)
+
+
+class DriftsAndWaits(Moves):
+    """Drives a circle, then a little straight on, and waits: it gets farther each time."""
+
+    moves = ((30, 12.0, 1.0), (10, 0.0, 0.1), (3, 0.0, 0.0))
+
+
+class Scans(Moves):
+    """Drives to and fro, and turns once on the spot at each end."""
+
+    moves = ((20, 0.0, 1.0), (9, 60.0, 0.0)) * 2
+
+
+class Ovals(Moves):
+    """Drives long arcs that hardly bend, and turns sharply at their ends."""
+
+    moves = ((90, 0.2, 1.0), (6, 27.0, 1.0))
+
+
+def runs_to_the_limit(controller, steps, target=(5.5, 5.5), start=(1.2, 1.2)):
+    world = certified(replace(hall(60, 60, start=start), target=Target(*target, 0.01)))
+    run = simulate(world, controller, steps=steps, record=True)
     assert run.verdict in ("stalled", "timeout")
+    return world, run
+
+
+@pytest.mark.parametrize("steps", [600, 833, 4_000])
+@pytest.mark.parametrize("near", [False, True], ids=["far from the target", "around the target"])
+def test_circles_without_a_proved_loop_are_circles(steps, near):
+    target = (1.2, 1.32) if near else (5.5, 5.5)
+    world, run = runs_to_the_limit(Circles(), steps, target)
     assert cause_of_run(world, run) == Cause.DRIVES_IN_CIRCLES
-    assert describe_period(world, run).endswith(
-        "it drives in a circle with a radius of 0.14 m, to the left"
+    assert describe_period(world, run) == (
+        "drives about the same circle again and again, with a radius of 0.14 m, turning left, in 60 "
+        "steps (0.9 s)"
     )
-    assert cause_of_run(world, simulate(world, Turns(), steps=steps, record=True)) == (
-        Cause.TURNS_ON_THE_SPOT
+    assert cause_of_run(*runs_to_the_limit(Turns(), steps)) == Cause.TURNS_ON_THE_SPOT
+
+
+def test_a_circle_is_driven_backwards_on_its_own_side():
+    assert "circle again and again, backwards, with a radius of 0.14 m, turning left" in (
+        describe_period(*runs_to_the_limit(Backs(), 600))
     )
+
+
+def test_a_robot_that_gets_farther_drives_in_no_circles():
+    world, run = runs_to_the_limit(DriftsAndWaits(), 3_870)
+    assert cause_of_run(world, run) == Cause.WANDERS
+
+
+def test_turns_on_the_spot_at_the_ends_of_a_lane_are_no_laps():
+    assert cause_of_run(*runs_to_the_limit(Scans(), 900)) == Cause.GOES_BACK_AND_FORTH
+
+
+def test_a_path_that_is_no_circle_is_not_called_one():
+    assert "circle" not in describe_period(*runs_to_the_limit(Ovals(), 900, start=(2.0, 3.0)))
 
 
 @pytest.mark.parametrize(

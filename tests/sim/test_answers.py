@@ -3,7 +3,7 @@
 import pytest
 
 from fuzz.facts.proofs import certified
-from fuzz.oracles import Trial
+from fuzz.oracles import Oracle, Trial, Violation
 from fuzz.overview.counterfactual import counterfactuals
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
@@ -166,6 +166,23 @@ def test_a_loop_is_not_run_again_if_its_proof_got_all_answers_a_second_time(tmp_
     failure = failure_of(certified(cup()), Scenario.parse(name), fewest_steps=4000)
     assert failure.verdict == "loop"
     assert known(name).repeated_proofs == 1
+
+
+class Undecided(Oracle):
+    """Finds something else in each run."""
+
+    by_verdict = False
+    seen = 0
+
+    def check(self, trial):
+        self.seen += 1
+        return Violation("undecided", trial.episode.evidence, "undecided", {"number": self.seen})
+
+
+def test_a_finding_of_an_oracle_must_come_again_also_in_a_loop(tmp_path):
+    oracle = Undecided()
+    assert failure_of(certified(cup()), Scenario.parse(bumper(tmp_path)), oracle) is None
+    assert oracle.seen >= 2
 
 
 def test_the_run_that_confirms_a_failure_notices_what_reused_answers_hide(tmp_path, monkeypatch):

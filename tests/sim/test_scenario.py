@@ -1,10 +1,20 @@
 """Scenarios: options after a controller's name are parsed, written and refused."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sim import RobotOptions, RunOptions, Scenario, ThesisOptions, simulate
+from sim.options.run import (
+    COSTLY_BUDGET,
+    COVER,
+    USUAL_BUDGET,
+    RunBudget,
+    recorded_budget,
+    step_budget,
+)
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate
 
@@ -130,3 +140,29 @@ def test_switches_of_the_thesis_mean_nothing_to_another_motion_model():
         InvalidParameter, "option-without-effect", option="noise", motion="swept", where="stepped"
     ):
         simulate(generate("trap", seed=1), "thesis-1", motion="swept", noise=True)
+
+
+WORLDS = [
+    *(generate("corridor", 1, size=size) for size in (12, 20, 60)),
+    generate("crossing", 1),
+    generate("maze", 2, size=40),
+]
+
+
+@pytest.mark.parametrize("budget", [USUAL_BUDGET, COSTLY_BUDGET])
+@pytest.mark.parametrize("world", WORLDS, ids=str)
+@pytest.mark.parametrize("time_step", [0.015, 0.003, 0.1])
+def test_a_run_shows_the_budget_that_it_was_given(world, budget, time_step):
+    run = RunOptions(time_step=time_step)
+    run = replace(run, steps=step_budget(world, run, budget))
+    again = recorded_budget(world, run)
+    assert step_budget(world, run, again) == run.steps
+    # In a longer run both differ, unless the least steps are the same for any witness here.
+    assert again == budget or step_budget(world, run, USUAL_BUDGET) == run.steps
+
+
+@pytest.mark.parametrize("steps", [35, 1_000, 3_328, 4_001, 90_000])
+def test_steps_of_another_origin_lower_only_the_least_budget(steps):
+    run = RunOptions(steps=steps)
+    assert recorded_budget(WORLDS[0], run) == RunBudget(50, min(steps, 4_000))
+    assert recorded_budget(WORLDS[0], replace(run, task=COVER)) == (50, min(steps, 4_000))
