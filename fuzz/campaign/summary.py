@@ -97,15 +97,16 @@ def describe_strategies(summary: Summary) -> str:
 def describe_units(summary: Summary) -> str:
     """Describe the units by result.
 
-    For example ``9 whole units and 2 cut short and 1 that learned too little from them``.
+    For example ``9 whole units, 2 cut short and 1 to do again after these``.
     """
     cut = summary.units_cut
-    words = counted(summary.units, "whole unit" if cut else "unit")
+    parts = [counted(summary.units, "whole unit" if cut else "unit")]
     if cut:
-        words += f" and {cut} cut short"
+        parts.append(f"{cut} cut short")
     if summary.units_too_early:
-        words += f" and {summary.units_too_early} that learned too little from them"
-    return words
+        parts.append(f"{summary.units_too_early} to do again after {'it' if cut == 1 else 'these'}")
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def describe_time(summary: Summary) -> str:

@@ -187,7 +187,7 @@ def test_units_that_lack_the_findings_of_a_cut_one_are_counted_apart(monkeypatch
     state = campaign.state
     assert (state.units, state.cut, state.too_early) == (2, 2, 1)
     assert describe_units(summary_of(campaign.config, state, Status.STOPPED)) == (
-        "2 whole units and 1 cut short and 1 that learned too little from them"
+        "2 whole units, 1 cut short and 1 to do again after it"
     )
 
 
