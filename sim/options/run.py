@@ -74,7 +74,7 @@ class RunOptions:
 
     Args:
         motion: Name of the motion model.
-        steps: RunBudget in steps.
+        steps: Budget in steps.
         time_step: Duration of a step, s, 0.001 to 10.
         seed: Seed of the run's random numbers.
         thesis: Options of the motion model ``stepped``.

@@ -136,7 +136,7 @@ class Scenario:
 
         Args:
             world: Its witness decides how long a run may take.
-            steps: RunBudget to use instead.
+            steps: Budget to use instead.
         """
         if steps is None:
             steps = step_budget(world, self.run, self.budget)
