@@ -114,13 +114,10 @@ def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
     # while the robot gets farther and farther, such as driving straight on, are not a repetition.
     part = last_part(episode)
     if part is not None and part.period:
-        # On its way back, a robot may move as on its way there.
-        for period in (part.period, 2 * part.period):
-            before = max(part.last - period, 0)
-            moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
-            if moved <= SAME_PLACE * world.robot_radius:
-                first = min(part.first, before)
-                return _measured(world, trace, first, part.last, recurs=True)
+        before = part.last - part.period
+        moved = math.hypot(trace.x[-1] - trace.x[before], trace.y[-1] - trace.y[before])
+        if moved <= SAME_PLACE * world.robot_radius:
+            return _measured(world, trace, part.first, part.last, recurs=True)
         if lap := lap_of(world, trace, part.period):
             return _measured(world, trace, trace.steps - lap, trace.steps, recurs=True)
     return _measured(world, trace, trace.steps // 2, trace.steps, recurs=False)

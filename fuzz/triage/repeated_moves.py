@@ -158,6 +158,8 @@ def _recurrence(trace: Trace) -> int:
 def lap_of(world: World, trace: Trace, period: int) -> int:
     """Return after how many steps a robot whose moves recur is back, having turned once; else 0.
 
+    Only away from walls: what a robot does at walls, these decide.
+
     Args:
         world: World of the run.
         trace: The run's recording.
@@ -176,7 +178,9 @@ def lap_of(world: World, trace: Trace, period: int) -> int:
         return 0
     apart = np.hypot(trace.x[-1] - trace.x[-1 - steps], trace.y[-1] - trace.y[-1 - steps])
     nearest = int(np.argmin(apart))
-    return int(steps[nearest]) if apart[nearest] <= SAME_PLACE * world.robot_radius else 0
+    lap = int(steps[nearest])
+    is_back = apart[nearest] <= SAME_PLACE * world.robot_radius
+    return lap if is_back and float(trace.bump[-lap:].mean()) < RARELY else 0
 
 
 def _circle(world: World, trace: Trace, first: int, last: int) -> str:

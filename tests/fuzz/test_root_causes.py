@@ -111,7 +111,8 @@ def test_a_robot_that_gets_farther_drives_in_no_circles():
 
 
 def test_turns_on_the_spot_at_the_ends_of_a_lane_are_no_laps():
-    assert cause_of_run(*runs_to_the_limit(Scans(), 900)) == Cause.GOES_BACK_AND_FORTH
+    world, run = runs_to_the_limit(Scans(), 900, start=(1.25, 1.25))
+    assert cause_of_run(world, run) == Cause.GOES_BACK_AND_FORTH
 
 
 def test_a_path_that_is_no_circle_is_not_called_one():
