@@ -157,8 +157,8 @@ def test_a_run_shows_the_budget_that_it_was_given(world, budget, time_step):
     run = replace(run, steps=step_budget(world, run, budget))
     again = recorded_budget(world, run)
     assert step_budget(world, run, again) == run.steps
-    # In a longer run both differ, unless the least steps are the same for any witness here.
-    assert again == budget or step_budget(world, run, USUAL_BUDGET) == run.steps
+    # Where both give the same steps, the usual one is as good.
+    assert again in (budget, USUAL_BUDGET)
 
 
 @pytest.mark.parametrize("steps", [35, 1_000, 3_328, 4_001, 90_000])
